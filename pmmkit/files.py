@@ -1,0 +1,62 @@
+"""Files that are never half written, and where data came from."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import uuid
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def atomic_path(path: str | Path) -> Iterator[Path]:
+    """A temporary path beside `path` that takes its name when the block ends without error.
+
+    The file is flushed to disk before it is renamed, so at every moment either the old or the
+    new content is there. On an error the temporary file is removed and `path` is untouched.
+
+    Parameters
+    ----------
+    path : path
+        The file to be written. Its folder is made when missing.
+
+    Examples
+    --------
+    >>> import uuid
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "note.txt"
+    >>> with atomic_path(target) as part:
+    ...     _ = part.write_text("all of it")
+    >>> target.read_text()
+    'all of it'
+    """
+    target = Path(path)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.stem}-{uuid.uuid4().hex[:12]}.part{target.suffix}")
+    try:
+        yield part
+        with part.open("rb+") as stream:
+            os.fsync(stream.fileno())
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_text(path: str | Path, text: str) -> None:
+    """Write text as UTF-8 with unix line ends, all or nothing."""
+    with atomic_path(path) as part:
+        part.write_bytes(text.encode("utf-8"))
+
+
+def sha256(path: str | Path) -> str:
+    """Hexadecimal SHA-256 of a file's bytes."""
+    with Path(path).open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def datasets_folder() -> Path:
+    """The folder of the data that come with pmmkit (in the wheel, or beside the package)."""
+    inside = Path(__file__).parent / "datasets"
+    return inside if inside.is_dir() else Path(__file__).parents[1] / "datasets"

@@ -1,0 +1,273 @@
+"""Run and Campaign: one captive or free-running test, and the tests of one ship."""
+
+from __future__ import annotations
+
+import fnmatch
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+from pmmkit.errors import UnknownNameError
+from pmmkit.ship import Ship, Water
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+STATIC_TESTS: Final = (
+    "resistance", "propulsion", "static_drift", "static_heel", "static_rudder", "drift_rudder",
+    "circular_motion",
+)  # fmt: skip
+DYNAMIC_TESTS: Final = (
+    "pure_surge", "pure_sway", "pure_yaw", "yaw_drift", "yaw_rudder", "sway_yaw",
+)  # fmt: skip
+FREE_TESTS: Final = ("turning", "zigzag", "pull_out", "spiral", "stopping", "random")
+TESTS: Final = STATIC_TESTS + DYNAMIC_TESTS + FREE_TESTS
+
+Kind = Literal["history", "means", "harmonics"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What the test was set to, SI and radians, our signs.
+
+    Parameters
+    ----------
+    speed : float
+        Carriage speed, or approach speed of a free-running test [m/s].
+    drift, heel, rudder : float
+        Drift angle beta, heel and rudder angle [rad].
+    propeller_rps : float or None
+        Propeller revolutions per second; None where unknown.
+    period : float, optional
+        Period of the oscillation [s].
+    amplitude : float, optional
+        Amplitude of the sway (surge) displacement [m].
+    yaw_amplitude : float, optional
+        Amplitude of the heading [rad].
+    phase : float
+        Phase of the displacement at t = 0: y = a sin(ωt + phase) [rad].
+    yaw_rate, radius : float, optional
+        Circular motion: yaw rate [rad/s] or radius [m].
+    switch : float, optional
+        Heading at which a zigzag switches [rad].
+    repeat_of : str, optional
+        The run that this one repeats.
+    """
+
+    speed: float
+    drift: float = 0.0
+    heel: float = 0.0
+    rudder: float = 0.0
+    propeller_rps: float | None = None
+    period: float | None = None
+    amplitude: float | None = None
+    yaw_amplitude: float | None = None
+    phase: float = 0.0
+    yaw_rate: float | None = None
+    radius: float | None = None
+    switch: float | None = None
+    repeat_of: str | None = None
+
+    @property
+    def omega(self) -> float | None:
+        """Angular frequency 2π/period [rad/s]."""
+        return None if self.period is None else 2 * math.pi / self.period
+
+
+@dataclass(frozen=True, kw_only=True)
+class Correction:
+    """Something that was done to the data because the campaign file says so, and why.
+
+    Parameters
+    ----------
+    runs : tuple of str
+        Ids of runs, ``*`` and ``?`` allowed.
+    action : str
+        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``drop means``, ``drop``,
+        ``inertia still inside``, ``inertia already removed``.
+    reason : str
+        Why, in the user's words.
+    values : mapping
+        What the action needs, e.g. ``{"channels": ["X"], "factor": 2.0}``.
+    """
+
+    runs: tuple[str, ...]
+    action: str
+    reason: str
+    values: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def applies_to(self, run_id: str) -> bool:
+        """Whether a run is meant."""
+        return any(fnmatch.fnmatchcase(run_id, pattern) for pattern in self.runs)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TypeB:
+    """A standard uncertainty that the user states (GUM type B).
+
+    Parameters
+    ----------
+    name : str
+        ``X_gauge`` (``Y_``, ``N_``, ``K_``), or a setting: ``drift``, ``heel``, ``rudder``,
+        ``speed``, ``period``, ``amplitude``, ``yaw_amplitude``, ``phase``, ``rho``, ``mass``,
+        ``xG``, ``Izz``, ``moment_reference_x``, ``motion_reference_x``.
+    std : float
+        Standard uncertainty, SI (radians); a share where `relative`.
+    relative : bool
+        True for a gain: a share of the value.
+    shared : bool
+        True if all runs have the same error, False if each run draws its own.
+    """
+
+    name: str
+    std: float
+    relative: bool = False
+    shared: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One test.
+
+    Parameters
+    ----------
+    id, test : str
+        Name of the run, kind of test (`TESTS`).
+    kind : {"history", "means", "harmonics"}
+        A time history, or a row of a table of means or of harmonics.
+    settings : Settings
+        Nominal values.
+    loader : callable
+        Gives the Dataset; called by `data`.
+    forces : {"hydrodynamic", "balance"}
+        Whether the model's inertia is still inside the forces.
+    use_means : bool
+        False where the mean of an oscillating test is known to be wrong.
+    stated : mapping
+        Further numbers of the source's table, as they stand there.
+    corrections : tuple of Correction
+        What the campaign file asked for on this run.
+    source : str
+        File (and row) the data come from, relative to the campaign's folder.
+    """
+
+    id: str
+    test: str
+    kind: Kind
+    settings: Settings
+    loader: Callable[[], xr.Dataset] = field(repr=False, compare=False)
+    forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
+    use_means: bool = True
+    stated: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    corrections: tuple[Correction, ...] = ()
+    source: str = ""
+
+    @property
+    def data(self) -> xr.Dataset:
+        """The channels, SI, ship axes, pmmkit's signs; read anew at each call.
+
+        A history has the dimension ``t`` [s] and variables of design names (``X``, ``Y``, ``N``,
+        ``u``, ``v``, ``r``, ``delta`` …). Means are scalars of the same names. Harmonics have the
+        dimension ``harmonic`` (0, 1, 2 …) and variables ``X_cos``, ``X_sin`` …: θ = ωt with the
+        motion ∝ sin θ, cosines in phase with the velocity, ``X_cos`` at 0 the mean.
+        """
+        return self.loader()
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether the model oscillates."""
+        return self.test in DYNAMIC_TESTS
+
+    def with_(self, **changes: Any) -> Run:
+        """A copy with some entries changed."""
+        return replace(self, **changes)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Campaign:
+    """Runs of one ship, with what must be known to reduce them.
+
+    Parameters
+    ----------
+    title : str
+        Title for reports.
+    kind : {"captive", "free-running"}
+        Kind of tests.
+    ship, water : Ship, Water
+        The model as tested.
+    runs : tuple of Run
+        The tests that are used.
+    excluded : tuple of (Run, str)
+        Tests left out, with the reason.
+    forces : {"hydrodynamic", "balance"}
+        What the campaign file says of the inertia (each run has its own after corrections).
+    moment_reference_x, moment_reference_z, motion_reference_x : float
+        Points to which moments and motions refer, from midship [m].
+    free : tuple of str
+        Motions that the mount leaves free.
+    uncertainty : tuple of TypeB
+        Stated standard uncertainties.
+    cfd, propeller, rudder : mapping
+        As in the campaign file, SI.
+    numerical : mapping of str to float
+        Numerical standard uncertainty per channel, ``U_SN`` [N, N m].
+    folder : Path
+        Where the campaign lies.
+    provenance : mapping
+        Files read with their hashes, conversions made, pmmkit's version.
+    """
+
+    title: str
+    ship: Ship
+    water: Water
+    runs: tuple[Run, ...]
+    kind: Literal["captive", "free-running"] = "captive"
+    excluded: tuple[tuple[Run, str], ...] = ()
+    forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
+    moment_reference_x: float = 0.0
+    moment_reference_z: float = 0.0
+    motion_reference_x: float = 0.0
+    free: tuple[str, ...] = ()
+    uncertainty: tuple[TypeB, ...] = ()
+    cfd: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    propeller: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    rudder: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    numerical: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    folder: Path = Path()
+    provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def __iter__(self) -> Iterator[Run]:
+        return iter(self.runs)
+
+    def __getitem__(self, run_id: str) -> Run:
+        for run in self.runs:
+            if run.id == run_id:
+                return run
+        raise UnknownNameError(
+            f"Campaign {self.title!r} has no run {run_id!r}; it has "
+            f"{', '.join(run.id for run in self.runs[:12])}{' …' if len(self) > 12 else ''}."
+        )
+
+    def select(self, *tests: str) -> Campaign:
+        """The campaign with only some kinds of tests."""
+        return replace(self, runs=tuple(run for run in self.runs if run.test in tests))
+
+    def with_(self, **changes: Any) -> Campaign:
+        """A copy with some entries changed."""
+        return replace(self, **changes)
+
+    def froude(self, run: Run) -> float:
+        """Froude number of a run."""
+        return self.ship.froude(run.settings.speed, self.water.g)
+
+    def to_xarray(self) -> xr.DataTree:
+        """All runs as one DataTree, a node a run (reads everything)."""
+        import xarray as xr
+
+        return xr.DataTree.from_dict({run.id: run.data for run in self.runs}, name=self.title)

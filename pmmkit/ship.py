@@ -1,0 +1,95 @@
+"""Ship and water: the particulars that everything else refers to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ship:
+    """Particulars of a ship or a ship model, SI, origin midship, x forward, z down.
+
+    Parameters
+    ----------
+    name : str
+        Name for reports.
+    L, B, d : float
+        Length between perpendiculars, breadth, mean draught [m].
+    volume : float
+        Displaced volume [m³].
+    mass : float
+        Displacement mass [kg].
+    xG : float
+        Centre of gravity forward of midship [m].
+    Izz : float
+        Yaw moment of inertia about the vertical axis through midship [kg m²]
+        (about the centre of gravity it is smaller by ``mass * xG**2``).
+    zG, GM, Ixx : float, optional
+        Centre of gravity below the origin [m], metacentric height [m], roll inertia [kg m²].
+    balance_mass, balance_Izz, balance_xG : float, optional
+        What oscillates below the balance where it differs from the ship:
+        mass [kg], inertia about midship [kg m²], centre of gravity [m].
+    block_stated : float, optional
+        Block coefficient as the source states it, for cross-checks.
+    """
+
+    name: str
+    L: float
+    B: float
+    d: float
+    volume: float
+    mass: float
+    Izz: float
+    xG: float = 0.0
+    zG: float | None = None
+    GM: float | None = None
+    Ixx: float | None = None
+    balance_mass: float | None = None
+    balance_Izz: float | None = None
+    balance_xG: float | None = None
+    block_stated: float | None = None
+
+    @property
+    def block(self) -> float:
+        """Block coefficient volume/(L B d) [-]."""
+        return self.volume / (self.L * self.B * self.d)
+
+    def froude(self, speed: float, g: float = 9.81) -> float:
+        """Froude number of a speed [m/s] on the length L.
+
+        Examples
+        --------
+        >>> ship = Ship(name="m", L=4.861111, B=.7, d=.24, volume=.455, mass=454., Izz=618.)
+        >>> round(ship.froude(1.5), 4)
+        0.2172
+        """
+        return speed / math.sqrt(g * self.L)
+
+    def speed(self, froude: float, g: float = 9.81) -> float:
+        """Speed [m/s] of a Froude number on the length L."""
+        return froude * math.sqrt(g * self.L)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Water:
+    """Water and tank, SI.
+
+    Parameters
+    ----------
+    rho, g : float
+        Density [kg/m³], gravity [m/s²].
+    nu : float, optional
+        Kinematic viscosity [m²/s].
+    depth : float, optional
+        Water depth [m]; deep where absent.
+    tank_width, tank_depth : float, optional
+        Cross-section of the tank [m].
+    """
+
+    rho: float = 1025.0
+    g: float = 9.81
+    nu: float | None = None
+    depth: float | None = None
+    tank_width: float | None = None
+    tank_depth: float | None = None

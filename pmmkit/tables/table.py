@@ -1,0 +1,242 @@
+"""DerivativeTable: derivatives by Froude number with their covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import Convention, canonical
+from pmmkit.errors import TableError, UnknownNameError
+from pmmkit.ship import Ship, Water
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DerivativeTable:
+    """Derivatives over the Froude number, with covariance, convention and origin.
+
+    A value that the runs do not determine is NaN, never zero.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives, canonical names.
+    Fn : array (k,)
+        Froude numbers, ascending; one NaN for a table pooled over all speeds.
+    value : array (k, n)
+        Values.
+    covariance : array (k, n, k, n)
+        Covariance of all values, across Froude numbers too (shared errors tie them together).
+        NaN where a value or its uncertainty is not known.
+    dof : array (k, n)
+        Degrees of freedom of each standard uncertainty; inf where it is known.
+    method : array of str (k, n)
+        How each value was found.
+    runs : array of int (k, n)
+        How many runs it rests on.
+    convention : Convention
+        What the numbers mean.
+    ship, water : Ship, Water
+        The lengths behind the non-dimensional values.
+    notes : tuple of str
+        What a reader must know: derivatives that move together, are at a boundary, not excited.
+    provenance : mapping
+        Where it comes from.
+    """
+
+    names: tuple[str, ...]
+    Fn: Array
+    value: Array
+    covariance: Array
+    dof: Array
+    method: NDArray[np.str_]
+    runs: NDArray[np.int64]
+    convention: Convention
+    ship: Ship
+    water: Water
+    notes: tuple[str, ...] = ()
+    provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def __post_init__(self) -> None:
+        k, n = len(self.Fn), len(self.names)
+        shapes = {
+            "value": (k, n), "covariance": (k, n, k, n), "dof": (k, n),
+            "method": (k, n), "runs": (k, n),
+        }  # fmt: skip
+        wrong = [
+            f"{name} has the shape {getattr(self, name).shape}, expected {shape}."
+            for name, shape in shapes.items()
+            if getattr(self, name).shape != shape
+        ]
+        if len(set(self.names)) != n:
+            wrong.append("Some derivatives stand twice.")
+        if not self.pooled and np.any(np.diff(self.Fn) <= 0):
+            wrong.append(f"Froude numbers must ascend: {self.Fn}.")
+        if wrong:
+            raise TableError(wrong, title="Not a derivative table")
+
+    @property
+    def pooled(self) -> bool:
+        """Whether one set of values stands for all speeds."""
+        return len(self.Fn) == 1 and bool(np.isnan(self.Fn[0]))
+
+    @property
+    def std(self) -> Array:
+        """Standard uncertainties, array (k, n)."""
+        k, n = self.value.shape
+        flat = self.covariance.reshape(k * n, k * n)
+        return np.sqrt(np.diagonal(flat)).reshape(k, n)
+
+    def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
+        """Lower and upper ends of the confidence intervals, arrays (k, n)."""
+        from scipy.special import stdtrit
+
+        half = stdtrit(np.where(np.isinf(self.dof), 1e9, self.dof), (1 + confidence) / 2) * self.std
+        return self.value - half, self.value + half
+
+    def index(self, name: str) -> int:
+        """Column of a derivative, factors in any order."""
+        wanted = canonical(name)
+        if wanted not in self.names:
+            raise UnknownNameError(f"The table has no {name}; it has {', '.join(self.names)}.")
+        return self.names.index(wanted)
+
+    def __contains__(self, name: str) -> bool:
+        return canonical(name) in self.names
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of one derivative over Fn, array (k,)."""
+        return self.value[:, self.index(name)]
+
+    def at(self, Fn: float | None = None) -> dict[str, float]:
+        """The values at one Froude number of the table as a dict (the only set where pooled)."""
+        row = 0
+        if Fn is not None and not self.pooled:
+            near = np.flatnonzero(np.isclose(self.Fn, Fn, rtol=1e-3, atol=0))
+            if len(near) == 0:
+                raise TableError(
+                    f"Fn {Fn:g} is not a row of the table ({', '.join(f'{x:.4g}' for x in self.Fn)})"
+                    f". Use interpolate(Fn)."
+                )
+            row = int(near[0])
+        elif len(self.Fn) > 1:
+            raise TableError(f"Say which Fn: {', '.join(f'{x:.4g}' for x in self.Fn)}.")
+        return dict(zip(self.names, self.value[row].tolist(), strict=True))
+
+    def with_(self, **changes: Any) -> DerivativeTable:
+        """A copy with some entries changed."""
+        return replace(self, **changes)
+
+    def select(self, names: Sequence[str]) -> DerivativeTable:
+        """The table with some of its derivatives, in the order asked for."""
+        columns = [self.index(name) for name in names]
+        return self.with_(
+            names=tuple(self.names[column] for column in columns),
+            value=self.value[:, columns],
+            covariance=self.covariance[:, columns][:, :, :, columns],
+            dof=self.dof[:, columns],
+            method=self.method[:, columns],
+            runs=self.runs[:, columns],
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per Froude number and derivative: Fn, derivative, value, std, ci_low, ci_high,
+        method, runs. Fn is NaN for a pooled table."""
+        import pandas as pd
+
+        k, n = self.value.shape
+        low, high = self.interval()
+        return pd.DataFrame(
+            {
+                "Fn": np.repeat(self.Fn, n),
+                "derivative": np.tile(np.array(self.names, dtype=object), k),
+                "value": self.value.ravel(),
+                "std": self.std.ravel(),
+                "ci_low": low.ravel(),
+                "ci_high": high.ravel(),
+                "method": self.method.ravel().astype(object),
+                "runs": self.runs.ravel(),
+            }
+        )
+
+    def __str__(self) -> str:
+        frame = self.to_pandas().set_index("derivative")
+        text: str = frame.to_string(float_format=lambda number: f"{number:.5g}")
+        return text
+
+
+def from_values(
+    values: Mapping[str, float | Sequence[float]],
+    *,
+    ship: Ship,
+    water: Water,
+    Fn: Sequence[float] | None = None,
+    std: Mapping[str, float | Sequence[float]] | None = None,
+    convention: Convention | None = None,
+    method: str = "given",
+    notes: Sequence[str] = (),
+    provenance: Mapping[str, Any] | None = None,
+) -> DerivativeTable:
+    """A table from plain numbers.
+
+    Parameters
+    ----------
+    values : mapping of str to float or sequence
+        Values by name; a sequence gives one per Froude number.
+    ship, water : Ship, Water
+        Reference lengths.
+    Fn : sequence of float, optional
+        Froude numbers; a pooled table without it.
+    std : mapping, optional
+        Standard uncertainties, taken as independent; unknown (NaN) where absent.
+    convention : Convention, optional
+        Meaning of the numbers.
+    method : str
+        Entry of the column `method`.
+    notes, provenance
+        As in `DerivativeTable`.
+
+    Examples
+    --------
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> table = from_values({"Yv": [-.01, -.012], "Nv": -.004}, ship=ship, water=Water(), Fn=[.1, .2])
+    >>> table["Nv"]
+    array([-0.004, -0.004])
+    """
+    grid = np.array([np.nan]) if Fn is None else np.asarray(Fn, float)
+    names = tuple(canonical(name) for name in values)
+    k, n = len(grid), len(names)
+    value = np.stack(
+        [np.broadcast_to(np.asarray(item, float), (k,)) for item in values.values()], 1
+    )
+    given = {canonical(name): item for name, item in (std or {}).items()}
+    deviation = np.stack(
+        [np.broadcast_to(np.asarray(given.get(name, np.nan), float), (k,)) for name in names],
+        axis=1,
+    )
+    covariance = np.zeros((k * n, k * n))
+    np.fill_diagonal(covariance, deviation.ravel() ** 2)
+    return DerivativeTable(
+        names=names,
+        Fn=grid,
+        value=value,
+        covariance=covariance.reshape(k, n, k, n),
+        dof=np.full((k, n), np.inf),
+        method=np.full((k, n), method),
+        runs=np.zeros((k, n), dtype=np.int64),
+        convention=convention or Convention(),
+        ship=ship,
+        water=water,
+        notes=tuple(notes),
+        provenance=MappingProxyType(dict(provenance or {})),
+    )
