@@ -59,7 +59,8 @@ class DataError(PmmkitError, ValueError):
 
     Examples
     --------
-    >>> print(DataError([Problem(message="no samples", file="a.csv"), "b is missing"], title="Not read"))
+    >>> found = [Problem(message="no samples", file="a.csv"), "b is missing"]
+    >>> print(DataError(found, title="Not read"))
     Not read (2 problems):
       1. a.csv: no samples
       2. b is missing

@@ -124,10 +124,8 @@ class DerivativeTable:
         if Fn is not None and not self.pooled:
             near = np.flatnonzero(np.isclose(self.Fn, Fn, rtol=1e-3, atol=0))
             if len(near) == 0:
-                raise TableError(
-                    f"Fn {Fn:g} is not a row of the table ({', '.join(f'{x:.4g}' for x in self.Fn)})"
-                    f". Use interpolate(Fn)."
-                )
+                rows = ", ".join(f"{x:.4g}" for x in self.Fn)
+                raise TableError(f"Fn {Fn:g} is no row of the table ({rows}); interpolate instead.")
             row = int(near[0])
         elif len(self.Fn) > 1:
             raise TableError(f"Say which Fn: {', '.join(f'{x:.4g}' for x in self.Fn)}.")
@@ -209,7 +207,8 @@ def from_values(
     Examples
     --------
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
-    >>> table = from_values({"Yv": [-.01, -.012], "Nv": -.004}, ship=ship, water=Water(), Fn=[.1, .2])
+    >>> values = {"Yv": [-.01, -.012], "Nv": -.004}
+    >>> table = from_values(values, ship=ship, water=Water(), Fn=[.1, .2])
     >>> table["Nv"]
     array([-0.004, -0.004])
     """
