@@ -1,0 +1,25 @@
+"""Fixtures that several tests share."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="session")
+def shared_data() -> Path:
+    """The folder of real measurements, which are not part of the repository."""
+    folder = Path(os.environ.get("PMMKIT_DATA", ROOT.parent / "shared" / "data"))
+    if not folder.is_dir():
+        pytest.skip("the real measurements (PMMKIT_DATA) are not on this machine")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def datasets() -> Path:
+    """The datasets that come with pmmkit."""
+    return ROOT / "datasets"
