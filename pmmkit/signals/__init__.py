@@ -1,0 +1,27 @@
+"""Signals: steady windows, noise of autocorrelated records, whole cycles and harmonics."""
+
+from __future__ import annotations
+
+from pmmkit.signals.cycles import Cycles, estimate_frequency, whole_cycles
+from pmmkit.signals.harmonics import (
+    Harmonics,
+    design_matrix,
+    harmonics,
+    trapezoid_harmonics,
+)
+from pmmkit.signals.noise import Mean, steady_mean
+from pmmkit.signals.steady import Window, steady_window
+
+__all__ = [
+    "Cycles",
+    "Harmonics",
+    "Mean",
+    "Window",
+    "design_matrix",
+    "estimate_frequency",
+    "harmonics",
+    "steady_mean",
+    "steady_window",
+    "trapezoid_harmonics",
+    "whole_cycles",
+]
