@@ -1,0 +1,226 @@
+"""Derivative tables: over the Froude number, and beside the values of a source."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pmmkit.conventions import CHANNELS, canonical
+from pmmkit.errors import TableError
+from pmmkit.figures import style
+from pmmkit.tables import DerivativeTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLUMNS = 4
+_ROW = 0.14
+_WIDEST = (-0.5, 2.5)
+
+
+def derivatives_over_froude(
+    table: DerivativeTable,
+    *,
+    reference: Mapping[str, float] | None = None,
+    reference_name: str = "reference",
+    names: Sequence[str] | None = None,
+) -> Figure:
+    """Every derivative over the Froude number with its 95 % interval, one small panel each.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        A table with a row per Froude number.
+    reference : mapping of str to float, optional
+        Values to compare with, same convention, drawn as a line.
+    reference_name : str
+        Their name in the legend.
+    names : sequence of str, optional
+        Which derivatives; all of the table by default.
+
+    Returns
+    -------
+    Figure
+        A matplotlib figure.
+
+    Raises
+    ------
+    TableError
+        If the table is pooled over all speeds.
+    """
+    if table.pooled:
+        raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
+    shown = list(names or table.names)
+    known = {canonical(name): value for name, value in (reference or {}).items()}
+    low, high = table.interval()
+    factor, prefix = _scale(table.value)
+    margin = 0.12 * (table.Fn[-1] - table.Fn[0]) or 0.02
+    rows = math.ceil(len(shown) / _COLUMNS)
+    with style.styled():
+        figure = style.canvas(1.45 * rows + 0.7)
+        axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+        for axis, name in zip(axes, shown, strict=False):
+            column = table.index(name)
+            value = factor * table.value[:, column]
+            error = [value - factor * low[:, column], factor * high[:, column] - value]
+            axis.set_title(prefix + style.symbol(name, table.convention.system))
+            if np.all(np.isnan(value)):
+                _say(axis, "not determined\nby these runs")
+                axis.set_yticks([])
+                continue
+            if canonical(name) in known:
+                axis.axhline(
+                    factor * known[canonical(name)],
+                    color=style.REFERENCE, ls="--", lw=1.2, label=reference_name,
+                )  # fmt: skip
+            axis.errorbar(
+                table.Fn, value, np.nan_to_num(error), color=style.ORDERED[0], marker="o",
+                lw=1.2, capsize=3, label="this table, 95 % interval",
+            )  # fmt: skip
+            axis.set_xlim(table.Fn[0] - margin, table.Fn[-1] + margin)
+            axis.margins(y=0.18)
+            axis.locator_params(axis="y", nbins=4)
+            axis.locator_params(axis="x", nbins=4)
+        for axis in axes[len(shown) :]:
+            axis.set_axis_off()
+        _label_lowest(axes, len(shown), "Froude number [-]")
+        style.legend_below(figure, list(axes[: len(shown)]))
+    return figure
+
+
+def beside_reference(
+    table: DerivativeTable,
+    reference: Mapping[str, float],
+    *,
+    reference_name: str = "the reference",
+    names: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
+) -> Figure:
+    """Each derivative over its value in a source, with its 95 % interval: at 1 they agree.
+
+    Derivatives that the source does not have, or has as zero, are left out. What lies outside
+    the limits is drawn as an arrow at the edge with its number.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        Our values.
+    reference : mapping of str to float
+        The source's values in the same convention.
+    reference_name : str
+        Name of the source for the axis.
+    names : sequence of str, optional
+        Which derivatives; all by default.
+    limits : tuple of float, optional
+        Ends of the axis; by default as wide as the data, at most from -0.5 to 2.5.
+
+    Returns
+    -------
+    Figure
+        A matplotlib figure.
+
+    Raises
+    ------
+    TableError
+        If the table and the source have no derivative in common.
+    """
+    known = {canonical(name): value for name, value in reference.items() if value}
+    shown = [name for name in map(canonical, names or table.names) if name in known]
+    if not shown:
+        raise TableError("The table and the reference have no derivative in common.")
+    scale = np.array([known.get(name, np.nan) for name in table.names])
+    ratio, ends = table.value / scale, np.sort(np.array(table.interval()) / scale, axis=0)
+    limits = limits or _limits(ends[:, :, [table.index(name) for name in shown]])
+    channels = [channel for channel in CHANNELS if any(name[0] == channel for name in shown)]
+    counts = [sum(name[0] == channel for name in shown) for channel in channels]
+    sets = len(table.Fn)
+    with style.styled():
+        figure = style.canvas(_ROW * (1 + 0.5 * sets) * len(shown) + 0.2 * len(channels) + 0.8)
+        axes = figure.subplots(
+            len(channels), 1, sharex=True, squeeze=False, height_ratios=counts
+        ).ravel()
+        for axis, channel in zip(axes, channels, strict=True):
+            group = [name for name in shown if name[0] == channel]
+            columns = [table.index(name) for name in group]
+            for row in range(sets):
+                place = np.arange(len(group)) + 0.22 * (row - (sets - 1) / 2)
+                label = "all speeds" if table.pooled else f"Fn {table.Fn[row]:.3f}"
+                _dots(axis, ratio[row, columns], ends[:, row, columns], place, row, label, limits)
+            for gap in np.flatnonzero(np.all(np.isnan(ratio[:, columns]), axis=0)):
+                axis.text(
+                    limits[0], gap, "  not determined by these runs", va="center",
+                    fontsize=8, color=style.REFERENCE,
+                )  # fmt: skip
+            axis.axvline(1.0, color=style.REFERENCE, ls="--", lw=1.2)
+            axis.set_yticks(
+                np.arange(len(group)),
+                [style.symbol(name, table.convention.system) for name in group],
+            )
+            axis.set_ylim(len(group) - 0.4, -0.6)
+            axis.set_xlim(limits)
+            axis.grid(visible=False, axis="y")
+        axes[-1].set_xlabel(f"value over that of {reference_name} [-]")
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def _dots(
+    axis: Axes,
+    ratio: np.ndarray,
+    ends: np.ndarray,
+    place: np.ndarray,
+    number: int,
+    label: str,
+    limits: tuple[float, float],
+) -> None:
+    colour = style.colour(number)
+    axis.hlines(place, ends[0].clip(*limits), ends[1].clip(*limits), color=colour, lw=1.6)
+    inside = (ratio >= limits[0]) & (ratio <= limits[1])
+    axis.plot(
+        ratio[inside], place[inside], ls="", marker=style.marker(number), color=colour, label=label
+    )
+    for value, height in zip(ratio[~inside], place[~inside], strict=True):
+        if np.isnan(value):
+            continue
+        right = value > limits[1]
+        axis.plot(limits[right], height, marker=">" if right else "<", color=colour, clip_on=False)
+        axis.annotate(
+            f"{value:.3g}", (limits[right], height), xytext=(-8 if right else 8, 0),
+            textcoords="offset points", ha="right" if right else "left", va="center",
+            fontsize=8, color=colour,
+        )  # fmt: skip
+
+
+def _limits(ends: np.ndarray) -> tuple[float, float]:
+    """Ends of the axis that hold all intervals and 1, as far as that is readable."""
+    known = ends[np.isfinite(ends)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.5, 1.5)
+    low, high = min(low, 0.9), max(high, 1.1)
+    room = 0.04 * (high - low)
+    return max(low - room, _WIDEST[0]), min(high + room, _WIDEST[1])
+
+
+def _scale(values: np.ndarray) -> tuple[float, str]:
+    """Factor and its words that make the numbers of a table readable on an axis."""
+    typical = np.nanmedian(np.abs(values)) if np.any(np.isfinite(values)) else 1.0
+    return (1e3, r"$10^3\,$") if typical < 0.03 else (1.0, "")
+
+
+def _say(axis: Axes, text: str) -> None:
+    axis.text(
+        0.5, 0.5, text, transform=axis.transAxes, ha="center", va="center",
+        color=style.REFERENCE, fontsize=9,
+    )  # fmt: skip
+
+
+def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
+    """Ticks and label under the lowest panel of each column."""
+    for column in range(_COLUMNS):
+        panels = range(column, used, _COLUMNS)
+        if panels:
+            axes[panels[-1]].tick_params(labelbottom=True)
+            axes[panels[-1]].set_xlabel(label)

@@ -1,0 +1,154 @@
+"""How figures look: one palette, one grid, units on every axis, nothing global."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.conventions import parse_derivative
+from pmmkit.files import atomic_path
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH: Final = 9.0
+"""Width of a figure [inch]: a report column at 100 dots per inch."""
+
+ORDERED: Final = ("#12436d", "#1f9a8a", "#e3871c", "#8a2b5c", "#6b6b6b")
+"""Colours for ordered sets (Froude numbers): told apart by hue and by lightness, whatever the
+reader's colour vision."""
+MARKERS: Final = ("o", "s", "^", "D", "v")
+INK: Final = "#222222"
+REFERENCE: Final = "#777777"
+LIMIT: Final = "#b3261e"
+
+_STYLE: Final[Any] = {
+    "font.size": 10,
+    "font.family": "DejaVu Sans",
+    "axes.titlesize": 10,
+    "axes.titleweight": "normal",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#888888",
+    "axes.labelcolor": INK,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    "text.color": INK,
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+    "xtick.labelsize": 9,
+    "ytick.labelsize": 9,
+    "grid.color": "#e3e3e3",
+    "grid.linewidth": 0.8,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 5,
+    "figure.facecolor": "white",
+    "savefig.dpi": 150,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "pmmkit",
+}
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """The style while a figure is drawn; nothing of it stays behind."""
+    import matplotlib as mpl
+
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def canvas(height: float, width: float = WIDTH) -> Figure:
+    """An empty figure that lays itself out, without pyplot and its global state."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def colour(number: int) -> str:
+    """Colour of the n-th set."""
+    return ORDERED[number % len(ORDERED)]
+
+
+def marker(number: int) -> str:
+    """Marker of the n-th set, so that colour is never the only difference."""
+    return MARKERS[number % len(MARKERS)]
+
+
+def symbol(name: str, system: str = "prime") -> str:
+    """A derivative as mathematical text for an axis.
+
+    Parameters
+    ----------
+    name : str
+        Name of a derivative.
+    system : {"prime", "prime-d", "bis"}
+        Non-dimensional system; ``bis`` has two strokes.
+
+    Examples
+    --------
+    >>> symbol("Yvdot")
+    "$Y'_{\\\\dot{v}}$"
+    >>> symbol("Nv|v|")
+    "$N'_{v|v|}$"
+    """
+    derivative = parse_derivative(name)
+    special = {"phi": r"\phi", "d": r"\delta", "|d|": r"|\delta|"}
+    factors = [
+        rf"\dot{{{factor[0]}}}" if factor.endswith("dot") else special.get(factor, factor)
+        for factor in derivative.factors
+    ]
+    stroke = "''" if system == "bis" else "'"
+    return f"${derivative.channel}{stroke}_{{{''.join(factors)}}}$"
+
+
+def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None:
+    """One legend for several axes under the figure, where it covers nothing."""
+    entries: dict[str, Any] = {}
+    for axis in axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            entries.setdefault(label, handle)
+    if entries:
+        figure.legend(
+            list(entries.values()), list(entries), loc="outside lower center", ncols=columns
+        )
+
+
+def save(figure: Figure, path: str | Path) -> Path:
+    """Write a figure, all or nothing; the ending of the name says how (png, svg, pdf).
+
+    Parameters
+    ----------
+    figure : Figure
+        What to write.
+    path : path
+        Where.
+    """
+    target = Path(path)
+    with styled(), atomic_path(target) as part:
+        figure.savefig(part, metadata=_undated(target.suffix))
+    return target
+
+
+def svg(figure: Figure) -> str:
+    """A figure as an ``<svg>`` element to stand inside a page."""
+    buffer = io.StringIO()
+    with styled():
+        figure.savefig(buffer, format="svg", metadata=_undated(".svg"))
+    text = buffer.getvalue()
+    return text[text.index("<svg") :]
+
+
+def _undated(ending: str) -> dict[str, Any]:
+    dates = {".svg": "Date", ".pdf": "CreationDate"}
+    return {dates[ending]: None} if ending in dates else {}
