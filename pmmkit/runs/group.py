@@ -1,0 +1,246 @@
+"""One run in one HDF5 group: its Dataset written with h5netcdf and read back identical."""
+
+from __future__ import annotations
+
+import math
+import re
+import zlib
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import CampaignError, Problem
+from pmmkit.runs.json_text import from_json, to_json
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SMALL: Final = 4096
+"""Bytes below which compression costs more than it saves."""
+CHUNK: Final = 2**20
+"""Bytes of a chunk: a usual channel is one chunk, so it is read in one go."""
+
+VARIABLES: Final[dict[str, tuple[str, str]]] = {
+    "t": ("s", "time"),
+    "X": ("N", "surge force on the hull"),
+    "Y": ("N", "sway force on the hull"),
+    "N": ("N m", "yaw moment on the hull"),
+    "K": ("N m", "roll moment on the hull"),
+    "u": ("m/s", "surge velocity"),
+    "v": ("m/s", "sway velocity"),
+    "r": ("rad/s", "yaw rate"),
+    "p": ("rad/s", "roll rate"),
+    "phi": ("rad", "heel, positive to starboard"),
+    "psi": ("rad", "heading, positive to starboard"),
+    "x": ("m", "position along the tank, or north"),
+    "y": ("m", "position across the tank, or east"),
+    "udot": ("m/s2", "surge acceleration in ship axes"),
+    "vdot": ("m/s2", "sway acceleration in ship axes"),
+    "rdot": ("rad/s2", "yaw acceleration"),
+    "pdot": ("rad/s2", "roll acceleration"),
+    "xdot": ("m/s", "earth-fixed velocity along x"),
+    "ydot": ("m/s", "earth-fixed velocity along y"),
+    "delta": ("rad", "rudder angle, positive turns to starboard"),
+    "n": ("1/s", "propeller revolutions per second"),
+    "T": ("N", "propeller thrust"),
+    "Q": ("N m", "propeller torque"),
+    "FX_rudder": ("N", "rudder force along x"),
+    "FY_rudder": ("N", "rudder force along y"),
+    "sinkage": ("m", "sinkage, positive down"),
+    "trim": ("rad", "trim, positive bow up"),
+    "wind_speed": ("m/s", "relative wind speed at midship"),
+    "wind_direction": ("rad", "where the relative wind comes from, off the bow to starboard"),
+    "harmonic": ("1", "order of the harmonic"),
+}
+"""Unit and meaning of the channels."""
+
+_PARTS: Final = {
+    "cos": "{}, cosine harmonics (in phase with the velocity)",
+    "sin": "{}, sine harmonics (in phase with the displacement)",
+    "std": "{}, standard uncertainty",
+}
+
+
+def described(name: str) -> tuple[str, str]:
+    """Unit and long name of a channel; ``unknown`` and the name itself where it is not known.
+
+    Examples
+    --------
+    >>> described("N_sin")
+    ('N m', 'yaw moment on the hull, sine harmonics (in phase with the displacement)')
+    """
+    if name in VARIABLES:
+        return VARIABLES[name]
+    base, _, part = name.rpartition("_")
+    if base in VARIABLES and part in _PARTS:
+        unit, label = VARIABLES[base]
+        return unit, _PARTS[part].format(label)
+    return "unknown", name
+
+
+def safe_names(names: Iterable[str], stem: str) -> list[str]:
+    """Names that HDF5, NetCDF and MATLAB accept, each once, in the order given.
+
+    Examples
+    --------
+    >>> safe_names(["SD_b+08", "PS 1/2", "PS_1:2", "."], "run")
+    ['SD_b+08', 'PS_1_2', 'PS_1_2_2', 'run_.']
+    """
+    taken: dict[str, None] = {}
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)
+        plain = plain if re.match(r"[A-Za-z0-9_]", plain) else f"{stem}_{plain}"
+        number, unique = 1, plain
+        while unique in taken:
+            number += 1
+            unique = f"{plain}_{number}"
+        taken[unique] = None
+    return list(taken)
+
+
+def unfit(data: xr.Dataset, run_id: str) -> list[Problem]:
+    """What keeps a Dataset from being stored and read back as it is."""
+    problems = [
+        Problem(message=f"the dimension {dim} has no samples.", run=run_id, column=str(dim))
+        for dim, size in data.sizes.items()
+        if size == 0
+    ]
+    for name, variable in data.variables.items():
+        kind, size = variable.dtype.kind, variable.dtype.itemsize
+        plain = kind in "biuU" or (kind == "f" and size in (4, 8))
+        if kind == "O":
+            plain = all(isinstance(item, str) for item in np.ravel(variable.values))
+        if not (plain and isinstance(name, str)):
+            problems.append(
+                Problem(
+                    message=f"values of type {variable.dtype} cannot be stored.",
+                    run=run_id,
+                    column=str(name),
+                    remedy="Use numbers (time as seconds) or text.",
+                )
+            )
+    try:
+        to_json(_description(data, {name: str(name) for name in data.variables}))
+    except CampaignError as error:
+        problems += [Problem(message=str(error), run=run_id, column="attributes")]
+    return problems
+
+
+def write_group(group: Any, entry: Mapping[str, Any], data: xr.Dataset) -> None:
+    """Write a run's Dataset and what is known of the run into an empty h5netcdf group."""
+    names = dict(zip(data.variables, safe_names(map(str, data.variables), "v"), strict=True))
+    dims = {dim: names.get(dim, f"dim_{number}") for number, dim in enumerate(data.sizes)}
+    group.dimensions = {dims[dim]: size for dim, size in data.sizes.items()}
+    contents = []
+    for name, variable in data.variables.items():
+        stored = _stored(np.asarray(variable.values))
+        target = group.create_variable(
+            names[name], tuple(dims[dim] for dim in variable.dims), **_storage(stored)
+        )
+        target[...] = stored
+        unit, label = described(str(name))
+        target.attrs["units"] = attribute(variable.attrs.get("units", unit))
+        target.attrs["long_name"] = attribute(variable.attrs.get("long_name", label))
+        if variable.dtype.kind == "b":
+            target.attrs["dtype"] = "bool"
+        contents.append(_bytes(stored))
+    if beside := [names[name] for name in data.coords if name not in data.sizes]:
+        group.attrs["coordinates"] = " ".join(beside)
+    texts = (to_json(entry), to_json(_description(data, names)))
+    group.attrs["id"] = attribute(entry["id"])
+    group.attrs["run"], group.attrs["variables"] = texts
+    group.attrs["crc32"] = _checksum(texts, contents)
+
+
+def read_group(group: Any, *, file: str) -> xr.Dataset:
+    """The Dataset of an h5py group that `write_group` wrote.
+
+    Raises
+    ------
+    CampaignError
+        If texts or samples do not match the checksum.
+    """
+    import xarray as xr
+
+    texts = (group.attrs["run"], group.attrs["variables"])
+    description = from_json(texts[1])
+    holders: dict[bool, dict[Hashable, Any]] = {True: {}, False: {}}
+    contents = []
+    for name, entry in description["variables"].items():
+        dataset, dtype = group[entry["stored_as"]], np.dtype(entry["dtype"])
+        stored = np.asarray(dataset.asstr()[()] if dtype.kind in "OU" else dataset[()])
+        contents.append(_bytes(stored))
+        holders[entry["coordinate"]][name] = (
+            entry["dims"],
+            stored.astype(dtype, copy=False),
+            entry["attributes"],
+        )
+    if group.attrs["crc32"] != _checksum(texts, contents):
+        raise CampaignError(
+            Problem(
+                message="the data do not match their checksum: the file is damaged or was edited.",
+                file=file,
+                run=str(group.attrs["id"]),
+                remedy="Save the campaign again from its source.",
+            )
+        )
+    return xr.Dataset(holders[False], holders[True], description["attributes"])
+
+
+def attribute(value: object) -> str:
+    """Text as an HDF5 attribute can hold it."""
+    return str(value).replace("\0", "").encode("utf-8", "replace").decode()
+
+
+def _description(data: xr.Dataset, names: Mapping[Hashable, str]) -> dict[str, Any]:
+    return {
+        "attributes": data.attrs,
+        "variables": {
+            name: {
+                "stored_as": names[name],
+                "dims": list(variable.dims),
+                "dtype": variable.dtype.str,
+                "coordinate": name in data.coords,
+                "attributes": variable.attrs,
+            }
+            for name, variable in data.variables.items()
+        },
+    }
+
+
+def _stored(values: NDArray[Any]) -> NDArray[Any]:
+    if values.dtype.kind == "b":
+        return values.astype(np.int8)
+    return values.astype(object) if values.dtype.kind == "U" else values
+
+
+def _storage(values: NDArray[Any]) -> dict[str, Any]:
+    import h5py
+
+    if values.dtype.kind == "O":
+        return {"dtype": h5py.string_dtype()}
+    if values.nbytes < SMALL:
+        return {"dtype": values.dtype}
+    row = values.itemsize * math.prod(values.shape[1:])
+    return {
+        "dtype": values.dtype,
+        "chunks": (min(len(values), max(1, CHUNK // row)), *values.shape[1:]),
+        "compression": "gzip",
+        "compression_opts": 4,
+        "shuffle": True,
+    }
+
+
+def _bytes(values: NDArray[Any]) -> bytes:
+    if values.dtype.kind == "O":
+        return to_json(values.ravel().tolist()).encode()
+    return values.tobytes()
+
+
+def _checksum(texts: Sequence[str], contents: Iterable[bytes]) -> str:
+    total = 0
+    for part in (*(text.encode() for text in texts), *contents):
+        total = zlib.crc32(part, total)
+    return f"{total:08x}"
