@@ -1,0 +1,209 @@
+"""Measured forces with what was fitted to them: over the drift angle, and over a cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.conventions import force_unit
+from pmmkit.effects.hull import regressors
+from pmmkit.effects.state import Array, State
+from pmmkit.figures import style
+from pmmkit.signals import design_matrix
+from pmmkit.tables import DerivativeTable
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_TWO_SIDED: Final = 1.96
+_POINTS: Final = 1500
+"""Samples shown of one record; more would only make the file large."""
+_WHAT: Final = {
+    "X": ("surge force", "N"), "Y": ("sway force", "N"),
+    "N": ("yaw moment", "N m"), "K": ("roll moment", "N m"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DriftPoints:
+    """Means of the static drift runs of one Froude number.
+
+    Parameters
+    ----------
+    froude : float
+        Froude number.
+    drift : array (n,)
+        Drift angles [rad].
+    force : mapping of channel to array (n,)
+        Forces of the water on the hull at midship [N, N m].
+    std : mapping of channel to array (n,)
+        Their standard uncertainties; NaN where not known.
+    """
+
+    froude: float
+    drift: Array
+    force: Mapping[str, Array]
+    std: Mapping[str, Array]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cycle:
+    """An oscillating run over the phase of its motion.
+
+    Parameters
+    ----------
+    title : str
+        What the run is.
+    theta : array (n,)
+        Phase of the samples, displacement ∝ sin θ [rad].
+    samples : mapping of channel to array (n,)
+        Forces as recorded [N, N m].
+    coefficients : mapping of channel to array (m,)
+        Harmonics C0, C1, S1, C2, S2 …
+    """
+
+    title: str
+    theta: Array
+    samples: Mapping[str, Array]
+    coefficients: Mapping[str, Array]
+
+
+def forces_over_drift(
+    points: Sequence[DriftPoints],
+    table: DerivativeTable | None = None,
+    *,
+    channels: Sequence[str] = ("X", "Y", "N"),
+) -> Figure:
+    """Non-dimensional forces over the drift angle, with the table's curves and intervals.
+
+    Parameters
+    ----------
+    points : sequence of DriftPoints
+        One set per Froude number.
+    table : DerivativeTable, optional
+        What was fitted; its convention makes the points non-dimensional.
+    channels : sequence of str
+        Which forces.
+
+    Returns
+    -------
+    Figure
+        A matplotlib figure, a panel a force.
+    """
+    with style.styled():
+        figure = style.canvas(3.5)
+        axes = figure.subplots(1, len(channels), squeeze=False)[0]
+        for axis, channel in zip(axes, channels, strict=True):
+            what, unit = _WHAT[channel]
+            factor = 1e3 if table else 1.0
+            for number, group in enumerate(points):
+                if channel not in group.force:
+                    continue
+                divide = _unit(table, channel, group.froude) if table else 1.0
+                scale = factor / divide
+                if table:
+                    _curve(axis, table, channel, group, scale, style.colour(number))
+                axis.errorbar(
+                    np.degrees(group.drift), scale * group.force[channel],
+                    np.nan_to_num(_TWO_SIDED * scale * group.std[channel]),
+                    ls="", marker=style.marker(number), color=style.colour(number),
+                    capsize=2, ms=4.5, label=f"Fn {group.froude:.3f}",
+                )  # fmt: skip
+            stroke = "''" if table and table.convention.system == "bis" else "'"
+            axis.set_title(
+                f"{what} $10^3\\,{channel}{stroke}$ [-]" if table else f"{what} [{unit}]"
+            )
+            axis.set_xlabel("drift angle β [deg]")
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def _unit(table: DerivativeTable, channel: str, froude: float) -> float:
+    ship, water = table.ship, table.water
+    return force_unit(
+        channel, table.convention.system, L=ship.L, d=ship.d, volume=ship.volume,
+        rho=water.rho, g=water.g, U=ship.speed(froude, water.g),
+    )  # fmt: skip
+
+
+def _curve(
+    axis: Axes,
+    table: DerivativeTable,
+    channel: str,
+    points: DriftPoints,
+    scale: float,
+    colour: str,
+) -> None:
+    """The table's force over the drift angle with its 95 % band."""
+    near = np.flatnonzero(np.isclose(table.Fn, points.froude, rtol=0.01))
+    row = 0 if table.pooled else int(near[0]) if len(near) else None
+    if row is None:
+        return
+    room = 0.03 * np.ptp(points.drift)
+    drift = np.linspace(points.drift.min() - room, points.drift.max() + room, 81)
+    speed = table.ship.speed(points.froude, table.water.g)
+    state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift))
+    names = [name for name in table.names if name[0] == channel]
+    design = regressors(
+        names, state, ship=table.ship, water=table.water, convention=table.convention,
+        approach_speed=speed,
+    )  # fmt: skip
+    acting = np.any(design != 0, axis=0)
+    columns = [table.index(name) for name, acts in zip(names, acting, strict=True) if acts]
+    design = scale * design[:, acting]
+    value = design @ table.value[row, columns]
+    covariance = table.covariance[row, columns][:, row, columns]
+    half = _TWO_SIDED * np.sqrt(np.einsum("ij,jk,ik->i", design, covariance, design).clip(0))
+    axis.plot(np.degrees(drift), value, color=colour, lw=1.3)
+    axis.fill_between(np.degrees(drift), value - half, value + half, color=colour, alpha=0.18, lw=0)
+
+
+def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y", "N")) -> Figure:
+    """Recorded forces of oscillating runs over the phase, with their harmonics.
+
+    All cycles that were used lie on top of each other.
+
+    Parameters
+    ----------
+    cycles : sequence of Cycle
+        The runs, a column each.
+    channels : sequence of str
+        Which forces, a row each.
+
+    Returns
+    -------
+    Figure
+        A matplotlib figure.
+    """
+    fine = np.linspace(0, 2 * np.pi, 241)
+    with style.styled():
+        figure = style.canvas(1.9 * len(channels) + 0.8)
+        axes = figure.subplots(len(channels), len(cycles), squeeze=False, sharex=True)
+        for column, cycle in enumerate(cycles):
+            thin = slice(None, None, max(1, len(cycle.theta) // _POINTS))
+            phase = np.degrees(np.mod(cycle.theta[thin], 2 * np.pi))
+            for axis, channel in zip(axes[:, column], channels, strict=True):
+                what, unit = _WHAT[channel]
+                if column == 0:
+                    axis.set_ylabel(f"{what} {channel} [{unit}]")
+                if channel not in cycle.samples:
+                    continue
+                axis.plot(
+                    phase, cycle.samples[channel][thin], ls="", marker=".", ms=2.5,
+                    color="#b9c4cf", rasterized=True, label="recorded",
+                )  # fmt: skip
+                order = (len(cycle.coefficients[channel]) - 1) // 2
+                fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
+                axis.plot(
+                    np.degrees(fine), fit, color=style.ORDERED[0], label=f"harmonics 0 to {order}"
+                )
+            axes[0, column].set_title(cycle.title)
+            axes[-1, column].set_xlabel("phase θ [deg], displacement ∝ sin θ")
+            axes[-1, column].set_xlim(0, 360)
+            axes[-1, column].set_xticks([0, 90, 180, 270, 360])
+        style.legend_below(figure, list(axes.ravel()))
+    return figure
