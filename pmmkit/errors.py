@@ -16,6 +16,8 @@ class Problem:
         What is wrong, with the numbers that show it.
     file, run, column, row
         Where: as far as known. Rows count from 1 as in the file, header included.
+    entry : str, optional
+        Table and key of a TOML file, e.g. ``[[runs]] #2 (id 'SD_2'), key 'speed'``.
     remedy : str
         What the user can do about it.
     """
@@ -26,12 +28,14 @@ class Problem:
     column: str | None = None
     row: int | str | None = None
     remedy: str | None = None
+    entry: str | None = None
 
     @property
     def place(self) -> str:
         """The place in words, e.g. ``runs/SD.csv, run SD_1, column Y, row 17``."""
         parts = [
             self.file,
+            self.entry,
             f"run {self.run}" if self.run is not None else None,
             f"column {self.column}" if self.column is not None else None,
             f"row {self.row}" if self.row is not None else None,
