@@ -1,0 +1,124 @@
+"""Files of derivative tables: CSV with a JSON file beside it, NetCDF4/HDF5, Excel, LaTeX."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from pmmkit.conventions import Convention
+from pmmkit.errors import Problem, TableError
+from pmmkit.ship import Ship, Water
+from pmmkit.tables.io.excel import read_excel, write_excel
+from pmmkit.tables.io.latex import to_latex, write_latex
+from pmmkit.tables.io.netcdf import read_netcdf, write_netcdf
+from pmmkit.tables.io.text import read_csv, sidecar_of, write_csv
+from pmmkit.tables.table import DerivativeTable
+
+__all__ = ["read_table", "sidecar_of", "to_latex", "write"]
+
+_WRITERS: Final[dict[str, Callable[[DerivativeTable, Path], None]]] = {
+    ".csv": write_csv,
+    ".nc": write_netcdf,
+    ".h5": write_netcdf,
+    ".xlsx": write_excel,
+    ".tex": write_latex,
+}
+
+
+def write(table: DerivativeTable, path: str | Path) -> Path:
+    """Write a table in the format that the suffix names; all of it or nothing.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    path : path
+        ``.csv``: the columns Fn, derivative, value, std, ci_low, ci_high, method, runs (Fn empty
+        for a pooled table, an empty cell where there is no value) and, beside it, a ``.json`` file
+        of the same stem with everything else. ``.nc`` or ``.h5``: NetCDF4. ``.xlsx``: the sheets
+        derivatives, covariance, about. ``.tex``: booktabs, for reading only.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    TableError
+        If the suffix is not known or the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pmmkit.tables import from_values, identical
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> table = from_values({"Yv": [-.01, -.012]}, std={"Yv": .001}, Fn=[.1, .2],
+    ...                     ship=ship, water=Water())
+    >>> file = write(table, Path(tempfile.mkdtemp()) / "derivatives.csv")
+    >>> identical(read_table(file), table)
+    True
+    """
+    target = Path(path)
+    writer = _WRITERS.get(target.suffix.lower())
+    if writer is None:
+        raise TableError(_unknown(target, _WRITERS))
+    try:
+        writer(table, target)
+    except OSError as error:
+        raise TableError(
+            Problem(message=f"cannot be written: {error.strerror or error}.", file=str(target))
+        ) from error
+    return target
+
+
+def read_table(
+    path: str | Path,
+    *,
+    convention: Convention | None = None,
+    ship: Ship | None = None,
+    water: Water | None = None,
+) -> DerivativeTable:
+    """Read a table that `write` wrote, or a CSV with the same columns.
+
+    Parameters
+    ----------
+    path : path
+        A ``.csv``, ``.nc``, ``.h5`` or ``.xlsx`` file.
+    convention, ship, water
+        For a CSV without its ``.json`` file: what its numbers mean. What is not given is assumed
+        and noted in the table; other files know their own.
+
+    Raises
+    ------
+    TableError
+        If the file is missing, damaged or not a derivative table; every problem is listed with
+        file, row and column.
+    """
+    source = Path(path)
+    suffix = source.suffix.lower()
+    readers = {".nc": read_netcdf, ".h5": read_netcdf, ".xlsx": read_excel}
+    if suffix not in {".csv", *readers}:
+        raise TableError(_unknown(source, [".csv", *readers]))
+    if not source.is_file():
+        raise TableError(
+            Problem(message="there is no such file.", file=str(source), remedy="Check the path.")
+        )
+    try:
+        if suffix == ".csv":
+            return read_csv(source, convention=convention, ship=ship, water=water)
+        return readers[suffix](source)
+    except OSError as error:
+        raise TableError(
+            Problem(message=f"cannot be read: {error.strerror or error}.", file=str(source))
+        ) from error
+
+
+def _unknown(path: Path, known: object) -> Problem:
+    assert isinstance(known, dict | list)
+    return Problem(
+        message=f"the suffix {path.suffix!r} is not that of a derivative table.",
+        file=str(path),
+        remedy=f"Known: {', '.join(known)}.",
+    )

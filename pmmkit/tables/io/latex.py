@@ -1,0 +1,107 @@
+"""Derivative tables for LaTeX (booktabs)."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Final, Literal
+
+from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.files import write_text
+from pmmkit.tables.table import DerivativeTable
+
+_SYMBOLS: Final = {
+    "udot": r"\dot{u}", "vdot": r"\dot{v}", "rdot": r"\dot{r}", "pdot": r"\dot{p}",
+    "phi": r"\phi ", "d": r"\delta ", "|d|": r"|\delta|",
+}  # fmt: skip
+
+Style = Literal["parentheses", "plus-minus"]
+
+
+def symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
+    r"""A derivative as LaTeX mathematics.
+
+    Parameters
+    ----------
+    name : str
+        Name of the derivative.
+    beta : bool
+        Write the drift angle in place of v.
+    double : bool
+        Two primes, for the bis system.
+
+    Examples
+    --------
+    >>> print(symbol("Nv|v|"), symbol("Yrdot"))
+    N'_{v|v|} Y'_{\dot{r}}
+    """
+    derivative = parse_derivative(name)
+    symbols = _SYMBOLS | (
+        {"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {}
+    )
+    lower = "".join(symbols.get(factor, factor) for factor in derivative.factors).strip()
+    prime = "''" if double else "'"
+    return f"{derivative.channel}{prime}_{{{lower}}}"
+
+
+def with_uncertainty(value: float, std: float, style: Style = "parentheses") -> str:
+    r"""A value with its standard uncertainty to two digits.
+
+    Examples
+    --------
+    >>> with_uncertainty(-.01160, .000234)
+    '-0.01160(23)'
+    >>> print(with_uncertainty(-.01160, .000234, "plus-minus"))
+    -0.01160 \pm 0.00023
+    >>> with_uncertainty(-12.3, 41.)
+    '-12(41)'
+    """
+    if math.isnan(value):
+        return ""
+    if not math.isfinite(std) or std <= 0:
+        return _plain(value)
+    places = 1 - math.floor(math.log10(std))
+    if round(std, places) >= 10.0 ** (2 - places):
+        places -= 1
+    places = max(places, 0)
+    if style == "plus-minus":
+        return rf"{value:.{places}f} \pm {std:.{places}f}"
+    return f"{value:.{places}f}({round(std * 10**places)})"
+
+
+def _plain(value: float) -> str:
+    places = 4 - math.floor(math.log10(abs(value))) if value else 0
+    return f"{value:.{max(places, 0)}f}"
+
+
+def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
+    """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
+    by channel. An empty cell is a value that the runs do not determine."""
+    beta, double = table.convention.sway == "beta", table.convention.system == "bis"
+    std = table.std
+    heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
+    lines = [
+        rf"\begin{{tabular}}{{l{'r' * len(heads)}}}",
+        r"\toprule",
+        " & ".join(["", *heads] if any(heads) else ["", "all speeds"]) + r" \\",
+    ]
+    for channel in CHANNELS:
+        columns = [place for place, name in enumerate(table.names) if name[0] == channel]
+        if columns:
+            lines.append(r"\midrule")
+        for column in columns:
+            cells = [
+                with_uncertainty(value, spread, style)
+                for value, spread in zip(table.value[:, column], std[:, column], strict=True)
+            ]
+            name = symbol(table.names[column], beta=beta, double=double)
+            lines.append(
+                " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
+                + r" \\"
+            )
+    return "\n".join([*lines, r"\bottomrule", r"\end{tabular}", ""])
+
+
+def write_latex(table: DerivativeTable, path: str | Path, *, style: Style = "parentheses") -> None:
+    """Write a table as LaTeX text."""
+    write_text(path, to_latex(table, style=style))
