@@ -1,1 +1,1 @@
-
+"""The catalogue of effects: what acts on a ship, one family a file."""

@@ -2,14 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from functools import reduce
+from typing import Final
 
 import numpy as np
 
 from pmmkit.conventions import CHANNELS, Convention, force_unit, parse_derivative, speed_unit
+from pmmkit.effects.effect import Effect
 from pmmkit.effects.state import Array, State
 from pmmkit.ship import Ship, Water
+
+HULL_POLYNOMIAL: Final = Effect(
+    name="hull_polynomial",
+    family="hull",
+    kind="force",
+    summary="Hull forces as a polynomial in the motion, term by term as the literature names them.",
+    derivatives=True,
+    source="Abkowitz 1964",
+)
+RUDDER_ABKOWITZ: Final = Effect(
+    name="rudder_abkowitz",
+    family="hull",
+    kind="force",
+    summary="Rudder forces as a polynomial in the rudder angle and the motion.",
+    derivatives=True,
+    needs=("delta",),
+    source="Abkowitz 1964",
+)
+EFFECTS: Final = (HULL_POLYNOMIAL, RUDDER_ABKOWITZ)
+
+FACTOR_PLACES: Final = ("0", "u", "v", "r", "p", "phi", "d", "|u|", "|v|", "|r|", "|p|", "|d|")
+"""Where each factor stands in the list that `polynomial_forces` fills."""
+
+Monomial = tuple[tuple[int, ...], float, float, float, float]
+"""Places of the factors, and the coefficients of X, Y [N] and N, K [N m] at a speed of 1 m/s."""
 
 
 def regressors(
@@ -100,3 +128,82 @@ def in_channel(names: Sequence[str], channel: str) -> list[str]:
     """The names that contribute to one channel, in their order."""
     assert channel in CHANNELS
     return [name for name in names if name[0] == channel]
+
+
+def polynomial(
+    values: Mapping[str, float], *, ship: Ship, water: Water, convention: Convention
+) -> tuple[Monomial, ...]:
+    """A hull polynomial as monomials with dimensional coefficients, for `polynomial_forces`.
+
+    Parameters
+    ----------
+    values : mapping
+        Derivatives by canonical name, none of an acceleration or of the thrust.
+    ship, water, convention
+        The non-dimensional system.
+
+    Returns
+    -------
+    tuple of Monomial
+        One entry per product of factors; all channels share it.
+    """
+    collected: dict[tuple[int, ...], list[float]] = {}
+    for name, value in values.items():
+        derivative = parse_derivative(name)
+        factors = derivative.factors
+        if convention.surge == "constant" and factors == ("u", "u"):
+            factors = ("0",)
+        sign = 1.0
+        if convention.sway == "beta":
+            sign *= derivative.sign_under_flip("v")
+        if convention.rudder_positive == "port":
+            sign *= derivative.sign_under_flip("d")
+        unit = force_unit(
+            derivative.channel, convention.system, L=ship.L, d=ship.d, volume=ship.volume,
+            rho=water.rho, g=water.g, U=1.0,
+        )  # fmt: skip
+        places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
+        entry = collected.setdefault(places, [0.0] * len(CHANNELS))
+        entry[CHANNELS.index(derivative.channel)] += sign * unit * value
+    return tuple((places, *numbers) for places, numbers in collected.items())  # type: ignore[misc]
+
+
+def polynomial_forces(
+    u: float, v: float, r: float, p: float, phi: float, delta: float,
+    reference: float, square: float, loss_from: float, L: float, monomials: Sequence[Monomial],
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """X, Y [N] and N, K [N m] of a hull polynomial at one instant, on plain floats.
+
+    The same sum as ``regressors(...) @ values``.
+
+    Parameters
+    ----------
+    u, v, r, p, phi, delta : float
+        Motion, SI.
+    reference : float
+        Speed that makes velocities non-dimensional [m/s].
+    square : float
+        Square of the speed in the unit of force [m²/s²]; 1 in the bis system.
+    loss_from : float
+        What is taken off u before it enters: the approach speed for ``surge = "delta-u"``, else 0.
+    L : float
+        Ship length [m].
+    monomials : sequence of Monomial
+        From `polynomial`.
+    """
+    yaw, roll = r * L / reference, p * L / reference
+    surge, sway = (u - loss_from) / reference, v / reference
+    factors = (
+        1.0, surge, sway, yaw, roll, phi, delta,
+        math.fabs(surge), math.fabs(sway), math.fabs(yaw), math.fabs(roll), math.fabs(delta),
+    )  # fmt: skip
+    X = Y = N = K = 0.0
+    for places, x, y, n, k in monomials:
+        product = square
+        for place in places:
+            product *= factors[place]
+        X += x * product
+        Y += y * product
+        N += n * product
+        K += k * product
+    return X, Y, N, K

@@ -1,0 +1,159 @@
+"""What the catalogue says of an effect: its name, family, kind, parameters and source."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+from pmmkit.conventions import parse_derivative
+from pmmkit.errors import UnknownNameError
+
+Kind = Literal["force", "mass", "state", "observation"]
+
+_DIMENSIONS: Mapping[str, tuple[int, int, int]] = MappingProxyType(
+    {
+        "-": (0, 0, 0),
+        "deg": (0, 0, 0),
+        "m": (1, 0, 0),
+        "m2": (2, 0, 0),
+        "s": (0, 1, 0),
+        "deg/s": (0, -1, 0),
+        "N m s": (2, -1, 1),
+        "N m s2": (2, 0, 1),
+    }
+)
+"""Powers of length, time and mass in each unit that a parameter may have."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One number that an effect takes.
+
+    Parameters
+    ----------
+    name : str
+        Name in model files.
+    text : str
+        What it is.
+    unit : str
+        Unit of the value, ``-`` for a plain number.
+    default : float or None
+        Value where a model gives none; None if it must be given.
+    form : tuple of (str, str), optional
+        Option and value with which the parameter is needed, e.g. ``("wake", "mmg")``.
+    low, high : float
+        Values outside are refused.
+    """
+
+    name: str
+    text: str
+    unit: str = "-"
+    default: float | None = None
+    form: tuple[str, str] | None = None
+    low: float = -1e12
+    high: float = 1e12
+
+    @property
+    def scaling(self) -> float:
+        """Power of the length scale by which the value grows under Froude's law.
+
+        Examples
+        --------
+        >>> Parameter(name="D", text="diameter", unit="m").scaling
+        1.0
+        >>> Parameter(name="rate_deg_s", text="rate", unit="deg/s").scaling
+        -0.5
+        """
+        length, time, mass = _DIMENSIONS[self.unit]
+        return length + time / 2 + 3 * mass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """One entry of the catalogue.
+
+    Parameters
+    ----------
+    name, family : str
+        Name in models; the family its file stands for.
+    kind : {"force", "mass", "state", "observation"}
+        What it does: a force, a share of the mass matrix, states of its own, a fault of the
+        measurement.
+    summary : str
+        One sentence.
+    parameters : tuple of Parameter
+        The numbers it takes, besides derivatives.
+    options : mapping of str to tuple of str
+        Words that choose between forms; the first is the default.
+    derivatives : bool
+        Whether it takes derivatives by their names.
+    needs : tuple of str
+        What the state must hold: ``phi``, ``delta``, ``n`` …
+    source : str
+        Where the form comes from.
+    """
+
+    name: str
+    family: str
+    kind: Kind
+    summary: str
+    parameters: tuple[Parameter, ...] = ()
+    options: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    derivatives: bool = False
+    needs: tuple[str, ...] = ()
+    source: str = ""
+
+    def parameter(self, name: str) -> Parameter | None:
+        """The parameter of a name; None where the effect has none of it."""
+        return next((item for item in self.parameters if item.name == name), None)
+
+    def chosen(self, options: Mapping[str, str]) -> dict[str, str]:
+        """The options with their defaults filled in."""
+        return {name: options.get(name, words[0]) for name, words in self.options.items()}
+
+    def accepts(self, name: str) -> bool:
+        """Whether a value of this name may be given."""
+        if self.parameter(name) is not None:
+            return True
+        if not self.derivatives:
+            return False
+        try:
+            derivative = parse_derivative(name)
+        except UnknownNameError:
+            return False
+        accelerations = sum(factor.endswith("dot") for factor in derivative.factors)
+        alone = len(derivative.factors) == 1
+        return (accelerations == 1 and alone) if self.kind == "mass" else accelerations == 0
+
+    def required(self, options: Mapping[str, str]) -> tuple[str, ...]:
+        """Names of the parameters that must be given with these options."""
+        chosen = self.chosen(options)
+        return tuple(
+            item.name
+            for item in self.parameters
+            if item.default is None and (item.form is None or chosen[item.form[0]] == item.form[1])
+        )
+
+    def problems(self, values: Mapping[str, object], options: Mapping[str, str]) -> list[str]:
+        """What is wrong with values and options given for this effect, in words."""
+        found = []
+        for name, word in options.items():
+            words = self.options.get(name)
+            if words is None:
+                known = ", ".join(self.options) or "none"
+                found.append(f"{self.name} has no option {name!r}; it has: {known}.")
+            elif word not in words:
+                found.append(f"{name} of {self.name} is {word!r}; possible: {', '.join(words)}.")
+        if found:
+            return found
+        unknown = [name for name in values if not self.accepts(name)]
+        if unknown:
+            known = ", ".join(item.name for item in self.parameters)
+            more = " and derivatives" if self.derivatives else ""
+            found.append(f"{self.name} takes no {', '.join(unknown)}; it takes {known}{more}.")
+        missing = [name for name in self.required(options) if name not in values]
+        if missing:
+            found.append(f"{self.name} lacks {', '.join(missing)}.")
+        return found

@@ -1,0 +1,377 @@
+"""Model: a ship, its water, effects by name and their values, as data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import Convention, canonical, parse_derivative
+from pmmkit.effects.added_mass import unknown_places
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
+from pmmkit.ship import Ship, Water
+
+Value = float | tuple[float, ...]
+DERIVATIVE_PARTS: Final = ("hull_polynomial", "rudder_abkowitz", "added_mass")
+FN_TOLERANCE: Final = 1e-3
+"""Share of a Froude number by which a speed may lie beside the range of the values."""
+
+
+def _frozen() -> Mapping[str, Any]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One effect of a model with its values.
+
+    Parameters
+    ----------
+    effect : str
+        Name in the catalogue.
+    values : mapping of str to float or tuple of float
+        Parameters and derivatives; a tuple holds a value per Froude number of the model.
+    options : mapping of str to str
+        Words that choose a form of the effect.
+    source : str
+        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+    sources : mapping of str to str
+        The same for single values, where it differs.
+    """
+
+    effect: str
+    values: Mapping[str, Value] = field(default_factory=_frozen)
+    options: Mapping[str, str] = field(default_factory=_frozen)
+    source: str = ""
+    sources: Mapping[str, str] = field(default_factory=_frozen)
+
+    def source_of(self, name: str) -> str:
+        """Where one value comes from."""
+        return self.sources.get(name, self.source)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Model:
+    """A manoeuvring model, complete and checked.
+
+    Parameters
+    ----------
+    name : str
+        Short name.
+    ship, water : Ship, Water
+        The ship at the scale that the model stands for.
+    parts : mapping of str to Part
+        Effects by name.
+    convention : Convention
+        What the derivatives of the hull, the rudder polynomial and the added mass mean.
+    Fn : tuple of float
+        Froude numbers of values given as tuples, ascending.
+    covariance : array, optional
+        Covariance of `covariance_names` at all Froude numbers, (k n, k n) with the names running
+        fastest; k is 1 where the model has no Froude numbers. NaN where it is not known.
+    covariance_names : tuple of str
+        Derivatives in the covariance.
+    title, scale : str
+        One line for people; at which scale the model is and at which propulsion point.
+    notes, history : tuple of str
+        What a reader must know; the steps that led to the model.
+
+    Raises
+    ------
+    ModelError
+        With everything that is wrong.
+    """
+
+    name: str
+    ship: Ship
+    water: Water = field(default_factory=Water)
+    parts: Mapping[str, Part]
+    convention: Convention = field(default_factory=Convention)
+    Fn: tuple[float, ...] = ()
+    covariance: NDArray[np.float64] | None = None
+    covariance_names: tuple[str, ...] = ()
+    title: str = ""
+    scale: str = ""
+    notes: tuple[str, ...] = ()
+    history: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        found = problems(self)
+        if found:
+            raise ModelError(found, title=f"Model {self.name}")
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the model has roll as a fourth degree of freedom."""
+        return "roll" in self.parts
+
+    def part(self, effect: str, need: str = "the request") -> Part:
+        """One part.
+
+        Raises
+        ------
+        MissingPartError
+            If the model has none of that name.
+        """
+        if effect not in self.parts:
+            raise MissingPartError(
+                f"Model {self.name!r} has no part {effect!r}, which {need} needs. It has "
+                f"{', '.join(self.parts)}. Take the part from a library ship with "
+                f'to_model(table, parts="…") or write it into the model file.'
+            )
+        return self.parts[effect]
+
+    def values(
+        self, effect: str, Fn: float | None = None, *, extrapolate: bool = False
+    ) -> dict[str, float]:
+        """The values of one part at a Froude number, defaults filled in.
+
+        Parameters
+        ----------
+        effect : str
+            A part of the model.
+        Fn : float, optional
+            Froude number; needed where the model has values over several.
+        extrapolate : bool
+            Carry the line through the two nearest Froude numbers on beyond the range.
+
+        Returns
+        -------
+        dict
+            Values between two Froude numbers are interpolated linearly.
+
+        Raises
+        ------
+        ExtrapolationError
+            If `Fn` is outside the range and `extrapolate` is not set.
+        """
+        part = self.part(effect)
+        known = catalogue()[effect]
+        filled = {item.name: item.default for item in known.parameters if item.default is not None}
+        weights = self._weights(Fn, extrapolate) if self.Fn else ()
+        for name, value in part.values.items():
+            filled[name] = (
+                sum(weight * item for weight, item in zip(weights, value, strict=True))
+                if isinstance(value, tuple)
+                else value
+            )
+        return filled
+
+    def _weights(self, Fn: float | None, extrapolate: bool) -> tuple[float, ...]:
+        if Fn is None:
+            raise ModelError(
+                f"Model {self.name!r} has values at {len(self.Fn)} Froude numbers: say which."
+            )
+        low, high = self.Fn[0] * (1 - FN_TOLERANCE), self.Fn[-1] * (1 + FN_TOLERANCE)
+        if not low <= Fn <= high and not extrapolate:
+            raise ExtrapolationError(
+                f"Fn {Fn:.4g} ({self.ship.speed(Fn, self.water.g):.4g} m/s) is outside the range "
+                f"{self.Fn[0]:.4g} to {self.Fn[-1]:.4g} "
+                f"({self.ship.speed(self.Fn[0], self.water.g):.4g} to "
+                f"{self.ship.speed(self.Fn[-1], self.water.g):.4g} m/s) of model {self.name!r}. "
+                f"Choose a speed inside it, or allow it with extrapolate=True."
+            )
+        if len(self.Fn) == 1:
+            return (1.0,)
+        if not extrapolate:
+            Fn = min(max(Fn, self.Fn[0]), self.Fn[-1])
+        right = next((i for i in range(1, len(self.Fn) - 1) if Fn <= self.Fn[i]), len(self.Fn) - 1)
+        share = (Fn - self.Fn[right - 1]) / (self.Fn[right] - self.Fn[right - 1])
+        weights = [0.0] * len(self.Fn)
+        weights[right - 1], weights[right] = 1.0 - share, share
+        return tuple(weights)
+
+    def with_(self, **changes: Any) -> Model:
+        """A copy with some entries changed."""
+        return replace(self, **changes)
+
+    def with_values(self, effect: str, **values: Value) -> Model:
+        """A copy with some values of one part changed or added."""
+        part = self.part(effect)
+        changed = replace(part, values=MappingProxyType({**part.values, **values}))
+        return replace(self, parts=MappingProxyType({**self.parts, effect: changed}))
+
+
+def problems(model: Model) -> list[str]:
+    """Everything that is wrong with a model, in words."""
+    found = []
+    if any(not math.isfinite(x) or x <= 0 for x in model.Fn) or any(
+        a >= b for a, b in zip(model.Fn, model.Fn[1:], strict=False)
+    ):
+        found.append(f"Froude numbers must be positive and ascend: {list(model.Fn)}.")
+    for name, part in model.parts.items():
+        if part.effect != name:
+            found.append(f"The part {name!r} holds the effect {part.effect!r}.")
+            continue
+        found += _part_problems(part, len(model.Fn))
+    found += _roll_problems(model)
+    found += _covariance_problems(model)
+    if model.convention.moment_reference_x or model.convention.motion_reference_x:
+        found.append(
+            "The derivatives must refer to midship; convert the table to midship before it "
+            "becomes a model."
+        )
+    return found
+
+
+def _part_problems(part: Part, rows: int) -> list[str]:
+    known = catalogue().get(part.effect)
+    if known is None:
+        return [f"There is no effect {part.effect!r}; there are: {', '.join(catalogue())}."]
+    found = known.problems(part.values, part.options)
+    if part.effect == "added_mass" and (lost := unknown_places(part.values)):
+        found.append(f"The equations of motion have no place for {', '.join(lost)}.")
+    for name, value in part.values.items():
+        place = f"{part.effect}.{name}"
+        numbers = value if isinstance(value, tuple) else (value,)
+        if isinstance(value, tuple) and len(value) != rows:
+            found.append(f"{place} has {len(value)} values for {rows} Froude numbers.")
+        if not all(math.isfinite(x) for x in numbers):
+            found.append(f"{place} must be finite: {value}.")
+            continue
+        parameter = known.parameter(name)
+        if parameter is None:
+            if known.accepts(name) and canonical(name) != name:
+                found.append(f"{place} is spelled {canonical(name)}.")
+            elif known.accepts(name) and "T" in parse_derivative(name).factors:
+                found.append(f"{place}: factors of the thrust are not simulated.")
+        elif not all(parameter.low <= x <= parameter.high for x in numbers):
+            found.append(
+                f"{place} = {value} is outside {parameter.low:g} to {parameter.high:g} "
+                f"[{parameter.unit}]."
+            )
+    stray = [name for name in part.sources if name not in part.values]
+    if stray:
+        found.append(f"{part.effect} states a source of {', '.join(stray)} but no value.")
+    return found
+
+
+def _roll_problems(model: Model) -> list[str]:
+    if not model.rolls:
+        needed = sorted(
+            name
+            for effect in DERIVATIVE_PARTS
+            if effect in model.parts
+            for name in model.parts[effect].values
+            if needs_roll(name)
+        )
+        return (
+            [f"{', '.join(needed)} need roll, but the model has no part 'roll'."] if needed else []
+        )
+    absent = [name for name in ("GM", "Ixx") if getattr(model.ship, name) is None]
+    return [f"The part 'roll' needs {' and '.join(absent)} of the ship."] if absent else []
+
+
+def needs_roll(name: str) -> bool:
+    """Whether a derivative belongs to roll: a K, or a factor of heel or roll rate."""
+    if name == "lx":
+        return False
+    try:
+        derivative = parse_derivative(name)
+    except UnknownNameError:
+        return False
+    return derivative.channel == "K" or any(
+        derivative.count(factor) for factor in ("p", "phi", "pdot")
+    )
+
+
+def _covariance_problems(model: Model) -> list[str]:
+    if model.covariance is None:
+        return (
+            ["covariance_names are given without a covariance."] if model.covariance_names else []
+        )
+    size = max(len(model.Fn), 1) * len(model.covariance_names)
+    if model.covariance.shape != (size, size):
+        return [
+            f"The covariance has the shape {model.covariance.shape}, expected {(size, size)}: "
+            f"{len(model.covariance_names)} names at {max(len(model.Fn), 1)} Froude numbers."
+        ]
+    values = {
+        name
+        for effect in DERIVATIVE_PARTS
+        if effect in model.parts
+        for name in model.parts[effect].values
+    }
+    found = []
+    stray = [name for name in model.covariance_names if name not in values]
+    if stray:
+        found.append(f"The covariance names {', '.join(stray)}, of which there is no value.")
+    if not np.array_equal(model.covariance, model.covariance.T, equal_nan=True):
+        found.append("The covariance is not symmetric.")
+    if np.any(np.diagonal(model.covariance) < 0):
+        found.append("The covariance has negative variances.")
+    return found
+
+
+def scaled(model: Model, length: float) -> Model:
+    """The model at another scale by Froude's law, with no correction of friction or wake.
+
+    Parameters
+    ----------
+    model : Model
+        Any model.
+    length : float
+        Length between perpendiculars of the scaled ship [m].
+
+    Returns
+    -------
+    Model
+        Non-dimensional values, density and gravity stay; lengths grow with the scale, rates with
+        its inverse root, masses with its cube.
+
+    Raises
+    ------
+    ModelError
+        If the length is not positive.
+    """
+    if not (math.isfinite(length) and length > 0):
+        raise ModelError(f"The length {length} m must be positive.")
+    ratio = length / model.ship.L
+    powers = {
+        "L": 1, "B": 1, "d": 1, "volume": 3, "mass": 3, "Izz": 5, "xG": 1, "zG": 1, "GM": 1,
+        "Ixx": 5, "balance_mass": 3, "balance_Izz": 5, "balance_xG": 1,
+    }  # fmt: skip
+    ship = replace(
+        model.ship,
+        **{
+            name: getattr(model.ship, name) * ratio**power
+            for name, power in powers.items()
+            if getattr(model.ship, name) is not None
+        },
+    )
+    parts = {
+        name: replace(
+            part,
+            values=MappingProxyType(
+                {
+                    key: _times(value, ratio ** _scaling(name, key))
+                    for key, value in part.values.items()
+                }
+            ),
+        )
+        for name, part in model.parts.items()
+    }
+    step = f"Scaled from L = {model.ship.L:g} m to {length:g} m by Froude's law."
+    return replace(
+        model,
+        ship=ship,
+        parts=MappingProxyType(parts),
+        scale=f"L = {length:g} m, by Froude's law from L = {model.ship.L:g} m without correction "
+        f"of friction or wake ({model.scale})",
+        history=(*model.history, step),
+    )
+
+
+def _scaling(effect: str, name: str) -> float:
+    parameter = catalogue()[effect].parameter(name)
+    return 0.0 if parameter is None else parameter.scaling
+
+
+def _times(value: Value, factor: float) -> Value:
+    return tuple(x * factor for x in value) if isinstance(value, tuple) else value * factor

@@ -1,0 +1,178 @@
+"""Library of reference ships: their particulars, read from the model files that come along."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.errors import ModelError, Problem, UnknownNameError
+from pmmkit.files import datasets_folder
+from pmmkit.ship import Ship, Water
+
+_POSITIVE: Final = frozenset({"L", "B", "d", "volume", "mass", "Izz", "Ixx", "rho", "g", "nu"})
+
+
+def ships() -> list[str]:
+    """Names of the ships of the library.
+
+    Examples
+    --------
+    >>> "s175" in ships()
+    True
+    """
+    return sorted(path.stem for path in (datasets_folder() / "ships").glob("*.toml"))
+
+
+def ship_file(name: str) -> Path:
+    """The model file of a library ship.
+
+    Raises
+    ------
+    UnknownNameError
+        With the names there are.
+    """
+    if name not in ships():
+        raise UnknownNameError(
+            f"The library has no ship {name!r}; it has {', '.join(ships())}. For a file of your "
+            f"own write its path with the ending .toml."
+        )
+    return datasets_folder() / "ships" / f"{name}.toml"
+
+
+def load_ship(name: str) -> Ship:
+    """Particulars of a library ship at the scale the library holds it.
+
+    Parameters
+    ----------
+    name : str
+        One of `ships`.
+
+    Returns
+    -------
+    Ship
+
+    Raises
+    ------
+    UnknownNameError
+        If the library has no such ship.
+
+    Examples
+    --------
+    >>> ship = load_ship("s175")
+    >>> ship.L, ship.B, round(ship.block, 4)
+    (175.0, 25.4, 0.5617)
+    """
+    path = ship_file(name)
+    problems: list[Problem] = []
+    ship = read_ship(read_toml(path), str(path), problems)
+    if ship is None:
+        raise ModelError(problems, title=f"Ship {name}")
+    return ship
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The content of a TOML file.
+
+    Raises
+    ------
+    ModelError
+        If the file is missing, not text or not TOML, with the line where known.
+    """
+    try:
+        text = Path(path).read_bytes().decode("utf-8-sig")
+        return tomllib.loads(text)
+    except FileNotFoundError as error:
+        raise ModelError(
+            Problem(message="The file does not exist.", file=str(path), remedy="Check the path.")
+        ) from error
+    except OSError as error:
+        raise ModelError(
+            Problem(message=f"The file cannot be read: {error.strerror}.", file=str(path))
+        ) from error
+    except UnicodeDecodeError as error:
+        raise ModelError(
+            Problem(
+                message=f"The file is not UTF-8 text (byte {error.start}).",
+                file=str(path),
+                remedy="Save it as UTF-8.",
+            )
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise ModelError(
+            Problem(
+                message=f"The file is not valid TOML: {error}.",
+                file=str(path),
+                remedy="Correct that line, or take the file from its source again.",
+            )
+        ) from error
+
+
+def number(value: object) -> float | None:
+    """A finite float from what TOML gives; None for anything else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    try:
+        converted = float(value)
+    except OverflowError:
+        return None
+    return converted if math.isfinite(converted) else None
+
+
+def read_ship(data: Mapping[str, Any], file: str, problems: list[Problem]) -> Ship | None:
+    """The section ``[ship]`` of a file; what is wrong is added to `problems`."""
+    given = _section(data, "ship", Ship, ("name",), file, problems)
+    return None if given is None else Ship(**given)
+
+
+def read_water(data: Mapping[str, Any], file: str, problems: list[Problem]) -> Water | None:
+    """The section ``[water]`` of a file; what is wrong is added to `problems`."""
+    given = _section(data, "water", Water, (), file, problems)
+    return None if given is None else Water(**given)
+
+
+def _section(
+    data: Mapping[str, Any],
+    section: str,
+    kind: type[Ship] | type[Water],
+    texts: Iterable[str],
+    file: str,
+    problems: list[Problem],
+) -> dict[str, Any] | None:
+    content = data.get(section, {})
+    if not isinstance(content, dict):
+        problems.append(Problem(message=f"{section} must be a section.", file=file))
+        return None
+    before = len(problems)
+    known = {field.name: field for field in fields(kind)}
+    given: dict[str, Any] = {}
+    for key, value in content.items():
+        place = f"{section}.{key}"
+        if key not in known:
+            problems.append(
+                Problem(
+                    message=f"{place} is not known; {section} has {', '.join(known)}.", file=file
+                )
+            )
+        elif key in texts:
+            if isinstance(value, str):
+                given[key] = value
+            else:
+                problems.append(Problem(message=f"{place} must be a text.", file=file))
+        elif (read := number(value)) is None:
+            problems.append(
+                Problem(message=f"{place} must be a finite number, not {value!r:.40}.", file=file)
+            )
+        elif key in _POSITIVE and read <= 0.0:
+            problems.append(Problem(message=f"{place} = {read:g} must be positive.", file=file))
+        else:
+            given[key] = read
+    absent = [
+        name for name, field in known.items() if field.default is MISSING and name not in content
+    ]
+    if absent:
+        problems.append(Problem(message=f"{section} lacks {', '.join(absent)}.", file=file))
+    return given if len(problems) == before else None
