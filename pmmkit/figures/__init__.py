@@ -1,6 +1,20 @@
 """What people look at: each function gives a matplotlib Figure and changes nothing global."""
 
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
+from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
 from pmmkit.figures.style import save, svg
+from pmmkit.figures.turns import measures_over_froude, trajectory, turn_histories
 
-__all__ = ["beside_reference", "derivatives_over_froude", "save", "svg"]
+__all__ = [
+    "Cycle",
+    "DriftPoints",
+    "beside_reference",
+    "derivatives_over_froude",
+    "forces_over_drift",
+    "measures_over_froude",
+    "over_a_cycle",
+    "save",
+    "svg",
+    "trajectory",
+    "turn_histories",
+]
