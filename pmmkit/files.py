@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from pmmkit.errors import FileExists
 
 
 @contextmanager
@@ -42,6 +45,45 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         os.replace(part, target)
     finally:
         part.unlink(missing_ok=True)
+
+
+@contextmanager
+def atomic_folder(path: str | Path) -> Iterator[Path]:
+    """A temporary folder beside `path` whose files all move there when the block ends well.
+
+    A folder that is not there yet appears with everything in it at once; in one that is, files of
+    the same name are replaced, each by the whole new one, and others are left alone. On an error
+    nothing is changed.
+
+    Parameters
+    ----------
+    path : path
+        The folder to be filled.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "results"
+    >>> with atomic_folder(target) as part:
+    ...     _ = (part / "note.txt").write_text("all of it")
+    >>> [file.name for file in target.iterdir()]
+    ['note.txt']
+    """
+    target = Path(path).resolve()
+    if target.exists() and not target.is_dir():
+        raise FileExists(f"{target} is a file; the results need a folder.")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    part = target.with_name(f".{target.name}-{uuid.uuid4().hex[:12]}.part")
+    part.mkdir()
+    try:
+        yield part
+        if target.is_dir():
+            for file in sorted(part.iterdir()):
+                os.replace(file, target / file.name)
+        else:
+            os.replace(part, target)
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
 
 
 def write_text(path: str | Path, text: str) -> None:
