@@ -215,7 +215,8 @@ _UNITS: Final[dict[str, tuple[str, float]]] = {
     "deg/s²": ("rad/s2", math.pi / 180),
     "rps": ("1/s", 1.0), "1/s": ("1/s", 1.0), "hz": ("1/s", 1.0), "rpm": ("1/s", 1 / 60),
     "1/min": ("1/s", 1 / 60),
-    "n": ("N", 1.0), "kn_force": ("N", 1e3), "mn": ("N", 1e6), "kgf": ("N", 9.80665),
+    "n": ("N", 1.0), "kn_force": ("N", 1e3), "mn_mega": ("N", 1e6), "mn_milli": ("N", 1e-3),
+    "kgf": ("N", 9.80665),
     "gf": ("N", 9.80665e-3), "tf": ("N", 9806.65), "lbf": ("N", 4.4482216152605),
     "n m": ("N m", 1.0), "nm_moment": ("N m", 1.0), "n-m": ("N m", 1.0), "n·m": ("N m", 1.0),
     "n*m": ("N m", 1.0), "n.m": ("N m", 1.0), "kn m": ("N m", 1e3), "kn-m": ("N m", 1e3),
@@ -223,7 +224,14 @@ _UNITS: Final[dict[str, tuple[str, float]]] = {
     "lbf ft": ("N m", 1.3558179483314004), "lbf-ft": ("N m", 1.3558179483314004),
     "kg": ("kg", 1.0), "t": ("kg", 1e3),
 }  # fmt: skip
-_CASED: Final = {"kN": "kn_force", "MN": "mn", "Nm": "nm_moment", "kNm": "kn m", "kgfm": "kgf m"}
+_CASED: Final = {
+    "kN": "kn_force",
+    "MN": "mn_mega",
+    "mN": "mn_milli",
+    "Nm": "nm_moment",
+    "kNm": "kn m",
+    "kgfm": "kgf m",
+}
 
 
 def unit_factor(unit: str) -> tuple[str, float]:

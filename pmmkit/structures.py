@@ -144,6 +144,8 @@ def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
         return STRUCTURES[choice]
     names = choice.replace(",", " ").split() if isinstance(choice, str) else list(choice)
     try:
+        if not names:
+            raise UnknownNameError("the list is empty.")
         return Structure(name="custom", derivatives=_ordered(names))
     except UnknownNameError as error:
         known = ", ".join(STRUCTURES)

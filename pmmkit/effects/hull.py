@@ -118,8 +118,10 @@ def regressors(
     for name in names:
         factors = parse_derivative(name).factors
         if convention.surge == "constant" and factors == ("u", "u"):
-            factors = ("0",)
-        product = reduce(np.multiply, (values[factor] for factor in factors))
+            bis = convention.system == "bis"
+            product = (state.speed / reference) ** 2 if bis else values["0"]
+        else:
+            product = reduce(np.multiply, (values[factor] for factor in factors))
         columns.append(pressure[name[0]] * square * product)
     return np.stack(columns, axis=1) if columns else np.empty((len(U), 0))
 
@@ -150,9 +152,9 @@ def polynomial(
     collected: dict[tuple[int, ...], list[float]] = {}
     for name, value in values.items():
         derivative = parse_derivative(name)
-        factors = derivative.factors
-        if convention.surge == "constant" and factors == ("u", "u"):
-            factors = ("0",)
+        products: tuple[tuple[str, ...], ...] = (derivative.factors,)
+        if convention.surge == "constant" and derivative.factors == ("u", "u"):
+            products = (("u", "u"), ("v", "v")) if convention.system == "bis" else (("0",),)
         sign = 1.0
         if convention.sway == "beta":
             sign *= derivative.sign_under_flip("v")
@@ -162,9 +164,10 @@ def polynomial(
             derivative.channel, convention.system, L=ship.L, d=ship.d, volume=ship.volume,
             rho=water.rho, g=water.g, U=1.0,
         )  # fmt: skip
-        places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
-        entry = collected.setdefault(places, [0.0] * len(CHANNELS))
-        entry[CHANNELS.index(derivative.channel)] += sign * unit * value
+        for factors in products:
+            places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
+            entry = collected.setdefault(places, [0.0] * len(CHANNELS))
+            entry[CHANNELS.index(derivative.channel)] += sign * unit * value
     return tuple((places, *numbers) for places, numbers in collected.items())  # type: ignore[misc]
 
 

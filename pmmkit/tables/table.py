@@ -16,6 +16,7 @@ from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
@@ -80,8 +81,12 @@ class DerivativeTable:
         ]
         if len(set(self.names)) != n:
             wrong.append("Some derivatives stand twice.")
-        if not self.pooled and np.any(np.diff(self.Fn) <= 0):
-            wrong.append(f"Froude numbers must ascend: {self.Fn}.")
+        if k == 0 or n == 0:
+            wrong.append("It holds no values.")
+        elif not self.pooled and not (
+            np.isfinite(self.Fn).all() and self.Fn[0] >= 0 and np.all(np.diff(self.Fn) > 0)
+        ):
+            wrong.append(f"Froude numbers must be given, none negative, ascending: {self.Fn}.")
         if wrong:
             raise TableError(wrong, title="Not a derivative table")
 
@@ -167,6 +172,32 @@ class DerivativeTable:
             }
         )
 
+    def to_xarray(self) -> xr.Dataset:
+        """A Dataset as in the NetCDF file: value, covariance, dof, method and runs over Fn and
+        derivative (Fn_2 and derivative_2 for the second pair of the covariance)."""
+        import xarray as xr
+
+        from pmmkit.tables.io.netcdf import attributes
+
+        over = ("Fn", "derivative")
+        names = np.array(self.names, dtype=object)
+        return xr.Dataset(
+            {
+                "value": (over, self.value),
+                "covariance": ((*over, "Fn_2", "derivative_2"), self.covariance),
+                "dof": (over, self.dof),
+                "method": (over, self.method.astype(object)),
+                "runs": (over, self.runs),
+            },
+            coords={"Fn": self.Fn, "derivative": names, "Fn_2": self.Fn, "derivative_2": names},
+            attrs=attributes(self),
+        )
+
+    def _repr_html_(self) -> str:
+        frame = self.to_pandas().set_index(["Fn", "derivative"])
+        html: str = frame.to_html(float_format=lambda number: f"{number:.5g}", na_rep="")
+        return html
+
     def __str__(self) -> str:
         frame = self.to_pandas().set_index("derivative")
         text: str = frame.to_string(float_format=lambda number: f"{number:.5g}")
@@ -204,6 +235,13 @@ def from_values(
     notes, provenance
         As in `DerivativeTable`.
 
+    Raises
+    ------
+    TableError
+        If a sequence is not one number per Froude number, or `std` names what `values` does not.
+    UnknownNameError
+        If a name is not that of a derivative.
+
     Examples
     --------
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
@@ -215,10 +253,20 @@ def from_values(
     grid = np.array([np.nan]) if Fn is None else np.asarray(Fn, float)
     names = tuple(canonical(name) for name in values)
     k, n = len(grid), len(names)
+    given = {canonical(name): item for name, item in (std or {}).items()}
+    wrong = [
+        f"{name}: {np.size(item)} numbers for {k} Froude numbers."
+        for name, item in (*values.items(), *given.items())
+        if np.shape(item) not in ((), (1,), (k,))
+    ]
+    wrong += [f"{name} has a std but no value." for name in given if name not in names]
+    if not names:
+        wrong.append("No values are given.")
+    if wrong:
+        raise TableError(wrong, title="Not a derivative table")
     value = np.stack(
         [np.broadcast_to(np.asarray(item, float), (k,)) for item in values.values()], 1
     )
-    given = {canonical(name): item for name, item in (std or {}).items()}
     deviation = np.stack(
         [np.broadcast_to(np.asarray(given.get(name, np.nan), float), (k,)) for name in names],
         axis=1,

@@ -20,7 +20,7 @@ from pmmkit.tables.table import Array, DerivativeTable
 KIND: Final = "pmmkit derivative table"
 SCHEMA: Final = 1
 NOT_READ: Final = "The derivative table is not read"
-NO_FINGERPRINT: Final = "The file has no fingerprint: whether it is as written was not checked."
+NO_FINGERPRINT: Final = "The file was edited: its fingerprint is null, so damage is not noticed."
 
 Part = TypeVar("Part", Convention, Ship, Water)
 
@@ -106,6 +106,8 @@ def assemble(
                 remedy="Write the file again, or take a newer pmmkit.",
             )
         )
+    if not isinstance(header.get("fingerprint", 0), str | None):
+        problems.append(Problem(message="fingerprint is missing.", file=file, remedy=remedy))
     convention = _part(Convention, header, "convention", file, problems)
     ship = _part(Ship, header, "ship", file, problems)
     water = _part(Water, header, "water", file, problems)
@@ -132,7 +134,7 @@ def assemble(
         notes=tuple(notes),
         provenance=MappingProxyType(provenance),
     )
-    stated = header.get("fingerprint")
+    stated = header["fingerprint"]
     if stated is None:
         return table.with_(notes=(*table.notes, NO_FINGERPRINT))
     if stated != fingerprint(table):

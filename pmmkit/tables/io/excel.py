@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _COLUMNS: Final = (*COLUMNS, "dof")
 _SHEETS: Final = ("derivatives", "covariance", "about")
 _CELL: Final = 30_000
-_REMEDY: Final = "To read an edited workbook all the same, delete the row fingerprint in 'about'."
+_REMEDY: Final = "To keep an edit all the same, write null as the fingerprint in the sheet about."
 
 
 def write_excel(table: DerivativeTable, path: str | Path) -> None:

@@ -49,11 +49,18 @@ def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
     }
     with atomic_path(path) as part, h5netcdf.File(part, "w") as file:
         file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
-        for key, value in about(table).items():
-            file.attrs[key] = json.dumps(value) if key in _IN_JSON else value
+        for key, value in attributes(table).items():
+            file.attrs[key] = value
         for name, dimensions in _DIMENSIONS.items():
             kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
             file.create_variable(name, dimensions, kind, data=content[name])
+
+
+def attributes(table: DerivativeTable) -> dict[str, str | int]:
+    """What the file says besides the arrays; nested entries as JSON."""
+    return {
+        key: json.dumps(value) if key in _IN_JSON else value for key, value in about(table).items()
+    }
 
 
 def read_netcdf(path: str | Path) -> DerivativeTable:

@@ -20,7 +20,7 @@ from pmmkit.tables.io.rows import COLUMNS, Grid, cell_text, read_rows
 from pmmkit.tables.table import Array, DerivativeTable
 
 UNKNOWN_SHIP: Final = Ship(
-    name="unknown", L=1.0, B=math.nan, d=math.nan, volume=math.nan, mass=math.nan, Izz=math.nan
+    name="unknown", L=math.nan, B=math.nan, d=math.nan, volume=math.nan, mass=math.nan, Izz=math.nan
 )
 ALONE: Final = (
     "Read from a CSV alone: derivatives taken as independent, degrees of freedom as infinite."
