@@ -7,20 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
-Progress = Callable[[str, int, int], None]
-"""Called with what is being done, how many are done and how many there are."""
-
-
-def silent(what: str, done: int, total: int) -> None:
-    """Progress that nobody sees.
-
-    Parameters
-    ----------
-    what : str
-        What is being done.
-    done, total : int
-        How many are done, how many there are.
-    """
+Progress = Callable[[int, int, str], None]
+"""Called with how many are done, how many there are, and what is being done."""
 
 
 @contextmanager
@@ -35,15 +23,16 @@ def shown(stream: TextIO | None = None) -> Iterator[Progress]:
     Yields
     ------
     Progress
-        To be called with the name of a step, the count done and the total.
+        To be called with the count done, the total, and the name of the step.
 
     Examples
     --------
     >>> with shown(sys.stdout) as progress:
-    ...     for run in range(1, 5):
-    ...         progress("runs", run, 4)
-    runs: 1 of 4
-    runs: 4 of 4
+    ...     for run in range(1, 101):
+    ...         progress(run, 100, f"reading run {run}")
+      1 of 100: reading run 1
+     50 of 100: reading run 50
+    100 of 100: reading run 100
     """
     target = stream or sys.stderr
     if target.isatty():
@@ -53,11 +42,11 @@ def shown(stream: TextIO | None = None) -> Iterator[Progress]:
 
 
 def _lines(stream: TextIO) -> Progress:
-    """The first and the last of each step, so that a log stays short."""
+    """The first, the middle and the last, so that a log stays short."""
 
-    def tell(what: str, done: int, total: int) -> None:
-        if done in (1, total):
-            print(f"{what}: {done} of {total}", file=stream, flush=True)
+    def tell(done: int, total: int, what: str) -> None:
+        if done in (1, total // 2, total):
+            print(f"{done:>{len(str(total))}} of {total}: {what}", file=stream, flush=True)
 
     return tell
 
@@ -68,14 +57,13 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
     from rich.progress import Progress as Bar
 
     columns = (
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+        BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+        TextColumn("{task.description}", markup=False),
     )  # fmt: skip
     with Bar(*columns, console=Console(file=stream)) as bar:
-        tasks = {}
+        task = bar.add_task("", total=None)
 
-        def tell(what: str, done: int, total: int) -> None:
-            if what not in tasks:
-                tasks[what] = bar.add_task(what, total=total)
-            bar.update(tasks[what], completed=done, total=total)
+        def tell(done: int, total: int, what: str) -> None:
+            bar.update(task, completed=done, total=total, description=what)
 
         yield tell
