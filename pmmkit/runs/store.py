@@ -13,7 +13,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
@@ -184,17 +184,12 @@ def _write(file: Any, campaign: Campaign) -> None:
         entry: dict[str, Any] = {"group": group, "run": _plain(run, skip=("loader",))}
         entries.append(entry if reason is None else {**entry, "reason": reason})
         try:
-            to_json(entry)
-            data = run.data
+            problems += _write_run(file, entry, run, dry=bool(problems))
         except DataError as error:
             if reason is None:
                 problems += _problems_of(error, run)
             else:
                 entries[-1]["unreadable"] = str(error)
-            continue
-        problems += unfit(data, run.id)
-        if not problems:
-            write_group(file.create_group(f"runs/{group}"), entry["run"], data)
     if problems:
         raise CampaignError(problems, title=f"{campaign.title!r} is not saved")
     index = to_json(
@@ -212,20 +207,18 @@ def _write(file: Any, campaign: Campaign) -> None:
     file.attrs["index_crc32"] = _crc(index)
 
 
+def _write_run(file: Any, entry: Mapping[str, Any], run: Run, *, dry: bool) -> list[Problem]:
+    """Write one run, or with `dry` only say what is wrong with it."""
+    to_json(entry)
+    data = run.data
+    problems = unfit(data, run.id)
+    if not (problems or dry):
+        write_group(file.create_group(f"runs/{entry['group']}"), entry["run"], data)
+    return problems
+
+
 def _problems_of(error: DataError, run: Run) -> list[Problem]:
-    return [
-        problem
-        if problem.run
-        else Problem(
-            message=problem.message,
-            file=problem.file,
-            run=run.id,
-            column=problem.column,
-            row=problem.row,
-            remedy=problem.remedy,
-        )
-        for problem in error.problems
-    ]
+    return [replace(problem, run=problem.run or run.id) for problem in error.problems]
 
 
 @contextmanager
