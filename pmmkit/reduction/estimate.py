@@ -1,0 +1,373 @@
+"""From the rows of many runs to derivatives with their joint covariance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.reduction.fit import Fit, fit, optional_columns
+from pmmkit.reduction.noise import FLOOR, moderated, whitener
+from pmmkit.reduction.rows import Rows, Sensitivity
+
+Array = NDArray[np.float64]
+ROUNDS = 6
+BIRGE_P = 0.01
+"""Residuals larger than the noise with a probability below this widen the intervals."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Block:
+    """The usable rows of one run in one channel."""
+
+    run: int
+    dynamic: bool
+    design: Array
+    rows: Array
+    covariance: Array | None
+    dof: float
+    keep: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ChannelFit:
+    """One channel at one Froude number.
+
+    Parameters
+    ----------
+    channel : str
+        The channel.
+    fit : Fit
+        Coefficients; the gain acts on whitened rows.
+    chosen : tuple of int
+        Columns of the blocks' designs that were fitted.
+    blocks : tuple of Block
+        The rows that were fitted.
+    whiteners : tuple of array
+        What whitens each block's rows.
+    noise : tuple of array
+        Type A covariance of each block's rows [N², (N m)²].
+    noise_dof : array (k,)
+        Degrees of freedom of each block's noise.
+    residual : tuple of array
+        Rows minus fit, block by block [N, N m].
+    chi_square : float
+        Squared residuals over the noise; NaN where the noise was taken from the residuals.
+    excess : float
+        Factor on the type A variances: 1 where the residuals agree with the noise.
+    """
+
+    channel: str
+    fit: Fit
+    chosen: tuple[int, ...]
+    blocks: tuple[Block, ...]
+    whiteners: tuple[Array, ...]
+    noise: tuple[Array, ...]
+    noise_dof: Array
+    residual: tuple[Array, ...]
+    chi_square: float
+    excess: float
+
+    @property
+    def freedom(self) -> int:
+        """Rows minus coefficients."""
+        return _freedom(self.fit, sum(len(rows) for rows in self.residual))
+
+    def values(self) -> dict[str, float]:
+        """The determined coefficients by name."""
+        return {
+            name: float(value)
+            for name, value in zip(self.fit.names, self.fit.value, strict=True)
+            if not math.isnan(value)
+        }
+
+    def excited(self, column: int) -> int:
+        """How many runs say something about a coefficient."""
+        reach = [
+            float(np.linalg.norm(white @ block.design[:, self.chosen[column]]))
+            for white, block in zip(self.whiteners, self.blocks, strict=True)
+        ]
+        return sum(size > 1e-6 * max(reach) for size in reach) if max(reach) > 0 else 0
+
+    def gains(self) -> list[Array]:
+        """Maps from each block's rows to the coefficients, arrays (p, m_i)."""
+        parts = np.split(
+            self.fit.gain, np.cumsum([len(block.rows) for block in self.blocks])[:-1], axis=1
+        )
+        return [part @ white for part, white in zip(parts, self.whiteners, strict=True)]
+
+
+def blocks_of(
+    rows: Sequence[Rows], channel: str, names: Sequence[str], held: Mapping[str, float]
+) -> list[Block]:
+    """The usable rows of a channel, run by run.
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+        What each run says.
+    channel : str
+        The channel.
+    names : sequence of str
+        The columns wanted.
+    held : mapping of str to float
+        Derivatives held at known values, taken off the rows.
+    """
+    blocks = []
+    for place, item in enumerate(rows):
+        if channel not in item.force or channel not in item.design:
+            continue
+        at = {name: column for column, name in enumerate(item.names[channel])}
+        design = item.design[channel][:, [at[name] for name in names]]
+        fixed = [name for name in held if name in at and name not in names]
+        rest = item.force[channel] - item.design[channel][:, [at[name] for name in fixed]] @ [
+            held[name] for name in fixed
+        ]
+        keep = np.isfinite(rest) & np.isfinite(design).all(axis=1)
+        if not keep.any():
+            continue
+        covariance = item.result.covariance.get(channel)
+        blocks.append(
+            Block(
+                run=place,
+                dynamic=item.result.run.dynamic,
+                design=design[keep],
+                rows=rest[keep],
+                covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
+                dof=item.result.dof.get(channel, math.inf),
+                keep=keep,
+            )
+        )
+    return blocks
+
+
+def fit_channel(
+    channel: str,
+    blocks: Sequence[Block],
+    names: Sequence[str],
+    required: int,
+    private: Mapping[int, Array],
+) -> ChannelFit:
+    """Fit the derivatives of one channel to the rows of one Froude number.
+
+    Parameters
+    ----------
+    channel : str
+        X, Y, N or K.
+    blocks : sequence of Block
+        Rows, a block a run.
+    names : sequence of str
+        Columns of the blocks' designs: the required ones first, then those that are taken only
+        if they do not spoil the others.
+    required : int
+        How many are required.
+    private : mapping of run to array (m_i, q)
+        Errors that each run draws on its own (setting scatter), as columns per standard deviation.
+    """
+    noise, dof = _stated_noise(blocks)
+    scatter = [
+        private[block.run] if block.run in private and block.covariance is not None else None
+        for block in blocks
+    ]
+    whiteners = _whiteners(noise, scatter)
+    design, rows = _white(blocks, whiteners)
+    optional = optional_columns(design[:, :required], names[required:], design[:, required:])
+    chosen = [*range(required), *(required + place for place in optional)]
+    columns = [names[place] for place in chosen]
+    found = fit(columns, design[:, chosen], rows)
+    from_residuals = any(block.covariance is None for block in blocks)
+    for _ in range(ROUNDS if from_residuals else 0):
+        noise, dof = _noise_from_residuals(blocks, noise, dof, whiteners, found, design[:, chosen])
+        whiteners = _whiteners(noise, scatter)
+        design, rows = _white(blocks, whiteners)
+        found = fit(columns, design[:, chosen], rows)
+    misfit = rows - design[:, chosen] @ (found.gain @ rows)
+    chi_square, excess = _excess(misfit, _freedom(found, len(rows)), from_residuals)
+    values = np.nan_to_num(found.value)
+    return ChannelFit(
+        channel=channel,
+        fit=found,
+        chosen=tuple(chosen),
+        blocks=tuple(blocks),
+        whiteners=tuple(whiteners),
+        noise=tuple(excess * covariance for covariance in noise),
+        noise_dof=dof if excess == 1.0 else np.full(len(dof), _freedom(found, len(rows)), float),
+        residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
+        chi_square=chi_square,
+        excess=excess,
+    )
+
+
+def _freedom(found: Fit, rows: int) -> int:
+    return max(rows - int(np.sum(np.any(found.gain != 0, axis=1))), 0)
+
+
+def _stated_noise(blocks: Sequence[Block]) -> tuple[list[Array], Array]:
+    """Moderated noise of the runs that state one; equal noise for the rest."""
+    rows = np.concatenate([block.rows for block in blocks])
+    size = float(np.sqrt(np.mean(rows**2))) or 1.0
+    noise: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
+    dof = np.full(len(blocks), math.inf)
+    for dynamic in (False, True):
+        alike = [
+            (place, block.covariance, block.dof)
+            for place, block in enumerate(blocks)
+            if block.covariance is not None and block.dynamic == dynamic
+        ]
+        if alike:
+            places, covariances, degrees = zip(*alike, strict=True)
+            calm, freedom = moderated(covariances, degrees, size)
+            for place, covariance, value in zip(places, calm, freedom, strict=True):
+                noise[place] = covariance
+                dof[place] = value
+    return noise, dof
+
+
+def _whiteners(noise: Sequence[Array], scatter: Sequence[Array | None]) -> list[Array]:
+    return [
+        whitener(covariance if part is None else covariance + part @ part.T)
+        for covariance, part in zip(noise, scatter, strict=True)
+    ]
+
+
+def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, Array]:
+    pairs = list(zip(whiteners, blocks, strict=True))
+    design = np.concatenate([white @ block.design for white, block in pairs])
+    rows = np.concatenate([white @ block.rows for white, block in pairs])
+    return design, rows
+
+
+def _noise_from_residuals(
+    blocks: Sequence[Block],
+    noise: Sequence[Array],
+    dof: Array,
+    whiteners: Sequence[Array],
+    found: Fit,
+    design: Array,
+) -> tuple[list[Array], Array]:
+    """Noise of runs that state none: mean square residual of static and of oscillating runs."""
+    rows = np.concatenate(
+        [white @ block.rows for white, block in zip(whiteners, blocks, strict=True)]
+    )
+    misfit = rows - design @ (found.gain @ rows)
+    slack = 1 - np.einsum("ij,ji->i", design, found.gain)
+    ends = np.cumsum([len(block.rows) for block in blocks])
+    largest = max(float(np.abs(block.rows).max()) for block in blocks)
+    fresh, degrees = list(noise), dof.copy()
+    for dynamic in (False, True):
+        silent = [
+            place
+            for place, block in enumerate(blocks)
+            if block.covariance is None and block.dynamic == dynamic
+        ]
+        if not silent:
+            continue
+        index = np.concatenate(
+            [np.arange(ends[place] - len(blocks[place].rows), ends[place]) for place in silent]
+        )
+        level = float(noise[silent[0]][0, 0])
+        freedom = float(np.sum(slack[index]))
+        if freedom > 0.5:
+            level *= float(np.sum(misfit[index] ** 2)) / freedom
+        for place in silent:
+            size = len(blocks[place].rows)
+            fresh[place] = np.eye(size) * (level + (FLOOR * largest) ** 2)
+            degrees[place] = freedom if freedom > 0.5 else 0.0
+    return fresh, degrees
+
+
+def _excess(misfit: Array, freedom: int, from_residuals: bool) -> tuple[float, float]:
+    from scipy.special import chdtrc
+
+    if from_residuals:
+        return math.nan, 1.0
+    chi_square = float(misfit @ misfit)
+    if freedom == 0 or chdtrc(freedom, chi_square) > BIRGE_P:
+        return chi_square, 1.0
+    return chi_square, chi_square / freedom
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Joint:
+    """All channels and Froude numbers together.
+
+    Parameters
+    ----------
+    labels : tuple of (int, str)
+        Froude group and coefficient of each entry.
+    value : array (P,)
+        Values.
+    covariance : array (P, P)
+        Type A and type B together.
+    type_a : array (P, P)
+        Type A alone.
+    dof : array (P,)
+        Effective degrees of freedom (Welch and Satterthwaite).
+    """
+
+    labels: tuple[tuple[int, str], ...]
+    value: Array
+    covariance: Array
+    type_a: Array
+    dof: Array
+
+
+def join(
+    fits: Sequence[tuple[int, ChannelFit]],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    run_of: Mapping[int, Sequence[int]],
+    known: Mapping[int, Mapping[str, float]],
+) -> Joint:
+    """Put the fits of all channels and Froude numbers together with their shared errors.
+
+    Parameters
+    ----------
+    fits : sequence of (group, ChannelFit)
+        The fits.
+    sensitivities : sequence (run) of sequence (source)
+        How each run's equations change with each source of uncertainty.
+    run_of : mapping of group to runs
+        Place in `sensitivities` of each run of a group.
+    known : mapping of group to values
+        Derivatives that were held.
+    """
+    labels: list[tuple[int, str]] = []
+    starts = []
+    for group, item in fits:
+        starts.append(len(labels))
+        labels += [(group, name) for name in item.fit.names]
+    total = len(labels)
+    type_a = np.zeros((total, total))
+    shares = np.zeros(total)
+    unknown = np.zeros(total, dtype=bool)
+    pushes: dict[tuple[int, int], Array] = {}
+    for (group, item), start in zip(fits, starts, strict=True):
+        span = slice(start, start + len(item.fit.names))
+        values = {**known.get(group, {}), **item.values()}
+        for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
+            part = gain @ item.noise[index] @ gain.T
+            type_a[span, span] += part
+            degrees = float(item.noise_dof[index])
+            shares[span] += np.diagonal(part) ** 2 / max(degrees, 1e-3)
+            unknown[span] |= (degrees == 0) & (np.diagonal(part) > 0)
+            run = run_of[group][block.run]
+            for number, change in enumerate(sensitivities[run]):
+                if not change.source.shared and block.covariance is None:
+                    continue
+                shift = change.residual(item.channel, values)[block.keep]
+                key = (number, -1 if change.source.shared else run)
+                push = pushes.setdefault(key, np.zeros(total))
+                push[span] += gain @ np.nan_to_num(shift)
+    covariance = type_a + sum(
+        (np.outer(push, push) for push in pushes.values()), np.zeros((total, total))
+    )
+    value = np.concatenate([item.fit.value for _, item in fits]) if fits else np.zeros(0)
+    blank = np.isnan(value) | unknown
+    covariance[blank] = math.nan
+    covariance[:, blank] = math.nan
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = np.where(shares > 0, np.diagonal(covariance) ** 2 / shares, math.inf)
+    return Joint(labels=tuple(labels), value=value, covariance=covariance, type_a=type_a, dof=dof)

@@ -1,0 +1,95 @@
+"""How noisy each run is, with strength borrowed from runs that are alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+FLOOR = 1e-6
+"""Noise below this share of a channel's size does not count: records of a noise-free solver."""
+
+
+def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array]:
+    """Noise levels of like runs, drawn towards each other as far as their scatter is chance.
+
+    Parameters
+    ----------
+    levels : array (k,)
+        Variances estimated run by run.
+    dof : array (k,)
+        Their degrees of freedom.
+
+    Returns
+    -------
+    levels, dof : array (k,)
+        Moderated variances and their degrees of freedom.
+
+    Notes
+    -----
+    Empirical Bayes on the logarithm of the variances, whose sampling variance is the trigamma
+    function of half the degrees of freedom (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3(1)).
+
+    Examples
+    --------
+    >>> levels, dof = shrunk_levels(np.array([1.0, 1.1, 0.9, 1.05]), np.full(4, 10.0))
+    >>> bool(np.ptp(levels) < 1e-12), bool((dof > 30).all())
+    (True, True)
+    """
+    from scipy.special import digamma, polygamma
+
+    half = np.clip(dof, 1.0, 1e6) / 2
+    log = np.log(levels) - (digamma(half) - np.log(half))
+    sampling = polygamma(1, half)
+    if len(levels) < 3:
+        return levels, dof
+    weight = 1 / sampling
+    centre = float(weight @ log / weight.sum())
+    between = max(0.0, float(np.var(log, ddof=1) - sampling.mean()))
+    own = between / (between + sampling)
+    moderated = own * log + (1 - own) * centre
+    variance = own**2 * sampling + (1 - own) ** 2 / weight.sum()
+    return np.exp(moderated), np.maximum(2 / variance, dof)
+
+
+def moderated(
+    covariances: Sequence[Array], dof: Sequence[float], size: float
+) -> tuple[list[Array], Array]:
+    """Covariances of like runs with moderated levels and a floor.
+
+    Parameters
+    ----------
+    covariances : sequence of array (m_i, m_i)
+        Covariance of each run's rows.
+    dof : sequence of float
+        Their degrees of freedom.
+    size : float
+        Size of the channel [N or N m]; `FLOOR` times it is the least standard deviation.
+    """
+    floor = (FLOOR * size) ** 2
+    safe = [covariance + floor * np.eye(len(covariance)) for covariance in covariances]
+    levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
+    calm, freedom = shrunk_levels(levels, np.asarray(dof, float))
+    return [
+        covariance * (new / old) for covariance, new, old in zip(safe, calm, levels, strict=True)
+    ], freedom
+
+
+def whitener(covariance: Array) -> Array:
+    """W with ``W C Wᵀ = 1`` for one covariance, by Cholesky of the correlation.
+
+    Examples
+    --------
+    >>> whitener(np.diag([4.0, 25.0]))
+    array([[0.5, 0. ],
+           [0. , 0.2]])
+    """
+    from scipy.linalg import solve_triangular
+
+    scale = np.sqrt(np.diagonal(covariance))
+    factor = np.linalg.cholesky(covariance / np.outer(scale, scale))
+    inverse: Array = solve_triangular(factor, np.diag(1 / scale), lower=True)
+    return inverse

@@ -1,0 +1,153 @@
+"""Resistance and propulsion tests: what they give beside the derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.reduction.prepare import RunResult
+from pmmkit.runs.run import Campaign
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Resistance:
+    """Resistance straight ahead without propeller.
+
+    Parameters
+    ----------
+    speed, force : array (n,)
+        Speed [m/s] and resistance [N], ascending speed.
+    coefficients : array (3,)
+        Of R = c1 U + c2 U² + c3 U³ fitted to them; fewer points leave the last ones zero.
+    """
+
+    speed: Array
+    force: Array
+    coefficients: Array
+
+    def at(self, speed: Array) -> Array:
+        """Resistance at a speed [N]; only within the range tested."""
+        inside = (speed >= 0.99 * self.speed[0]) & (speed <= 1.01 * self.speed[-1])
+        powers = np.stack([speed, speed**2, speed**3], axis=-1)
+        return np.where(inside, powers @ self.coefficients, np.nan)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Propulsion:
+    """Self-propulsion factors from straight runs with the propeller turning.
+
+    Parameters
+    ----------
+    thrust_deduction, std : float
+        t in X = (1 - t) T - R, and its standard uncertainty from the scatter.
+    wake : mapping of float to float
+        Effective wake fraction by speed [m/s], thrust identity; empty without open-water curve.
+    runs : tuple of str
+        The runs it rests on.
+    """
+
+    thrust_deduction: float
+    std: float
+    wake: Mapping[float, float]
+    runs: tuple[str, ...]
+
+
+def resistance(results: Iterable[RunResult]) -> Resistance | None:
+    """Resistance curve from resistance tests (and straight tows without propeller).
+
+    Parameters
+    ----------
+    results : iterable of RunResult
+        All runs.
+
+    Returns
+    -------
+    Resistance or None
+        None where no resistance test is among them.
+    """
+    points = sorted(
+        (item.run.settings.speed, -float(item.measured["X"][0]))
+        for item in results
+        if item.run.test == "resistance" and "X" in item.measured
+    )
+    if not points:
+        return None
+    speed, force = np.array(points).T
+    order = {1: [1], 2: [1, 2]}.get(len(np.unique(speed)), [0, 1, 2])
+    design = np.stack([speed, speed**2, speed**3], axis=1)[:, order]
+    coefficients = np.zeros(3)
+    coefficients[order] = np.linalg.lstsq(design, force, rcond=None)[0]
+    return Resistance(speed=speed, force=force, coefficients=coefficients)
+
+
+def propulsion(
+    results: Iterable[RunResult], campaign: Campaign, curve: Resistance | None
+) -> Propulsion | None:
+    """Thrust deduction and wake from straight runs with measured thrust.
+
+    Parameters
+    ----------
+    results : iterable of RunResult
+        All runs.
+    campaign : Campaign
+        Its [propeller] may give the diameter and the open-water curve (``J``, ``KT``).
+    curve : Resistance or None
+        The resistance.
+
+    Returns
+    -------
+    Propulsion or None
+        None without thrust, resistance or straight runs in the range of the resistance.
+    """
+    if curve is None:
+        return None
+    straight = [
+        item
+        for item in results
+        if "T" in item.extras
+        and "X" in item.measured
+        and not item.run.dynamic
+        and not item.run.settings.drift
+        and not item.run.settings.rudder
+        and item.run.settings.propeller_rps
+        and np.isfinite(curve.at(np.array([item.run.settings.speed]))[0])
+    ]
+    if not straight:
+        return None
+    thrust = np.array([item.extras["T"] for item in straight])
+    speed = np.array([item.run.settings.speed for item in straight])
+    surplus = np.array([float(item.measured["X"][0]) for item in straight]) + curve.at(speed)
+    share = float(thrust @ surplus / (thrust @ thrust))
+    spread = surplus - share * thrust
+    freedom = len(straight) - 1
+    std = float(np.sqrt(spread @ spread / freedom / (thrust @ thrust))) if freedom else np.nan
+    return Propulsion(
+        thrust_deduction=1 - share,
+        std=std,
+        wake=_wake(straight, campaign),
+        runs=tuple(item.run.id for item in straight),
+    )
+
+
+def _wake(straight: Sequence[RunResult], campaign: Campaign) -> dict[float, float]:
+    """Effective wake by thrust identity, by speed."""
+    diameter = campaign.propeller.get("D")
+    curve = campaign.propeller.get("open_water")
+    if not diameter or not isinstance(curve, Mapping) or "KT" not in curve or "J" not in curve:
+        return {}
+    advance, coefficient = np.asarray(curve["J"], float), np.asarray(curve["KT"], float)
+    order = np.argsort(coefficient)
+    found: dict[float, list[float]] = {}
+    for item in straight:
+        rps = item.run.settings.propeller_rps or 0.0
+        loading = item.extras["T"] / (campaign.water.rho * rps**2 * diameter**4)
+        if coefficient.min() <= loading <= coefficient.max():
+            J = float(np.interp(loading, coefficient[order], advance[order]))
+            speed = item.run.settings.speed
+            found.setdefault(speed, []).append(1 - J * rps * diameter / speed)
+    return {speed: float(np.mean(values)) for speed, values in sorted(found.items())}

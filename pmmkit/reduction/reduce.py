@@ -1,0 +1,356 @@
+"""From a campaign to a derivative table, run by run and then together."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from pmmkit import __version__
+from pmmkit.checks import CheckFinding, Summary, examine, refuse, summarise
+from pmmkit.conventions import CHANNELS, Convention
+from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.reduction.blockage import speed_increase
+from pmmkit.reduction.columns import Columns, columns_of
+from pmmkit.reduction.inertia import rig_of
+from pmmkit.reduction.methods import by_family, by_run
+from pmmkit.reduction.prepare import CycleChoice, RunResult, prepare
+from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
+from pmmkit.reduction.rows import Rows, Sensitivity, rows_of, sensitivity
+from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
+from pmmkit.reduction.words import Offset, notes, offsets
+from pmmkit.runs.run import Campaign, Run
+from pmmkit.structures import Structure, structure_of
+from pmmkit.tables import DerivativeTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Progress = Callable[[int, int, str], None]
+PROPULSION_TESTS = ("resistance", "propulsion")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reduction:
+    """Everything a reduction found.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The derivatives, from one global regression per Froude number.
+    families : dict of str to DerivativeTable
+        The same from each family of tests alone.
+    single_runs : dict of str to DerivativeTable
+        The same from each oscillating run alone.
+    runs : tuple of RunResult
+        Mean or harmonics of each run.
+    findings : tuple of CheckFinding
+        What the checks found.
+    offsets : tuple of Offset
+        Zero offsets of Y, N and K.
+    notes : tuple of str
+        What a reader should know, in words.
+    resistance, propulsion : Resistance, Propulsion or None
+        What the straight runs give.
+    campaign : Campaign
+        What was reduced.
+    rows : tuple of Rows
+        The equations of each run.
+    sensitivities : tuple of tuple of Sensitivity
+        How they change with each stated uncertainty.
+    columns : Columns
+        The derivatives asked for.
+    convention : Convention
+        Meaning of the derivatives.
+    solution : Solution
+        The fits behind the table.
+    """
+
+    table: DerivativeTable
+    families: dict[str, DerivativeTable]
+    single_runs: dict[str, DerivativeTable]
+    runs: tuple[RunResult, ...]
+    findings: tuple[CheckFinding, ...]
+    offsets: tuple[Offset, ...]
+    notes: tuple[str, ...]
+    resistance: Resistance | None
+    propulsion: Propulsion | None
+    campaign: Campaign
+    rows: tuple[Rows, ...]
+    sensitivities: tuple[tuple[Sensitivity, ...], ...]
+    columns: Columns
+    convention: Convention
+    solution: Solution
+
+    def runs_to_pandas(self) -> pd.DataFrame:
+        """A row per run: settings, window, cycles, harmonics [N, N m], sinkage, trim …"""
+        import pandas as pd
+
+        return pd.DataFrame([_run_row(item) for item in self.runs])
+
+
+def reduce_campaign(
+    campaign: Campaign,
+    *,
+    structure: str | Sequence[str] | Structure = "abkowitz3",
+    fn: Literal["each", "pooled"] = "each",
+    cycles: CycleChoice = None,
+    carriage_speed: bool = False,
+    blockage: Literal["report", "correct"] = "report",
+    check: bool = True,
+    progress: Progress | None = None,
+    jobs: int | None = None,
+) -> Reduction:
+    """Reduce captive tests to derivatives.
+
+    Each run is read once and cut to its steady window or its whole cycles; forces and regressors
+    are projected onto means or harmonics; all runs of a Froude number are fitted together,
+    weighted by the noise of their records.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The tests.
+    structure : str, sequence of str or Structure
+        Name of a structure or a list of derivatives.
+    fn : {"each", "pooled"}
+        A set of derivatives per Froude number, or one over all speeds.
+    cycles : int or (int, int), optional
+        Take only this cycle, or these (the first is 1), of oscillating runs. By default the
+        cycle-to-cycle test decides.
+    carriage_speed : bool
+        Make non-dimensional with the carriage speed instead of the instantaneous one. It shifts
+        Yvvv by about Yv/2 and may flip the sign of Nvvv.
+    blockage : {"report", "correct"}
+        Whether the mean blockage of the tank is only reported or corrected for.
+    check : bool
+        Refuse data that contradict themselves.
+    progress : callable, optional
+        Called with (runs done, runs in all, what is done).
+    jobs : int, optional
+        Threads that read runs; the number of processors (8 at most) by default.
+
+    Returns
+    -------
+    Reduction
+        The table and all that stands behind it.
+
+    Raises
+    ------
+    ContradictionError
+        If the checks find contradictions.
+    CampaignError
+        If runs cannot be read; all problems of all runs at once.
+    """
+    wanted = structure_of(structure)
+    convention = Convention(
+        system=wanted.system,
+        surge=wanted.surge,
+        U="carriage" if carriage_speed else "instantaneous",
+    )
+    everything = columns_of(wanted, campaign.runs, CHANNELS)
+    tell = progress or _silent
+    read = _read_all(campaign, everything, convention, cycles, blockage, tell, jobs)
+    findings = examine(campaign, [item[2] for item in read])
+    if check:
+        refuse(findings)
+    rows = tuple(item[0] for item in read)
+    sensitivities = tuple(item[1] for item in read)
+    measured = {channel for item in rows for channel in item.force}
+    columns = columns_of(wanted, campaign.runs, measured)
+    if not columns.required:
+        raise CampaignError(
+            f"The structure {wanted.name!r} has no derivative of the measured channels "
+            f"({', '.join(sorted(measured))})."
+        )
+    tell(len(rows), len(rows), "fitting")
+    solution = solve(rows, sensitivities, columns, _groups(rows, fn))
+    results = tuple(item.result for item in rows)
+    curve = resistance(results)
+    remarks = (
+        *(note for item in results for note in item.notes),
+        *notes(solution),
+        *_tank(campaign, blockage),
+    )
+    return Reduction(
+        table=to_table(
+            solution,
+            columns,
+            campaign,
+            convention,
+            method="global regression",
+            notes=remarks,
+            provenance=_provenance(campaign, wanted, fn, cycles, blockage),
+        ),
+        families=by_family(rows, sensitivities, columns, solution, campaign, convention),
+        single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
+        runs=results,
+        findings=tuple(findings),
+        offsets=offsets(solution),
+        notes=remarks,
+        resistance=curve,
+        propulsion=propulsion(results, campaign, curve),
+        campaign=campaign,
+        rows=rows,
+        sensitivities=sensitivities,
+        columns=columns,
+        convention=convention,
+        solution=solution,
+    )
+
+
+def _silent(*_: object) -> None:
+    """Tell nobody."""
+
+
+_Read = tuple[Rows, tuple[Sensitivity, ...], Summary]
+
+
+def _read_all(
+    campaign: Campaign,
+    columns: Columns,
+    convention: Convention,
+    cycles: CycleChoice,
+    blockage: str,
+    tell: Progress,
+    jobs: int | None,
+) -> list[_Read]:
+    """All runs, read once each by several threads; all their problems at once."""
+    if not campaign.runs:
+        raise CampaignError(f"Campaign {campaign.title!r} has no run to reduce.")
+
+    def one(run: Run) -> _Read | DataError:
+        try:
+            return _read(run, campaign, columns, convention, cycles, blockage)
+        except DataError as error:
+            return error
+
+    problems: list[Problem] = []
+    read: list[_Read] = []
+    total = len(campaign)
+    with ThreadPoolExecutor(jobs or min(8, os.cpu_count() or 1)) as pool:
+        for done, (run, item) in enumerate(_in_order(pool, one, campaign.runs), start=1):
+            tell(done, total, f"reading {run.id}")
+            if isinstance(item, DataError):
+                problems += item.problems
+            else:
+                read.append(item)
+    if problems:
+        raise CampaignError(problems, title=f"Campaign {campaign.title!r} cannot be reduced")
+    return read
+
+
+def _in_order(
+    pool: ThreadPoolExecutor, work: Callable[[Run], Any], runs: Sequence[Run]
+) -> Iterator[tuple[Run, Any]]:
+    yield from zip(runs, pool.map(work, runs), strict=True)
+
+
+def _read(
+    run: Run,
+    campaign: Campaign,
+    columns: Columns,
+    convention: Convention,
+    cycles: CycleChoice,
+    blockage: str,
+) -> _Read:
+    data = run.data
+    once = run.with_(loader=lambda: data)
+    rig = rig_of(campaign)
+    prepared = prepare(once, campaign, cycles=cycles)
+    share = speed_increase(campaign, run.settings.speed) if blockage == "correct" else None
+    names = {
+        channel: listed
+        for channel, listed in columns.names.items()
+        if channel in prepared.result.measured
+    }
+    rows = rows_of(prepared, campaign, rig, names, convention, blockage=share or 0.0)
+    changes = tuple(
+        sensitivity(rows, source, campaign, rig, names, convention)
+        for source in campaign.uncertainty
+    )
+    return _forget(rows, run), changes, summarise(once, campaign)
+
+
+def _forget(rows: Rows, run: Run) -> Rows:
+    """The rows without the samples that were held for the reading."""
+    from dataclasses import replace
+
+    kept = run.with_(settings=rows.result.run.settings)
+    return replace(rows, result=replace(rows.result, run=kept))
+
+
+def _groups(rows: Sequence[Rows], fn: str) -> list[tuple[float, tuple[int, ...]]]:
+    if fn == "pooled":
+        return [(math.nan, tuple(range(len(rows))))]
+    groups = froude_groups([item.result.froude for item in rows])
+    manoeuvring = [
+        (froude, members)
+        for froude, members in groups
+        if any(rows[place].result.run.test not in PROPULSION_TESTS for place in members)
+    ]
+    return manoeuvring or groups
+
+
+def _tank(campaign: Campaign, blockage: str) -> Iterator[str]:
+    speeds = [run.settings.speed for run in campaign.runs]
+    share = speed_increase(campaign, max(speeds))
+    if share is not None:
+        done = "corrected for" if blockage == "correct" else "not corrected for"
+        yield (
+            f"Blockage at {max(speeds):.3g} m/s: the water passes the model {100 * share:.2f} % "
+            f"faster on average ({done}); forces follow with about {200 * share:.1f} %."
+        )
+
+
+def _provenance(
+    campaign: Campaign, structure: Structure, fn: str, cycles: CycleChoice, blockage: str
+) -> dict[str, Any]:
+    return {
+        "pmmkit": __version__,
+        "campaign": campaign.title,
+        "structure": structure.name,
+        "source": structure.source,
+        "fn": fn,
+        "cycles": cycles,
+        "blockage": blockage,
+        "runs": len(campaign),
+        "excluded": {run.id: reason for run, reason in campaign.excluded},
+        **dict(campaign.provenance),
+    }
+
+
+def _run_row(item: RunResult) -> dict[str, Any]:
+    settings = item.run.settings
+    row: dict[str, Any] = {
+        "run": item.run.id,
+        "test": item.run.test,
+        "Fn": item.froude,
+        "speed": settings.speed,
+        "drift_deg": math.degrees(settings.drift),
+        "heel_deg": math.degrees(settings.heel),
+        "rudder_deg": math.degrees(settings.rudder),
+        "propeller_rps": settings.propeller_rps,
+        "period": settings.period,
+        "cycles": item.cycles,
+        "samples": item.samples,
+        "window": item.window,
+    }
+    for channel, values in item.measured.items():
+        covariance = item.covariance[channel]
+        for place, label in enumerate(item.labels):
+            name = _harmonic_name(channel, label)
+            row[name] = float(values[place])
+            if covariance is not None:
+                row[f"{name}_std"] = math.sqrt(covariance[place, place])
+    return row | {f"{name}_mean": value for name, value in item.extras.items()}
+
+
+def _harmonic_name(channel: str, label: str) -> str:
+    """C0 as ``X_mean``, C1 as ``X_cos1``, S1 as ``X_sin1``."""
+    if label == "C0":
+        return f"{channel}_mean"
+    return f"{channel}_{'cos' if label[0] == 'C' else 'sin'}{label[1:]}"
