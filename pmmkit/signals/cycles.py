@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.signals.harmonics import TURN, cycle_count, design_matrix
-from pmmkit.signals.noise import as_record
+from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]
 

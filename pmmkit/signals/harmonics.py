@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.signals.noise import as_record
+from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]
 TURN = 2.0 * np.pi
