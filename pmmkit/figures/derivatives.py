@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from pmmkit.conventions import CHANNELS, canonical
+from pmmkit.effects.state import Array
 from pmmkit.errors import TableError
 from pmmkit.figures import style
-from pmmkit.tables import DerivativeTable
+from pmmkit.tables import DerivativeTable, compare
+from pmmkit.tables.compare import Reference
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +27,7 @@ _WIDEST = (-0.5, 2.5)
 def derivatives_over_froude(
     table: DerivativeTable,
     *,
-    reference: Mapping[str, float] | None = None,
+    reference: Reference | None = None,
     reference_name: str = "reference",
     names: Sequence[str] | None = None,
 ) -> Figure:
@@ -35,8 +37,8 @@ def derivatives_over_froude(
     ----------
     table : DerivativeTable
         A table with a row per Froude number.
-    reference : mapping of str to float, optional
-        Values to compare with, same convention, drawn as a line.
+    reference : DerivativeTable or mapping, optional
+        Values to compare with, as in `tables.compare`, drawn as a line.
     reference_name : str
         Their name in the legend.
     names : sequence of str, optional
@@ -55,7 +57,7 @@ def derivatives_over_froude(
     if table.pooled:
         raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
     shown = list(names or table.names)
-    known = {canonical(name): value for name, value in (reference or {}).items()}
+    known = _beside(table, reference) if reference is not None else {}
     low, high = table.interval()
     factor, prefix = _scale(table.value)
     margin = 0.12 * (table.Fn[-1] - table.Fn[0]) or 0.02
@@ -67,14 +69,15 @@ def derivatives_over_froude(
             column = table.index(name)
             value = factor * table.value[:, column]
             error = [value - factor * low[:, column], factor * high[:, column] - value]
-            axis.set_title(prefix + style.symbol(name, table.convention.system))
+            axis.set_title(prefix + style.symbol(name, table.convention))
             if np.all(np.isnan(value)):
                 _say(axis, "not determined\nby these runs")
                 axis.set_yticks([])
                 continue
             if canonical(name) in known:
-                axis.axhline(
-                    factor * known[canonical(name)],
+                axis.plot(
+                    [table.Fn[0] - margin, *table.Fn, table.Fn[-1] + margin],
+                    factor * known[canonical(name)][[0, *range(len(table.Fn)), -1]],
                     color=style.REFERENCE, ls="--", lw=1.2, label=reference_name,
                 )  # fmt: skip
             axis.errorbar(
@@ -94,7 +97,7 @@ def derivatives_over_froude(
 
 def beside_reference(
     table: DerivativeTable,
-    reference: Mapping[str, float],
+    reference: Reference,
     *,
     reference_name: str = "the reference",
     names: Sequence[str] | None = None,
@@ -109,8 +112,8 @@ def beside_reference(
     ----------
     table : DerivativeTable
         Our values.
-    reference : mapping of str to float
-        The source's values in the same convention.
+    reference : DerivativeTable or mapping
+        The source's values, as in `tables.compare`.
     reference_name : str
         Name of the source for the axis.
     names : sequence of str, optional
@@ -128,11 +131,12 @@ def beside_reference(
     TableError
         If the table and the source have no derivative in common.
     """
-    known = {canonical(name): value for name, value in reference.items() if value}
+    known = {name: value for name, value in _beside(table, reference).items() if np.all(value)}
     shown = [name for name in map(canonical, names or table.names) if name in known]
     if not shown:
         raise TableError("The table and the reference have no derivative in common.")
-    scale = np.array([known.get(name, np.nan) for name in table.names])
+    unknown = np.full(len(table.Fn), np.nan)
+    scale = np.stack([known.get(name, unknown) for name in table.names], axis=1)
     ratio, ends = table.value / scale, np.sort(np.array(table.interval()) / scale, axis=0)
     limits = limits or _limits(ends[:, :, [table.index(name) for name in shown]])
     channels = [channel for channel in CHANNELS if any(name[0] == channel for name in shown)]
@@ -158,7 +162,7 @@ def beside_reference(
             axis.axvline(1.0, color=style.REFERENCE, ls="--", lw=1.2)
             axis.set_yticks(
                 np.arange(len(group)),
-                [style.symbol(name, table.convention.system) for name in group],
+                [style.symbol(name, table.convention) for name in group],
             )
             axis.set_ylim(len(group) - 0.4, -0.6)
             axis.set_xlim(limits)
@@ -166,6 +170,15 @@ def beside_reference(
         axes[-1].set_xlabel(f"value over that of {reference_name} [-]")
         style.legend_below(figure, list(axes))
     return figure
+
+
+def _beside(table: DerivativeTable, reference: Reference) -> dict[str, Array]:
+    """Values of the reference at the Froude numbers and in the convention of the table."""
+    frame = compare(table, reference)
+    return {
+        str(name): group["reference"].to_numpy(float)
+        for name, group in frame.groupby("derivative", sort=False)
+    }
 
 
 def _dots(

@@ -8,8 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.conventions import parse_derivative
+from pmmkit.conventions import Convention
 from pmmkit.files import atomic_path
+from pmmkit.tables.io.latex import symbol as latex_symbol
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -85,35 +86,37 @@ def marker(number: int) -> str:
     return MARKERS[number % len(MARKERS)]
 
 
-def symbol(name: str, system: str = "prime") -> str:
+def symbol(name: str, convention: Convention) -> str:
     """A derivative as mathematical text for an axis.
 
     Parameters
     ----------
     name : str
         Name of a derivative.
-    system : {"prime", "prime-d", "bis"}
-        Non-dimensional system; ``bis`` has two strokes.
+    convention : Convention
+        Decides on one or two strokes, and on v or β.
 
     Examples
     --------
-    >>> symbol("Yvdot")
-    "$Y'_{\\\\dot{v}}$"
-    >>> symbol("Nv|v|")
-    "$N'_{v|v|}$"
+    >>> print(symbol("Yvdot", Convention()))
+    $Y'_{\\dot{v}}$
     """
-    derivative = parse_derivative(name)
-    special = {"phi": r"\phi", "d": r"\delta", "|d|": r"|\delta|"}
-    factors = [
-        rf"\dot{{{factor[0]}}}" if factor.endswith("dot") else special.get(factor, factor)
-        for factor in derivative.factors
-    ]
-    stroke = "''" if system == "bis" else "'"
-    return f"${derivative.channel}{stroke}_{{{''.join(factors)}}}$"
+    beta, double = convention.sway == "beta", convention.system == "bis"
+    return f"${latex_symbol(name, beta=beta, double=double)}$"
 
 
 def legend_below(figure: Figure, axes: Sequence[Axes], columns: int = 4) -> None:
-    """One legend for several axes under the figure, where it covers nothing."""
+    """One legend for several axes under the figure, where it covers nothing.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    axes : sequence of Axes
+        Whose entries it takes; each label once.
+    columns : int
+        Entries side by side.
+    """
     entries: dict[str, Any] = {}
     for axis in axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
