@@ -1,1 +1,66 @@
+"""Checks: data that contradict themselves are refused before anything is fitted."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from pmmkit.checks import (
+    clock,
+    copies,
+    frequency,
+    inertia,
+    motion,
+    particulars,
+    record,
+    reference,
+    scales,
+    signs,
+    static,
+)  # fmt: skip
+from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
+from pmmkit.checks.summary import Summary, summarise
+from pmmkit.runs.run import Campaign
+
+__all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
+
+CHECKS: Final[tuple[Check, ...]] = (
+    *inertia.CHECKS, *signs.CHECKS, *reference.CHECKS, *scales.CHECKS, *copies.CHECKS,
+    *motion.CHECKS, *clock.CHECKS, *record.CHECKS, *particulars.CHECKS, *frequency.CHECKS,
+    *static.CHECKS,
+)  # fmt: skip
+"""All checks, each with its name and a line on what it looks for."""
+
+
+def examine(
+    campaign: Campaign, summaries: Sequence[Summary] | None = None
+) -> tuple[CheckFinding, ...]:
+    """Every check on a campaign, all at once.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The runs, as the campaign file describes them. Each is read once; only a summary of a few
+        kilobytes is kept, so that thousands of runs fit in little memory.
+    summaries : sequence of Summary, optional
+        Summaries already made by `summarise`, one for each run; nothing is read then.
+
+    Returns
+    -------
+    tuple of CheckFinding
+        Errors first, then warnings, then what is worth knowing. Give it to `refuse` to stop on
+        errors.
+
+    Examples
+    --------
+    >>> from pmmkit.ship import Ship, Water
+    >>> hull = Ship(name="hull", L=5.0, B=0.7, d=0.25, volume=0.5, mass=5.0, Izz=800.0)
+    >>> for finding in examine(Campaign(title="", ship=hull, water=Water(rho=1000.0), runs=())):
+    ...     print(finding.severity, finding.message[:60])
+    error The mass 5.000 kg is 0.0100 times the displaced 500.0 kg (rh
+    warning Izz gives a yaw radius of gyration of 2.53 L; ships have 0.22
+    """
+    if summaries is None:
+        summaries = [summarise(run, campaign) for run in campaign.runs]
+    found = [finding for check in CHECKS for finding in check.examine(campaign, summaries)]
+    return tuple(sorted(found, key=lambda finding: SEVERITIES.index(finding.severity)))

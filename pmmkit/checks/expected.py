@@ -1,0 +1,156 @@
+"""What size forces should have: rough estimates from the particulars, to tell a factor by."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+if TYPE_CHECKING:
+    from pmmkit.runs.run import Campaign
+    from pmmkit.ship import Ship, Water
+
+ROUND_FACTORS: Final[tuple[tuple[float, str], ...]] = (
+    (9.80665, "g: kilogram-force against newton"),
+    (1000.0, "1000: kilo, or milli"),
+    (1e6, "a million"),
+    (180 / math.pi, "180/π: degrees against radians"),
+    (2 * math.pi, "2π: revolutions against radians"),
+    (60.0, "60: minutes against seconds"),
+    (3600 / 1852, "1.944: knots against m/s"),
+    ((3600 / 1852) ** 2, "1.944²: knots against m/s, squared"),
+    (10.0, "10"),
+    (100.0, "100: per cent, or centimetres"),
+    (2.0, "2: ½ρ against ρ, or half a ship"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """Estimates for a hull, SI.
+
+    Parameters
+    ----------
+    m, Izz : float
+        What oscillates on the balance [kg], [kg m²] about midship.
+    mx, my, Jz : float
+        Added masses [kg], added inertia [kg m²].
+    Yv, Yr, Nv, Nr : float
+        Linear derivatives in the prime system [-].
+    wetted : float
+        Wetted surface [m²].
+    """
+
+    m: float
+    Izz: float
+    mx: float
+    my: float
+    Jz: float
+    Yv: float
+    Yr: float
+    Nv: float
+    Nr: float
+    wetted: float
+
+
+def expected(campaign: Campaign) -> Expected:
+    """Estimates for the ship of a campaign.
+
+    Linear derivatives and accelerations after Clarke, Gedling and Hine (1983), surge added mass
+    5 % of the mass, wetted surface 1.7 L d + volume/d (Denny, Mumford). Right within some 30 %
+    for merchant hulls in deep water, which is enough to tell a factor of two.
+
+    Examples
+    --------
+    >>> from pmmkit.runs.run import Campaign
+    >>> from pmmkit.ship import Ship, Water
+    >>> s175 = Ship(name="S175", L=175., B=25.4, d=8.5, volume=21222., mass=2.1752e7, Izz=3.84e10)
+    >>> guess = expected(Campaign(title="", ship=s175, water=Water(rho=1025.), runs=()))
+    >>> round(guess.Yv, 5), round(guess.Nr, 5), round(guess.my / guess.m, 2)
+    (-0.01239, -0.00211, 1.09)
+    """
+    ship, rho = campaign.ship, campaign.water.rho
+    L, B, d, block = ship.L, ship.B, ship.d, ship.block
+    slender = math.pi * (d / L) ** 2
+    force, inertia = 0.5 * rho * L**3, 0.5 * rho * L**5
+    return Expected(
+        m=ship.mass if ship.balance_mass is None else ship.balance_mass,
+        Izz=ship.Izz if ship.balance_Izz is None else ship.balance_Izz,
+        mx=0.05 * ship.mass,
+        my=slender * (1 + 0.16 * block * B / d - 5.1 * (B / L) ** 2) * force,
+        Jz=slender * (1 / 12 + 0.017 * block * B / d - 0.33 * B / L) * inertia,
+        Yv=-slender * (1 + 0.4 * block * B / d),
+        Yr=-slender * (-0.5 + 2.2 * B / L - 0.08 * B / d),
+        Nv=-slender * (0.5 + 2.4 * d / L),
+        Nr=-slender * (0.25 + 0.039 * B / d - 0.56 * B / L),
+        wetted=1.7 * L * d + ship.volume / d,
+    )
+
+
+def prime_unit(campaign: Campaign, name: str, speed: float) -> float:
+    """Unit of a force, moment or motion in the prime system at a speed, SI.
+
+    Examples
+    --------
+    >>> from pmmkit.runs.run import Campaign
+    >>> from pmmkit.ship import Ship, Water
+    >>> ship = Ship(name="", L=2., B=1., d=.5, volume=1., mass=1., Izz=1.)
+    >>> base = Campaign(title="", ship=ship, water=Water(rho=1000.), runs=())
+    >>> prime_unit(base, "N", 3.0), prime_unit(base, "rdot", 3.0)
+    (36000.0, 2.25)
+    """
+    L = campaign.ship.L
+    pressure = 0.5 * campaign.water.rho * speed**2
+    units = {
+        "X": pressure * L**2, "Y": pressure * L**2, "N": pressure * L**3, "K": pressure * L**3,
+        "T": pressure * L**2, "u": speed, "v": speed, "r": speed / L,
+        "udot": speed**2 / L, "vdot": speed**2 / L, "rdot": (speed / L) ** 2,
+    }  # fmt: skip
+    return units[name]
+
+
+def resistance_estimate(ship: Ship, water: Water, speed: float, wetted: float) -> float:
+    """Resistance [N] of a smooth hull at low Froude number: 1.2 times the ITTC 1957 line."""
+    reynolds = max(speed * ship.L / (water.nu or 1.14e-6), 1e5)
+    friction = 0.075 / (math.log10(reynolds) - 2) ** 2
+    return 1.2 * friction * 0.5 * water.rho * wetted * speed**2
+
+
+def round_factor(ratio: float, ship: Ship | None = None, spread: float = 1.35) -> str | None:
+    """The round factor, or its inverse, that a ratio comes near to, in words.
+
+    Parameters
+    ----------
+    ratio : float
+        Found over expected.
+    ship : Ship, optional
+        Adds L, L/d and their squares to the factors tried.
+    spread : float
+        How far the ratio may be from the factor, as a factor.
+
+    Returns
+    -------
+    str or None
+        None where no factor is near.
+
+    Examples
+    --------
+    >>> round_factor(1 / 9.7)
+    '1/g: kilogram-force against newton'
+    >>> round_factor(27.0) is None
+    True
+    """
+    candidates = list(ROUND_FACTORS)
+    if ship is not None:
+        candidates += [
+            (ship.L / ship.d, f"L/d = {ship.L / ship.d:.3g}: ½ρL² against ½ρLd"),
+            ((ship.L / ship.d) ** 2, "(L/d)²"),
+            (ship.L, f"L = {ship.L:.4g} m: a moment in another arm"),
+        ]
+    size = abs(ratio)
+    if not math.isfinite(size) or size == 0:
+        return None
+    tried = [(abs(math.log(size / factor)), words) for factor, words in candidates]
+    tried += [(abs(math.log(size * factor)), f"1/{words}") for factor, words in candidates]
+    distance, words = min(tried)
+    return words if distance < math.log(spread) else None

@@ -1,0 +1,221 @@
+"""Is the model's inertia inside the forces, and does the campaign file say so?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.checks.expected import expected, round_factor
+from pmmkit.checks.finding import Array, Check, CheckFinding, figure, share_of
+
+if TYPE_CHECKING:
+    from pmmkit.checks.summary import Summary
+    from pmmkit.runs.run import Campaign
+
+INSIDE: Final = 0.6
+REMOVED: Final = 0.4
+PLAUSIBLE: Final = (-1.0, 2.2)
+SHALLOW: Final = 3.0
+
+
+@dataclass(frozen=True)
+class _Question:
+    """One place where inertia shows: a force that goes with a motion."""
+
+    key: str
+    name: str
+    tests: tuple[str, ...]
+    words: str
+    inside: str
+    removed: str
+    unit: str
+
+
+_QUESTIONS: Final = (
+    _Question("Y", "inertia in Y", ("pure_sway",),
+              "Y in phase with the displacement over the sway acceleration",
+              "-(m + my)", "-my", "kg"),
+    _Question("N", "inertia in N", ("pure_yaw",),
+              "N in phase with the heading over the yaw acceleration",
+              "-(Izz + Jz)", "-Jz", "kg m²"),
+    _Question("Yr", "inertia in Y r", ("pure_yaw",),
+              "Y in phase with the yaw rate over r u", "Yr - m", "Yr", "kg"),
+    _Question("X", "inertia in X", ("pure_yaw", "pure_surge"),
+              "X in phase with the surge acceleration over that acceleration",
+              "-(m + mx)", "-mx", "kg"),
+)  # fmt: skip
+
+
+def examine_inertia(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Compare what the forces hold with what the campaign file says they hold.
+
+    The share ``s`` of the model's own inertia inside a force follows from the measured ratio and
+    an estimate of the added mass: about 1 where it is inside, about 0 where it was removed. Above
+    0.6 it counts as inside, below 0.4 as removed; between them, or where the scatter reaches
+    across, nothing is said.
+    """
+    depth = campaign.water.depth
+    if depth is not None and depth < SHALLOW * campaign.ship.d:
+        return
+    for forces in ("hydrodynamic", "balance"):
+        claimed = [item for item in summaries if item.run.forces == forces]
+        verdicts = [
+            verdict
+            for question in _QUESTIONS
+            if (verdict := _ask(question, campaign, claimed)) is not None
+        ]
+        inside = [verdict.question.key for verdict in verdicts if verdict.share > INSIDE]
+        removed = [verdict.question.key for verdict in verdicts if verdict.share < REMOVED]
+        for verdict in verdicts:
+            finding = _judge(verdict, forces, campaign, inside, removed)
+            if finding is not None:
+                yield finding
+
+
+@dataclass(frozen=True)
+class _Verdict:
+    question: _Question
+    runs: tuple[str, ...]
+    slope: float
+    error: float
+    own: float
+    added: float
+    share: float
+    share_error: float
+
+
+def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) -> _Verdict | None:
+    pairs = [(item, *_pair(question.key, item)) for item in summaries if _fits(question, item)]
+    pairs = [
+        (item, motion, force) for item, motion, force in pairs if motion and np.isfinite(force)
+    ]
+    if not pairs:
+        return None
+    motions: Array = np.array([motion for _, motion, _ in pairs])
+    forces: Array = np.array([force for _, _, force in pairs])
+    slope, error = share_of(motions, forces)
+    guess, ship, rho = expected(campaign), campaign.ship, campaign.water.rho
+    own, added = {
+        "Y": (-guess.m, -guess.my),
+        "N": (-guess.Izz, -guess.Jz),
+        "Yr": (-guess.m, guess.Yr * 0.5 * rho * ship.L**3),
+        "X": (-guess.m, -guess.mx),
+    }[question.key]
+    noise = math.sqrt(sum(_noise(question.key, item) ** 2 * motion**2 for item, motion, _ in pairs))
+    error = float(np.nanmax([error, noise / float(motions @ motions)]))
+    return _Verdict(
+        question, tuple(item.run.id for item, _, _ in pairs), slope, error, own, added,
+        (slope - added) / own, abs(error / own),
+    )  # fmt: skip
+
+
+def _fits(question: _Question, item: Summary) -> bool:
+    return item.run.test in question.tests and abs(item.run.settings.drift) < math.radians(0.2)
+
+
+def _pair(key: str, item: Summary) -> tuple[float, float]:
+    """The motion and the force that goes with it."""
+    if key == "Y":
+        return item.s("vdot", 1), item.s("Y", 1)
+    if key == "N":
+        return item.s("rdot", 1), item.s("N", 1)
+    if key == "Yr":
+        return item.c("r", 1) * item.c("u", 0), item.c("Y", 1)
+    order = 1 if item.run.test == "pure_surge" else 2
+    return item.s("udot", order), item.s("X", order)
+
+
+def _noise(key: str, item: Summary) -> float:
+    channel = key[0]
+    return item.harmonic_noise.get(channel, 0.0)
+
+
+def _judge(
+    verdict: _Verdict, forces: str, campaign: Campaign, inside: list[str], removed: list[str]
+) -> CheckFinding | None:
+    question, share, spread = verdict.question, verdict.share, 2 * verdict.share_error
+    unit = question.unit
+    both = verdict.own + verdict.added
+    ratio = (
+        f"{question.words} is {figure(verdict.slope)} ± {figure(verdict.error, 2)} {unit}"
+        f"{_in_prime(verdict, campaign)}. With the model's inertia inside it would be about "
+        f"{question.inside} = {figure(both)} {unit}, without it about "
+        f"{question.removed} = {figure(verdict.added)} {unit}"
+    )
+    numbers = {
+        "ratio": verdict.slope,
+        "std": verdict.error,
+        "if_inside": both,
+        "if_removed": verdict.added,
+        "share_of_inertia": share,
+    }
+    if not PLAUSIBLE[0] - spread < share < PLAUSIBLE[1] + spread:
+        near = round_factor(verdict.slope / (both if forces == "balance" else verdict.added))
+        sign = (
+            " The sign is against physics: the force and the displacement, or the channels called "
+            "in phase and out of phase, may be exchanged."
+            if share < 0
+            else ""
+        )
+        factor = f" The ratio to what is claimed is near {near}." if near else ""
+        return CheckFinding(
+            check="inertia",
+            severity="error",
+            message=f"{ratio}: it is neither.{sign}{factor}",
+            runs=verdict.runs,
+            remedy="Look at the units, at in_phase_with and at the signs of the axes.",
+            numbers=numbers,
+        )
+    if forces == "hydrodynamic" and share - spread > INSIDE:
+        others = _agreement(inside, removed, "inside")
+        return CheckFinding(
+            check="inertia",
+            severity="error",
+            message=f'{ratio}. The campaign file says forces = "hydrodynamic", but the inertia of '
+            f"the model is still inside.{others}",
+            runs=verdict.runs,
+            remedy='Write forces = "balance", or a correction "inertia still inside" for these '
+            "runs; the reduction then removes it.",
+            numbers=numbers,
+        )
+    if forces == "balance" and share + spread < REMOVED:
+        others = _agreement(removed, inside, "removed")
+        return CheckFinding(
+            check="inertia",
+            severity="error",
+            message=f'{ratio}. The campaign file says forces = "balance", but the inertia of the '
+            f"model was already removed.{others}",
+            runs=verdict.runs,
+            remedy='Write forces = "hydrodynamic", or a correction "inertia already removed" for '
+            "these runs.",
+            numbers=numbers,
+        )
+    return None
+
+
+def _in_prime(verdict: _Verdict, campaign: Campaign) -> str:
+    power = 5 if verdict.question.key == "N" else 3
+    unit = 0.5 * campaign.water.rho * campaign.ship.L**power
+    return f" ({figure(verdict.slope / unit)} in the prime system)"
+
+
+def _agreement(same: list[str], other: list[str], word: str) -> str:
+    text = f" The same is seen in {', '.join(same)}" if len(same) > 1 else ""
+    if other and text:
+        return f"{text}, the reverse in {', '.join(other)}: no single claim fits all channels."
+    if other:
+        return f" The reverse is seen in {', '.join(other)}: no single claim fits all channels."
+    return f"{text}: one claim, {word}, fits them all." if text else ""
+
+
+CHECKS = (
+    Check(
+        "inertia",
+        "the model's inertia inside Y, N, X and Y r, against what the campaign file says",
+        examine_inertia,
+    ),
+)

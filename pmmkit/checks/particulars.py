@@ -1,0 +1,135 @@
+"""Particulars of ship, rudder and propeller that contradict one another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from pmmkit.checks.expected import round_factor
+from pmmkit.checks.finding import Array, Check, CheckFinding, figure
+
+if TYPE_CHECKING:
+    from pmmkit.checks.summary import Summary
+    from pmmkit.runs.run import Campaign
+
+BLOCK: Final = 0.0075
+MASS: Final = 0.05
+GYRATION: Final = (0.17, 0.34)
+EFFICIENCY: Final = (0.3, 0.85)
+
+
+def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Mass against volume, block coefficient against its parts, radius of gyration."""
+    ship, rho = campaign.ship, campaign.water.rho
+    ratio = ship.mass / (rho * ship.volume)
+    if abs(ratio - 1) > MASS:
+        near = round_factor(ratio, spread=1.1)
+        yield CheckFinding(
+            check="particulars",
+            severity="error" if abs(math.log(ratio)) > math.log(1.5) else "warning",
+            message=f"The mass {figure(ship.mass, 4)} kg is {figure(ratio)} times the displaced "
+            f"{figure(rho * ship.volume, 4)} kg (rho times volume)"
+            + (f", near {near}." if near else "; a floating hull has 1."),
+            remedy="Check mass, volume and rho; give what hangs on the balance as balance_mass.",
+            numbers={"ratio": ratio},
+        )
+    radius = math.sqrt(max(ship.Izz / ship.mass - ship.xG**2, 0.0)) / ship.L
+    if not GYRATION[0] < radius < GYRATION[1]:
+        yield CheckFinding(
+            check="particulars",
+            severity="warning",
+            message=f"Izz gives a yaw radius of gyration of {figure(radius)} L; ships have 0.22 to "
+            f"0.28 L.",
+            remedy="Check Izz (kg m², about midship), mass and L.",
+            numbers={"radius": radius},
+        )
+    stated = ship.block_stated
+    if stated is not None and abs(ship.block / stated - 1) > BLOCK:
+        length = ship.volume / (stated * ship.B * ship.d)
+        near = round_factor(ship.block / stated, spread=1.05)
+        yield CheckFinding(
+            check="particulars",
+            severity="warning" if abs(ship.block / stated - 1) < 0.03 else "error",
+            message=f"volume/(L B d) is {ship.block:.4f}, but the block coefficient is stated as "
+            f"{stated:.4f}; with this volume, B and d it belongs to L = {length:.3f} m, stated are "
+            f"{ship.L:.4f} m" + (f" (the ratio is near {near})." if near else "."),
+            remedy="Check L, B, d and volume, and to which length the coefficient belongs.",
+            numbers={"block": ship.block, "stated": stated, "length": length},
+        )
+    yield from _rudder_areas(campaign.rudder)
+
+
+def _rudder_areas(rudder: Mapping[str, Any]) -> Iterator[CheckFinding]:
+    whole = next(
+        (rudder[key] for key in ("area_lateral", "area_total", "area") if key in rudder), None
+    )
+    part = rudder.get("area_movable")
+    if isinstance(whole, (int, float)) and isinstance(part, (int, float)) and part > whole:
+        yield CheckFinding(
+            check="particulars",
+            severity="warning",
+            message=f"The movable rudder area {figure(part)} m² is larger than the whole lateral "
+            f"area {figure(whole)} m², of which it is a part: the two are exchanged.",
+            remedy="Exchange the two areas.",
+            numbers={"movable": float(part), "lateral": float(whole)},
+        )
+
+
+def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """The best efficiency J KT/(2π KQ) of the open-water table, which lies at 0.3 to 0.85."""
+    table = open_water(campaign)
+    if table is None:
+        return
+    J, KT, KQ = table
+    good = (KT > 0) & (KQ > 0) & (J > 0)
+    if not good.any():
+        return
+    efficiency = J[good] * KT[good] / (2 * math.pi * KQ[good])
+    best = float(efficiency.max())
+    if EFFICIENCY[0] <= best <= EFFICIENCY[1]:
+        return
+    power = next(
+        (
+            factor
+            for factor in (10.0, 100.0, 1000.0, 0.1, 0.01)
+            if EFFICIENCY[0] <= best * factor <= EFFICIENCY[1]
+        ),
+        None,
+    )
+    found = (
+        f" With KQ divided by {power:g} it is {best * power:.3f}: the table holds "
+        f"{power:g} KQ (or KT and KQ differ by that factor)."
+        if power
+        else ""
+    )
+    yield CheckFinding(
+        check="open water",
+        severity="error",
+        message=f"The best efficiency J KT/(2π KQ) of the open-water table is {figure(best)}, at "
+        f"J = {figure(float(J[good][np.argmax(efficiency)]))}; propellers reach 0.3 to 0.85."
+        f"{found}",
+        remedy=f"Divide KQ by {power:g} (KQ_factor = {1 / power:g})."
+        if power
+        else "Check the columns of the table.",
+        numbers={"efficiency": best, "factor": power or math.nan},
+    )
+
+
+def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
+    """J, KT, KQ of the campaign's propeller, as stated; None where there is no table."""
+    table = campaign.propeller.get("open_water")
+    if not isinstance(table, Mapping) or not {"J", "KT", "KQ"} <= set(table):
+        return None
+    J, KT, KQ = (np.asarray(table[name], float) for name in ("J", "KT", "KQ"))
+    return (J, KT, KQ) if len(J) == len(KT) == len(KQ) else None
+
+
+CHECKS = (
+    Check(
+        "particulars", "mass, volume, block coefficient, gyration and rudder areas", examine_ship
+    ),
+    Check("open water", "the efficiency that the open-water table implies", examine_open_water),
+)

@@ -1,0 +1,260 @@
+"""Signs against physics: drift, rudder, yaw, resistance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.checks.expected import expected, prime_unit
+from pmmkit.checks.finding import Array, Check, CheckFinding, figure, straight_line
+
+if TYPE_CHECKING:
+    from pmmkit.checks.summary import Summary
+    from pmmkit.runs.run import Campaign
+
+SIGMAS: Final = 3.0
+DRIFT_LIMIT: Final = math.radians(16)
+RUDDER_LIMIT: Final = math.radians(25)
+STATIC: Final = ("static_drift", "static_rudder", "drift_rudder", "resistance", "propulsion")
+
+
+@dataclass(frozen=True)
+class Slope:
+    """A slope of a non-dimensional force over an angle, with the runs behind it."""
+
+    value: float
+    std: float
+    intercept: float
+    runs: tuple[str, ...]
+
+    @property
+    def sign(self) -> int:
+        """Sign where it is certain by 3 standard errors, else 0."""
+        return int(math.copysign(1, self.value)) if abs(self.value) > SIGMAS * self.std else 0
+
+    def __str__(self) -> str:
+        return f"{figure(self.value)} ± {figure(self.std, 2)} per radian"
+
+
+def drift_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:
+    """Slope of a static force over the drift angle, prime system, up to 16°, rudder amidships."""
+    return static_slope(campaign, summaries, channel, "drift", DRIFT_LIMIT)
+
+
+def rudder_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:
+    """Slope of a static force over the rudder angle, prime system, up to 25°, without drift.
+
+    Revolutions and speeds are kept apart: the speed with most runs counts.
+    """
+    return static_slope(campaign, summaries, channel, "rudder", RUDDER_LIMIT)
+
+
+def static_slope(
+    campaign: Campaign, summaries: Sequence[Summary], channel: str, angle: str, limit: float
+) -> Slope | None:
+    """Slope of a force over one angle with the other at zero; None without three angles."""
+    other = "rudder" if angle == "drift" else "drift"
+    speeds: dict[float, list[Summary]] = {}
+    for item in summaries:
+        settings = item.run.settings
+        if (
+            item.run.test in STATIC
+            and abs(getattr(settings, other)) < math.radians(0.3)
+            and abs(getattr(settings, angle)) <= limit
+            and math.isfinite(item.mean(channel))
+        ):
+            speeds.setdefault(round(settings.speed, 3), []).append(item)
+    if not speeds:
+        return None
+    group = max(speeds.values(), key=lambda items: len({_angle(item, angle) for item in items}))
+    if len({_angle(item, angle) for item in group}) < 2:
+        return None
+    angles: Array = np.array([_angle(item, angle) for item in group])
+    forces: Array = np.array(
+        [item.mean(channel) / prime_unit(campaign, channel, item.run.settings.speed)
+         for item in group]
+    )  # fmt: skip
+    slope, intercept, std = straight_line(angles, forces)
+    if not math.isfinite(std):
+        std = 0.25 * abs(slope)
+    return Slope(slope, std, intercept, tuple(item.run.id for item in group))
+
+
+def _angle(item: Summary, angle: str) -> float:
+    return round(float(getattr(item.run.settings, angle)), 9)
+
+
+def examine_signs(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Signs of drift, rudder, yaw damping and resistance.
+
+    With x forward, y to starboard, z down and beta = atan2(-v, u): a positive drift angle pushes
+    the hull to starboard and turns its bow away from the flow, so Y and N rise with beta; a
+    positive rudder turns the ship to starboard, so Y falls and N rises with delta; yaw is damped;
+    a hull without propeller is held back.
+    """
+    yield from _drift(campaign, summaries)
+    yield from _rudder(campaign, summaries)
+    yield from _oscillation(campaign, summaries)
+    yield from _resistance(summaries)
+    yield from _free(summaries)
+
+
+def _drift(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    slopes = {name: drift_slope(campaign, summaries, name) for name in ("Y", "N")}
+    wrong = [name for name, slope in slopes.items() if slope is not None and slope.sign < 0]
+    if not wrong:
+        return
+    if len(wrong) == 2:
+        remedy = 'Write drift_positive = "port-bow": turning the sign of drift mends both.'
+    elif slopes["Y" if wrong == ["N"] else "N"] is None:
+        remedy = 'Write drift_positive = "port-bow", or turn the axis of this channel.'
+    else:
+        other = "N" if wrong == ["Y"] else "Y"
+        remedy = (
+            f'Turn the sign of {wrong[0]} alone (a correction with action = "flip"): '
+            f"{other} has the right sign, so the sign of drift is not to blame."
+        )
+    for name in wrong:
+        slope = slopes[name]
+        assert slope is not None
+        meaning = (
+            "Yv would be positive" if name == "Y" else "the bow would turn into the flow (Munk)"
+        )
+        yield CheckFinding(
+            check="signs",
+            severity="error",
+            message=f"{name}' over the drift angle is {slope}; it should be positive for "
+            f"beta = atan2(-v, u), as {meaning} otherwise.",
+            runs=slope.runs,
+            remedy=remedy,
+            numbers={"slope": slope.value, "std": slope.std},
+        )
+
+
+def _rudder(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    slopes = {name: rudder_slope(campaign, summaries, name) for name in ("Y", "N")}
+    if campaign.kind != "captive" or all(slope is None for slope in slopes.values()):
+        return
+    right = {"Y": -1, "N": 1}
+    wrong = [
+        name for name, slope in slopes.items() if slope is not None and slope.sign == -right[name]
+    ]
+    both = len(wrong) == sum(slope is not None for slope in slopes.values())
+    for name in wrong:
+        slope = slopes[name]
+        assert slope is not None
+        if both:
+            remedy = (
+                'Write rudder_positive = "port" (or take it away if it is there): turning the sign '
+                "of the rudder mends both Y and N."
+            )
+        elif name == "Y" and slope.value > 0.5 * abs(expected(campaign).Yv):
+            remedy = (
+                "A hull answers to drift like this, N rising with Y: the column called rudder "
+                "angle may be the drift angle."
+            )
+        else:
+            remedy = f'Turn the sign of {name} alone (a correction with action = "flip").'
+        yield CheckFinding(
+            check="signs",
+            severity="error",
+            message=f"{name}' over the rudder angle is {slope}; it should be "
+            f"{'negative' if name == 'Y' else 'positive'} for a rudder that turns the ship to "
+            f"starboard when positive.",
+            runs=slope.runs,
+            remedy=remedy,
+            numbers={"slope": slope.value, "std": slope.std},
+        )
+
+
+_DAMPING: Final = (
+    ("pure_sway", "Y", "v", "Yv"), ("pure_sway", "N", "v", "Nv"), ("pure_yaw", "N", "r", "Nr"),
+)  # fmt: skip
+
+
+def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    for test, channel, motion, derivative in _DAMPING:
+        ratios = {
+            item.run.id: item.c(channel, 1)
+            / item.c(motion, 1)
+            / prime_unit(campaign, channel, item.run.settings.speed)
+            * prime_unit(campaign, motion, item.run.settings.speed)
+            for item in summaries
+            if item.run.test == test and item.c(motion, 1) and math.isfinite(item.c(channel, 1))
+        }
+        values = np.array(list(ratios.values()))
+        if not len(values):
+            continue
+        middle = float(np.median(values))
+        std = float(values.std() / math.sqrt(len(values)))
+        if middle > SIGMAS * std:
+            meaning = {
+                "Yv": "it would drive the sway on",
+                "Nv": "the bow would turn into the flow (Munk)",
+                "Nr": "it would drive the turn on",
+            }[derivative]
+            yield CheckFinding(
+                check="signs",
+                severity="error",
+                message=f"{derivative}' from {len(values)} runs of {test} is {figure(middle)} "
+                f"({channel} in phase with the velocity); it should be negative, {meaning} "
+                f"otherwise.",
+                runs=tuple(ratios),
+                remedy="Look at the sign of the channel, of the motion, and at in_phase_with: "
+                "the parts in phase and out of phase may be exchanged.",
+                numbers={"derivative": middle, "std": std},
+            )
+
+
+def _resistance(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    towed = [
+        item
+        for item in summaries
+        if (item.run.test == "resistance" or (
+            item.run.test in STATIC and item.run.settings.propeller_rps == 0
+        ))
+        and abs(item.run.settings.drift) < math.radians(5)
+        and math.isfinite(item.mean("X"))
+    ]  # fmt: skip
+    pushed = [item for item in towed if item.mean("X") > 0]
+    if towed and len(pushed) > len(towed) / 2:
+        largest = max(pushed, key=lambda item: item.mean("X"))
+        yield CheckFinding(
+            check="signs",
+            severity="error",
+            message=f"X is positive in {len(pushed)} of {len(towed)} runs without propeller, "
+            f"{figure(largest.mean('X'))} N at {figure(largest.run.settings.speed)} m/s; a hull "
+            f"that is towed is held back, X should be negative.",
+            runs=tuple(item.run.id for item in pushed),
+            remedy='Write x = "-x" under [axes], or X = { column = …, factor = -1 } where the '
+            "column holds the resistance.",
+            numbers={"X": largest.mean("X"), "runs": float(len(pushed))},
+        )
+
+
+def _free(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    turns = [item for item in summaries if "yaw_per_rudder" in item.facts]
+    wrong = [item for item in turns if item.facts["yaw_per_rudder"] < 0]
+    if turns and len(wrong) > len(turns) / 2:
+        item = wrong[0]
+        yield CheckFinding(
+            check="signs",
+            severity="error",
+            message=f"In {len(wrong)} of {len(turns)} free-running tests the yaw rate follows the "
+            f"rudder with the opposite sign (in {item.run.id} by "
+            f"{figure(item.facts['yaw_per_rudder'])} 1/s); a positive rudder should turn the ship "
+            f"to starboard.",
+            runs=tuple(item.run.id for item in wrong),
+            remedy='Write rudder_positive = "port" (or take it away if it is there), or turn the '
+            "sign of psi and r.",
+            numbers={"yaw_per_rudder": item.facts["yaw_per_rudder"]},
+        )
+
+
+CHECKS = (
+    Check("signs", "drift, rudder, yaw damping and resistance against physics", examine_signs),
+)

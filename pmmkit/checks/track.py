@@ -1,0 +1,236 @@
+"""Facts about recorded motions: velocities against positions, lags, jumps, scales."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.checks.finding import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pmmkit.runs.run import Run
+
+NDArrayInt = NDArray[np.int64]
+NDArrayBool = NDArray[np.bool_]
+
+WINDOW: Final = 1.0
+LAGS: Final = 3.0
+_POINTS: Final = 1500
+_GRID: Final = 61
+
+
+def velocity_facts(
+    t: Array, x: Array, y: Array, psi: Array, u: Array, v: Array
+) -> Mapping[str, float]:
+    """Compare recorded velocities with the positions, in ship axes and in earth axes.
+
+    Both are averaged over the same stretches of about a second (a position difference is the mean
+    of the true velocity over the stretch), so that neither noise nor smoothing biases the answer.
+
+    Parameters
+    ----------
+    t, x, y, psi : array (n,)
+        Time [s], position [m] and unwrapped heading [rad], earth-fixed.
+    u, v : array (n,)
+        The columns said to be velocities in ship axes [m/s].
+
+    Returns
+    -------
+    mapping
+        ``speed`` (rms from the positions) [m/s]; ``body``, ``earth`` (rms difference if the columns
+        are taken in ship axes, in earth axes) [m/s]; ``lag`` (by which the columns are late) [s]
+        and ``lagged`` (rms difference left when that is allowed for) [m/s]; ``scale`` (columns over
+        positions); ``jump`` (largest step of position against the velocity) [m] and ``jumps``.
+
+    Examples
+    --------
+    >>> t = np.arange(0, 60, 0.1)
+    >>> psi = 0.02 * t
+    >>> north, east = np.sin(psi) / 0.02, (1 - np.cos(psi)) / 0.02
+    >>> facts = velocity_facts(t, north, east, psi, np.cos(psi), np.sin(psi))
+    >>> facts["earth"] < 1e-4, round(facts["body"], 1)
+    (True, 0.6)
+    """
+    ahead = u * np.cos(psi) - v * np.sin(psi)
+    across = u * np.sin(psi) + v * np.cos(psi)
+    start, stop = _stretches(t)
+    span = t[stop] - t[start]
+    truth = np.stack([x[stop] - x[start], y[stop] - y[start]]) / span
+    body = np.stack([_averages(t, ahead, start, stop), _averages(t, across, start, stop)])
+    earth = np.stack([_averages(t, u, start, stop), _averages(t, v, start, stop)])
+    best = body if _rms(body - truth) <= _rms(earth - truth) else earth
+    lag, lagged = _lag(t, np.stack([x, y]), best, start, stop)
+    power = float(np.sum(truth**2))
+    steps = np.diff(np.stack([x, y]))
+    rows = np.stack([ahead, across]) if best is body else np.stack([u, v])
+    moved = 0.5 * (rows[:, 1:] + rows[:, :-1]) * np.diff(t)
+    miss = np.hypot(*(steps - moved))
+    usual = float(np.median(miss)) + 1e-9
+    jumps = miss > np.maximum(20 * usual, 0.05 * _rms(truth) + 0.02)
+    return {
+        "speed": _rms(truth),
+        "body": _rms(body - truth),
+        "earth": _rms(earth - truth),
+        "lag": lag,
+        "lagged": lagged,
+        "scale": float(np.sum(best * truth)) / power if power else math.nan,
+        "jump": float(miss.max()) if jumps.any() else 0.0,
+        "jumps": float(np.count_nonzero(jumps)),
+    }
+
+
+def rate_facts(t: Array, angle: Array, rate: Array) -> Mapping[str, float]:
+    """Compare a recorded rate with the difference of what it is the rate of.
+
+    Returns
+    -------
+    mapping
+        ``slope`` (recorded over true rate, least squares), ``left`` (rms difference over the rms of
+        the true rate) and ``lag`` [s].
+
+    Examples
+    --------
+    >>> t = np.arange(0, 60, 0.1)
+    >>> round(rate_facts(t, np.sin(t), np.degrees(np.cos(t)))["slope"], 1)
+    57.3
+    """
+    start, stop = _stretches(t)
+    truth = (angle[stop] - angle[start]) / (t[stop] - t[start])
+    found = _averages(t, rate, start, stop)
+    power = float(truth @ truth)
+    if power == 0:
+        return {}
+    slope = float(truth @ found) / power
+    scaled = found / slope if abs(slope) > 1e-6 else found
+    lag, _ = _lag(t, angle[None], scaled[None], start, stop)
+    return {"slope": slope, "left": _rms(found - truth) / _rms(truth), "lag": lag}
+
+
+def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
+    """Facts of a free-running record: positions, velocities, yaw rate, rudder."""
+    column = _columns(data)
+    psi = np.unwrap(column["psi"]) if "psi" in column else None
+    facts: dict[str, float] = {}
+    if psi is not None and {"x", "y", "u", "v"} <= set(column):
+        series = (column["x"], column["y"], psi, column["u"], column["v"])
+        good = _finite(*series)
+        if np.count_nonzero(good) > 50:
+            facts |= velocity_facts(t[good], *(part[good] for part in series))
+    if psi is not None and {"x", "y", "xdot", "ydot"} <= set(column):
+        series = (column["x"], column["y"], psi, column["xdot"], column["ydot"])
+        good = _finite(*series)
+        if np.count_nonzero(good) > 50:
+            found = velocity_facts(t[good], *(part[good] for part in series))
+            facts |= {"dot_body": found["body"], "dot_earth": found["earth"]}
+            facts.setdefault("speed", found["speed"])
+    if psi is not None and "r" in column:
+        good = _finite(psi, column["r"])
+        if np.count_nonzero(good) > 50:
+            facts |= _named("r", rate_facts(t[good], psi[good], column["r"][good]))
+    if {"delta", "r"} <= set(column):
+        facts |= _rudder_facts(t, column["delta"], column["r"])
+    return facts
+
+
+def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
+    """Facts of a captive record: velocities against positions, accelerations against velocities."""
+    column = _columns(data)
+    facts: dict[str, float] = {}
+    if "psi" in column and "r" in column and np.ptp(column["psi"]) > 1e-3:
+        facts |= _named("r", rate_facts(t, np.unwrap(column["psi"]), column["r"]))
+    if "y" in column and {"u", "v"} <= set(column) and run.dynamic:
+        psi = column.get("psi", np.full(len(t), run.settings.drift))
+        x = column.get("x", np.zeros(len(t)))
+        if abs(x[-1] - x[0]) < 0.5 * run.settings.speed * (t[-1] - t[0]):
+            x = x + run.settings.speed * (t - t[0])
+        facts |= velocity_facts(t, x, column["y"], psi, column["u"], column["v"])
+    for name in ("u", "v", "r"):
+        rate = f"{name}dot"
+        if name in column and rate in column and np.ptp(column[name]) > 1e-6 and run.dynamic:
+            facts |= _named(rate, rate_facts(t, column[name], column[rate]))
+    half = len(t) // 2
+    for name in ("u", "v", "r"):
+        if name in column:
+            facts[f"{name}_mean"] = float(np.mean(column[name][half:]))
+    return facts
+
+
+def _columns(data: xr.Dataset) -> Mapping[str, Array]:
+    names = ("x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "xdot", "ydot", "delta")
+    found = {name: np.asarray(data[name].values, float) for name in names if name in data}
+    return {name: part for name, part in found.items() if part.ndim and np.isfinite(part).any()}
+
+
+def _rudder_facts(t: Array, delta: Array, r: Array) -> Mapping[str, float]:
+    """First-order response of the yaw rate: ṙ = a r + b δ; the sign of b tells the rudder's."""
+    good = _finite(delta, r)
+    if np.count_nonzero(good) < 50 or np.ptp(delta[good]) + abs(delta[good].mean()) < 1e-3:
+        return {}
+    t, delta, r = t[good], delta[good], r[good]
+    start, stop = _stretches(t)
+    basis = np.stack([_averages(t, r, start, stop), _averages(t, delta, start, stop)], axis=1)
+    growth = (r[stop] - r[start]) / (t[stop] - t[start])
+    fitted, left, rank, _ = np.linalg.lstsq(basis, growth, rcond=None)
+    if rank < 2 or not left.size:
+        return {}
+    inverse = np.linalg.inv(basis.T @ basis)
+    std = math.sqrt(float(left[0]) / len(growth) * float(inverse[1, 1]) * 10)
+    return {"yaw_per_rudder": float(fitted[1])} if abs(fitted[1]) > 3 * std else {}
+
+
+def _stretches(t: Array) -> tuple[NDArrayInt, NDArrayInt]:
+    """First and last index of overlapping stretches of about a second."""
+    step = float(np.median(np.diff(t)))
+    width = int(np.clip(round(WINDOW / step), 2, max(2, len(t) // 10)))
+    start = np.unique(np.linspace(0, len(t) - 1 - width, _POINTS).astype(int))
+    return start, start + width
+
+
+def _averages(t: Array, values: Array, start: NDArrayInt, stop: NDArrayInt) -> Array:
+    area = np.concatenate(([0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(t))))
+    averages: Array = (area[stop] - area[start]) / (t[stop] - t[start])
+    return averages
+
+
+def _lag(
+    t: Array, places: Array, found: Array, start: NDArrayInt, stop: NDArrayInt
+) -> tuple[float, float]:
+    """By how much ``found`` is late against the rate of ``places``, and the rms then left."""
+    reach = min(LAGS, 0.2 * float(t[-1] - t[0]))
+    inner = (t[start] - reach >= t[0]) & (t[stop] + reach <= t[-1])
+    if np.count_nonzero(inner) < 20:
+        return 0.0, math.nan
+    begin, end = t[start[inner]], t[stop[inner]]
+    lags = np.linspace(-reach, reach, _GRID)
+    left = np.empty(_GRID)
+    for place, lag in enumerate(lags):
+        rate = np.stack(
+            [np.interp(end - lag, t, row) - np.interp(begin - lag, t, row) for row in places]
+        ) / (end - begin)
+        left[place] = _rms(found[:, inner] - rate)
+    best = int(np.argmin(left))
+    if 0 < best < _GRID - 1:
+        low, mid, high = left[best - 1 : best + 2] ** 2
+        bend = low - 2 * mid + high
+        shift = 0.5 * (low - high) / bend if bend > 0 else 0.0
+        return float(lags[best] + shift * (lags[1] - lags[0])), float(left[best])
+    return float(lags[best]), float(left[best])
+
+
+def _named(prefix: str, facts: Mapping[str, float]) -> Mapping[str, float]:
+    return {f"{prefix}_{name}": value for name, value in facts.items()}
+
+
+def _finite(*series: Array) -> NDArrayBool:
+    good: NDArrayBool = np.logical_and.reduce([np.isfinite(part) for part in series])
+    return good
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(np.sum(np.atleast_2d(values) ** 2, axis=0))))
