@@ -23,7 +23,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     Parameters
     ----------
     path : path
-        The file to be written. Its folder is made when missing.
+        The file to be written. Its folder is made when missing; a link is followed.
 
     Examples
     --------
@@ -35,9 +35,9 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     >>> target.read_text()
     'all of it'
     """
-    target = Path(path)
+    target = Path(path).resolve()
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.stem}-{uuid.uuid4().hex[:12]}.part{target.suffix}")
+    part = target.with_name(f".{uuid.uuid4().hex[:12]}.part{target.suffix}")
     try:
         yield part
         with part.open("rb+") as stream:
