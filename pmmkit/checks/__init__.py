@@ -19,7 +19,8 @@ from pmmkit.checks import (
     static,
 )  # fmt: skip
 from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
-from pmmkit.checks.summary import Summary, summarise
+from pmmkit.checks.reading import summarise
+from pmmkit.checks.summary import Summary
 from pmmkit.runs.run import Campaign
 
 __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
@@ -56,9 +57,9 @@ def examine(
     >>> from pmmkit.ship import Ship, Water
     >>> hull = Ship(name="hull", L=5.0, B=0.7, d=0.25, volume=0.5, mass=5.0, Izz=800.0)
     >>> for finding in examine(Campaign(title="", ship=hull, water=Water(rho=1000.0), runs=())):
-    ...     print(finding.severity, finding.message[:60])
-    error The mass 5.000 kg is 0.0100 times the displaced 500.0 kg (rh
-    warning Izz gives a yaw radius of gyration of 2.53 L; ships have 0.22
+    ...     print(finding.severity, finding.check, round(*finding.numbers.values(), 2))
+    error particulars 0.01
+    warning particulars 2.53
     """
     if summaries is None:
         summaries = [summarise(run, campaign) for run in campaign.runs]

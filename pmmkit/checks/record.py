@@ -44,7 +44,7 @@ def flat_facts(values: Array) -> Mapping[str, float]:
     --------
     >>> wave = 10 * np.sin(np.linspace(0, 20, 2001))
     >>> flat_facts(wave)["share"], round(flat_facts(np.clip(wave, -8, 8))["share"], 2)
-    (0.0, 0.38)
+    (0.0, 0.4)
     """
     finite = values[np.isfinite(values)]
     found = {"share": 0.0, "level": 0.0, "stretches": 0.0}

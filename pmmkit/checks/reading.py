@@ -1,0 +1,248 @@
+"""Reading a run once for the checks."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.checks.clock import clock_facts
+from pmmkit.checks.record import flat_facts
+from pmmkit.checks.summary import EMPTY, Array, Summary
+from pmmkit.checks.track import free_facts, motion_facts
+from pmmkit.errors import DataError
+from pmmkit.runs.kinematics import displacement_phase, measured_motion, motion_at_phase
+from pmmkit.runs.run import Campaign, Run
+from pmmkit.signals import design_matrix, steady_window, whole_cycles
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pmmkit.effects.state import State
+
+ORDER: Final = 3
+FORCES: Final = ("X", "Y", "N", "K", "T", "Q", "FX_rudder", "FY_rudder")
+MOTIONS: Final = ("u", "v", "r", "udot", "vdot", "rdot")
+_HULL: Final = ("X", "Y", "N", "K")
+_SKETCH: Final = 48
+
+
+def summarise(run: Run, campaign: Campaign) -> Summary:
+    """Read a run once and keep what the checks need.
+
+    Parameters
+    ----------
+    run : Run
+        A run of the campaign.
+    campaign : Campaign
+        Its campaign.
+
+    Returns
+    -------
+    Summary
+        Quantities that the run does not hold, or that cannot be had (too short, no period
+        stated), are left out; damaged samples are counted in ``facts`` and then passed over.
+    """
+    data = run.data
+    if run.kind == "history":
+        return _of_history(run, campaign, data)
+    if run.kind == "harmonics":
+        return _of_harmonics(run, data)
+    means = {name: float(data[name]) for name in FORCES if name in data}
+    values = np.array([means[name] for name in _HULL if name in means])
+    return Summary(run=run, means=means, digest=_digest(values), sketch=_scaled(values))
+
+
+def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
+    cos, sin = {}, {}
+    for name in FORCES:
+        if f"{name}_cos" in data:
+            cos[name] = _first(data[f"{name}_cos"].values)
+            sin[name] = _first(data[f"{name}_sin"].values)
+    values = np.concatenate(
+        [part[name] for name in _HULL if name in cos for part in (cos, sin)] or [EMPTY]
+    )
+    values = values[np.isfinite(values)]
+    means = {name: float(part[0]) for name, part in cos.items()}
+    theta = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    try:
+        state = motion_at_phase(run, theta)
+    except DataError:
+        state = None
+    if state is not None:
+        coefficients = _fit(theta, _stack(state))
+        for row, name in enumerate(MOTIONS):
+            cos[name], sin[name] = _split(coefficients[row])
+    return Summary(
+        run=run, means=means, cos=cos, sin=sin, digest=_digest(values), sketch=_scaled(values)
+    )
+
+
+def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
+    raw = np.asarray(data["t"].values, float)
+    facts = dict(clock_facts(raw))
+    columns = {
+        name: np.asarray(data[name].values, float)
+        for name in (*FORCES, *(("x", "y") if campaign.kind == "free-running" else ()))
+        if name in data and data[name].dims == ("t",)
+    }
+    columns = {
+        name: part for name, part in columns.items() if np.count_nonzero(np.isfinite(part)) > 16
+    }
+    present = [name for name in FORCES if name in columns]
+    for name in _HULL:
+        if name in columns:
+            facts |= {f"{name}_flat_{k}": v for k, v in flat_facts(columns[name]).items()}
+    values = np.concatenate(
+        [columns[name] for name in (*_HULL, "x", "y") if name in columns] or [EMPTY]
+    )
+    digest = _digest(values)
+    order = _usable(raw, columns)
+    if len(order) < 16:
+        return Summary(run=run, digest=digest, facts=facts)
+    t = raw[order]
+    clean = data if len(order) == len(raw) else data.isel(t=order)
+    if campaign.kind == "free-running":
+        return Summary(run=run, digest=digest, facts={**facts, **free_facts(clean, t)})
+    forces = (
+        np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
+    )
+    facts |= motion_facts(run, clean, t)
+    at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)
+    hull = [row for row, name in enumerate(present) if name in _HULL]
+    shared: dict[str, Any] = {
+        "run": run,
+        "digest": digest,
+        "facts": facts,
+        "sketch": _scaled(forces[hull][:, at].ravel()),
+    }
+    if not present:
+        return Summary(**shared)
+    if run.dynamic:
+        return _oscillating(run, clean, t, present, forces, shared)
+    window = steady_window(t, forces)
+    part = forces[:, window.start : window.stop]
+    return Summary(means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)), **shared)
+
+
+def _oscillating(
+    run: Run,
+    data: xr.Dataset,
+    t: Array,
+    names: list[str],
+    forces: Array,
+    shared: Mapping[str, Any],
+) -> Summary:
+    """Harmonics of the whole cycles without transient, and of each cycle."""
+    try:
+        theta = displacement_phase(run, data, t)
+        state = measured_motion(run, data, t)
+        cycles = whole_cycles(t, theta, forces)
+    except DataError:
+        means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
+        return Summary(means=means, **shared)
+    part = slice(cycles.start, cycles.stop)
+    rows = np.concatenate([forces[:, part], _stack(state)[:, part]])
+    coefficients = _fit(theta[part], rows)
+    cos, sin = {}, {}
+    for row, name in enumerate([*names, *MOTIONS]):
+        cos[name], sin[name] = _split(coefficients[row])
+    nominal = _split_nominal(run, theta[part])
+    single, noise = _by_cycle(theta, forces)
+    count = max(cycles.count, 1)
+    hull = [(row, name) for row, name in enumerate(names) if name in _HULL]
+    return Summary(
+        means={name: float(cos[name][0]) for name in names},
+        cos=cos | {name: part[0] for name, part in nominal.items()},
+        sin=sin | {name: part[1] for name, part in nominal.items()},
+        cycles={name: single[:, row] for row, name in hull} if len(single) else {},
+        cycle_noise={name: float(noise[row]) for row, name in hull},
+        harmonic_noise={name: float(noise[row]) / math.sqrt(count) for row, name in hull},
+        **shared,
+    )
+
+
+def _by_cycle(theta: Array, forces: Array) -> tuple[Array, Array]:
+    """Coefficients of each cycle (cycles, channels, 7), and the noise of a first harmonic.
+
+    The noise is that of the residual of a fit of order 6 to each cycle, widened for the
+    correlation of neighbouring samples.
+    """
+    step = float(np.median(np.diff(theta)))
+    total = int((theta[-1] - theta[0] + 1.25 * step) / (2 * np.pi))
+    edges = np.searchsorted(theta, theta[0] + 2 * np.pi * np.arange(total + 1) - 0.25 * step)
+    single, noise = [], []
+    for start, stop in itertools.pairwise(edges):
+        if stop - start < 4 * ORDER + 4:
+            return np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
+        basis = design_matrix(theta[start:stop], min(2 * ORDER, (stop - start) // 4))
+        fitted = np.linalg.lstsq(basis, forces[:, start:stop].T, rcond=None)[0]
+        rest = forces[:, start:stop].T - basis @ fitted
+        power = np.einsum("ij,ij->j", rest, rest)
+        lag = np.einsum("ij,ij->j", rest[1:], rest[:-1])
+        rho = np.clip(np.divide(lag, power, out=np.zeros_like(lag), where=power > 0), 0, 0.98)
+        free = max(stop - start - basis.shape[1], 1)
+        noise.append(np.sqrt(2 * power / free / (stop - start) * (1 + rho) / (1 - rho)))
+        single.append(fitted[: 2 * ORDER + 1].T)
+    if not single:
+        return np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
+    return np.stack(single), np.median(noise, axis=0)
+
+
+def _split_nominal(run: Run, theta: Array) -> Mapping[str, tuple[Array, Array]]:
+    """Harmonics of the motion that the test was set to, under ``nominal_v`` and so on."""
+    try:
+        coefficients = _fit(theta, _stack(motion_at_phase(run, theta)))
+    except DataError:
+        return {}
+    return {f"nominal_{name}": _split(coefficients[row]) for row, name in enumerate(MOTIONS)}
+
+
+def _stack(state: State) -> Array:
+    return np.stack([np.asarray(getattr(state, name), float) for name in MOTIONS])
+
+
+def _fit(theta: Array, rows: Array) -> Array:
+    basis = design_matrix(theta, ORDER)
+    return np.asarray(np.linalg.lstsq(basis, rows.T, rcond=None)[0].T, float)
+
+
+def _split(coefficients: Array) -> tuple[Array, Array]:
+    return (
+        np.concatenate((coefficients[:1], coefficients[1::2])),
+        np.concatenate((np.zeros(1), coefficients[2::2])),
+    )
+
+
+def _first(values: Array) -> Array:
+    """Harmonics 0 to 3, nan where the row has fewer."""
+    out = np.full(ORDER + 1, np.nan)
+    take = np.asarray(values, float)[: ORDER + 1]
+    out[: len(take)] = take
+    return out
+
+
+def _usable(t: Array, columns: Mapping[str, Array]) -> NDArray[np.intp]:
+    """Indices of the samples with a time and all forces, in order of time, each time once."""
+    good = np.isfinite(t)
+    for name in _HULL:
+        if name in columns:
+            good &= np.isfinite(columns[name])
+    index = np.flatnonzero(good)
+    _, first = np.unique(t[index], return_index=True)
+    return index[first]
+
+
+def _digest(values: Array) -> str:
+    if not values.size or not np.any(values):
+        return ""
+    return hashlib.blake2b(np.ascontiguousarray(values).tobytes(), digest_size=16).hexdigest()
+
+
+def _scaled(values: Array) -> Array:
+    return values if np.all(np.isfinite(values)) else EMPTY
