@@ -21,7 +21,8 @@ from pmmkit.tables.table import Array, DerivativeTable
 
 NOT_CONVERTED: Final = "The table is not converted"
 BIS_NOTE: Final = (
-    "bis: derivatives of terms whose power of speed is not 2 hold at U = Fn sqrt(g L) of their row."
+    "Converted between bis and a prime system at U = Fn sqrt(g L) of each row: derivatives of "
+    "terms whose power of speed is not 2 hold at that speed."
 )
 
 
@@ -53,7 +54,8 @@ def converted(
     Notes
     -----
     - `system`: one factor per derivative. In ``bis`` it depends on Fn where the power of speed is
-      not 2 (U = Fn √(gL)); a pooled table with such terms is refused.
+      not 2 (U = Fn √(gL)); a pooled table with such terms is refused. With instantaneous U such
+      terms change their form in drift, which a note of the table says; there and back is exact.
     - `sway`, `rudder_positive`: the sign of terms odd in v and v̇, or in the rudder angle. ``beta``
       is -v' exactly; a source that means the angle itself has β ≈ sin β = -v'.
     - `surge`: ``constant`` and ``u`` differ by Xvv(constant) = Xvv - Xuu, because u'² = 1 - v'²
@@ -268,9 +270,10 @@ def _in_system(table: DerivativeTable, system: System) -> DerivativeTable:
         power = sense * (2 - derivative.speed_power)
         return {derivative.name: factor * table.Fn**power if power else factor}
 
-    notes = tuple(note for note in table.notes if note != BIS_NOTE)
-    if system == "bis" and tied:
-        notes = (*notes, BIS_NOTE)
+    notes = table.notes
+    if through_bis and tied and table.convention.U == "instantaneous":
+        others = tuple(note for note in notes if note != BIS_NOTE)
+        notes = others if BIS_NOTE in notes else (*others, BIS_NOTE)
     return rewritten(table, expand).with_(
         convention=table.convention.with_(system=system), notes=notes
     )
