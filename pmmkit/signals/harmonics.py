@@ -6,13 +6,19 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.signals.periodic import (
+    TURN,
+    between_harmonics,
+    fit_noise,
+    phase_cells,
+    weighted_covariance,
+)
 from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]
-TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -28,13 +34,17 @@ class Harmonics:
     covariance : (c, 2 order + 1, 2 order + 1) array
         Covariance of each channel's coefficients; honours autocorrelation of the noise.
     scatter : (c, 2 order + 1) array or None
-        Standard deviation over the cycles of the coefficients of single cycles; None for one cycle.
+        Standard deviation over the cycles of the coefficients of single cycles; None for one
+        cycle.
     dof : (c,) array
-        Degrees of freedom of the variances, for Student's t.
+        Degrees of freedom of the variances of the harmonics from the first on, for Student's t.
     residual : (c,) array
         Root mean square of what the harmonics leave.
     count : int
         Whole cycles used.
+    coefficient_dof : (c, 2 order + 1) array
+        Degrees of freedom of each variance. That of C0 is lower where the noise is slow, since
+        its spectrum at frequency zero is known from one side only.
     """
 
     order: int
@@ -44,66 +54,228 @@ class Harmonics:
     dof: Array
     residual: Array
     count: int
+    coefficient_dof: Array
 
     @property
     def std(self) -> Array:
         """Standard uncertainty of each coefficient, (c, 2 order + 1)."""
-        return np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1))
+        return np.asarray(np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
 
 
-def design_matrix(theta: Array, order: int) -> Array:
-    """Columns 1, cos θ, sin θ, cos 2θ, sin 2θ, … at each phase, (n, 2 order + 1)."""
-    phase = np.asarray(theta, dtype=float)
-    turn = np.exp(1j * phase)
-    power = np.cumprod(np.broadcast_to(turn[:, None], (phase.size, order)), axis=1)
-    columns = np.empty((phase.size, 2 * order + 1))
-    columns[:, 0] = 1.0
-    columns[:, 1::2] = power.real
-    columns[:, 2::2] = power.imag
-    return columns
+def design_matrix(theta: ArrayLike, order: int) -> Array:
+    """Columns 1, cos θ, sin θ, cos 2θ, sin 2θ, … at each phase.
+
+    Parameters
+    ----------
+    theta : (n,) array
+        Phase [rad].
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    (n, 2 order + 1) array
+
+    Examples
+    --------
+    >>> design_matrix([0.0], 2)
+    array([[1., 1., 0., 1., 0.]])
+    """
+    return _rows(np.asarray(theta, dtype=float), order).T
 
 
-def harmonics(theta: Array, y: Array, *, order: int = 5) -> Harmonics:
-    """Harmonics by least squares on the actual phase, with covariance."""
-    phase, values = as_record(theta, y, name="theta", least=2 * order + 2)
-    count = cycle_count(phase)
-    if count < 1:
-        raise DataError(
-            f"The record covers {(phase[-1] - phase[0]) / TURN:.2f} cycles; "
-            "harmonics need at least one whole cycle."
-        )
-    q, r = np.linalg.qr(design_matrix(phase, order))
-    inverse = np.linalg.inv(r)
-    coefficients = (values @ q) @ inverse.T
-    rest = values - (values @ q) @ q.T
-    residual = np.sqrt(np.mean(rest**2, axis=-1))
-    dof = np.full(values.shape[0], phase.size - q.shape[1], dtype=float)
-    variance = np.sum(rest**2, axis=-1) / dof
-    covariance = variance[:, None, None] * (inverse @ inverse.T)
-    scatter = None
-    if count > 1:
-        edges = np.searchsorted(phase, phase[0] + TURN * np.arange(count + 1) - 1e-9)
-        single = []
-        for i, j in itertools.pairwise(edges):
-            columns = design_matrix(phase[i:j], order)
-            single.append(np.linalg.lstsq(columns, values[:, i:j].T, rcond=None)[0].T)
-        scatter = np.std(np.stack(single), axis=0, ddof=1)
-    return Harmonics(order, coefficients, covariance, scatter, dof, residual, count)
+def _rows(phase: Array, order: int) -> Array:
+    rows = np.empty((2 * order + 1, phase.size))
+    rows[0] = 1.0
+    n = np.arange(1, order + 1)[:, None]
+    np.cos(n * phase, out=rows[1::2])
+    np.sin(n * phase, out=rows[2::2])
+    return rows
 
 
 def cycle_count(phase: Array) -> int:
     """Whole cycles covered; the last sample stands for one step beyond itself."""
     step = float(np.median(np.diff(phase)))
-    return int(np.floor((phase[-1] - phase[0] + 1.25 * step) / TURN))
+    return int((phase[-1] - phase[0] + 1.25 * step) / TURN)
 
 
-def trapezoid_harmonics(theta: Array, y: Array, *, order: int = 5) -> Array:
-    """Harmonics by trapezoidal integration over whole cycles, (c, 2 order + 1)."""
+def cycle_edges(phase: Array, count: int) -> NDArray[np.intp]:
+    """First sample of each of `count` cycles counted from the first sample, and the end."""
+    step = float(np.median(np.diff(phase)))
+    return np.searchsorted(phase, phase[0] + TURN * np.arange(count + 1) - 0.25 * step)
+
+
+def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
+    """Harmonics by least squares on the actual phase, with their covariance.
+
+    Parameters
+    ----------
+    theta : (n,) array
+        Phase of the motion, increasing by 2π a cycle; steps may differ [rad].
+    y : (c, n) array
+        Channels, over at least one whole cycle.
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    Harmonics
+
+    Raises
+    ------
+    DataError
+        If there is less than one cycle, if samples are too few for the order, if values are not
+        finite or the phase does not increase.
+
+    Notes
+    -----
+    The covariance is that of the least-squares weights applied to noise whose autocovariances
+    come from the frequencies between the harmonics (from those above the highest harmonic where
+    there is only one cycle), see `pmmkit.signals.periodic.fit_noise`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> theta = np.linspace(0.0, 6 * np.pi, 300, endpoint=False)
+    >>> found = harmonics(theta, [2.0 + 3.0 * np.cos(theta) - np.sin(2 * theta)], order=2)
+    >>> np.round(found.coefficients, 12) + 0.0
+    array([[ 2.,  3.,  0.,  0., -1.]])
+    >>> bool(np.all(found.std < 1e-12))
+    True
+    """
     phase, values = as_record(theta, y, name="theta", least=2 * order + 2)
     count = cycle_count(phase)
-    gap = TURN * count - (phase[-1] - phase[0])
+    if count < 1:
+        raise DataError(
+            f"The record covers {(phase[-1] - phase[0]) / TURN:.2f} cycles: "
+            "harmonics need at least one whole cycle."
+        )
+    rows = _rows(phase, order)
+    weights = _solve(rows @ rows.T, rows)
+    coefficients = values @ weights.T
+    rest = values - coefficients @ rows
+    correction = rest @ weights.T
+    coefficients += correction
+    rest -= correction @ rows
+    covariance, dof = _uncertainty(phase, values, rest, weights, count, order)
+    pooled = 2 * order / np.sum(1.0 / dof[:, 1:], axis=-1) if order else dof[:, 0]
+    return Harmonics(
+        order=order,
+        coefficients=coefficients,
+        covariance=covariance,
+        scatter=_scatter(phase, values, rows, count),
+        dof=pooled,
+        residual=np.sqrt(np.mean(rest**2, axis=-1)),
+        count=count,
+        coefficient_dof=dof,
+    )
+
+
+def _solve(gram: Array, right: Array) -> Array:
+    """Solution of the normal equations, refused where the samples cannot tell the columns apart."""
+    n = gram[0, 0]
+    if np.linalg.cond(gram / n) > 1e8:
+        raise DataError(
+            f"The phases of the {int(n)} samples do not determine {gram.shape[0]} coefficients: "
+            "they leave parts of the cycle out. Lower the order."
+        )
+    return np.asarray(np.linalg.solve(gram, right))
+
+
+def _uncertainty(
+    phase: Array, values: Array, rest: Array, weights: Array, count: int, order: int
+) -> tuple[Array, Array]:
+    """Covariance (c, p, p) and degrees of freedom (c, p) of the coefficients."""
+    p, n = weights.shape
+    start, a_cycle = phase_cells(phase, count)
+    size = np.diff(start, append=n)
+    cells = np.add.reduceat(rest, start, axis=-1) / size
+    gathered = np.add.reduceat(weights, start, axis=-1)
+    whole = a_cycle * count
+    full = n - p
+    squares = np.sum(rest**2, axis=-1) / full
+    rounding = (np.finfo(float).eps * np.max(np.abs(values), axis=-1)) ** 2
+    covariance = np.maximum(squares, rounding)[:, None, None] * (weights @ weights.T)
+    dof = np.full((values.shape[0], p), float(full))
+    noisy = squares > 1e4 * rounding
+    complete = start.size >= whole
+    enough = complete and between_harmonics(whole, count, order).sum() > 3
+    if enough and noisy.any():
+        unit = np.sqrt(squares[noisy])
+        gamma, found = fit_noise(
+            cells[noisy, :whole] / unit[:, None], count, order, gathered.shape[-1]
+        )
+        turn = np.pi * np.repeat(np.arange(order + 1), 2)[1:] / a_cycle
+        inside = n / start.size
+        # weights vary within a stretch: the mean over it sees a little less of each harmonic
+        seen = np.sinc(turn / np.pi) / np.sinc(turn / np.pi / inside)
+        slow = weighted_covariance(gathered / seen[:, None], gamma)
+        covariance[noisy] = unit[:, None, None] ** 2 * slow
+        dof[noisy] = np.maximum(np.repeat(found, 2, axis=-1)[:, 1:], 1.0)
+    return covariance, dof
+
+
+def _scatter(phase: Array, values: Array, rows: Array, count: int) -> Array | None:
+    if count < 2:
+        return None
+    single = per_cycle(values, rows, cycle_edges(phase, count))
+    return np.asarray(np.std(single, axis=0, ddof=1))
+
+
+def per_cycle(values: Array, rows: Array, edges: NDArray[np.intp]) -> Array:
+    """Coefficients of single cycles, (cycles, c, p), from the rows of the design matrix."""
+    gram, right = [], []
+    for i, j in itertools.pairwise(edges):
+        columns = rows[:, i:j]
+        gram.append(columns @ columns.T)
+        right.append(columns @ values[:, i:j].T)
+    return np.linalg.solve(np.stack(gram), np.stack(right)).transpose(0, 2, 1)
+
+
+def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:
+    """Harmonics by trapezoidal integration over whole cycles.
+
+    Parameters
+    ----------
+    theta : (n,) array
+        Phase over whole cycles, with or without the sample that closes the last one [rad].
+    y : (c, n) array
+        Channels.
+    order : int
+        Highest harmonic.
+
+    Returns
+    -------
+    (c, 2 order + 1) array
+        C0, C1, S1, C2, S2, …
+
+    Raises
+    ------
+    DataError
+        If the phase does not cover whole cycles.
+
+    Notes
+    -----
+    The record is closed by its own first sample, as a periodic record is. On equal steps this
+    is the least-squares result.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> theta = np.linspace(0.0, 2 * np.pi, 65)
+    >>> np.round(trapezoid_harmonics(theta, 3.0 * np.sin(theta), order=1), 12) + 0.0
+    array([[0., 0., 3.]])
+    """
+    phase, values = as_record(theta, y, name="theta", least=2 * order + 2)
     step = np.diff(phase)
-    weight = 0.5 * (np.concatenate(([gap], step)) + np.concatenate((step, [gap])))
-    out = (values * weight) @ design_matrix(phase, order) / (np.pi * count)
-    out[:, 0] *= 0.5
-    return out
+    count = max(1, round((phase[-1] - phase[0]) / TURN))
+    gap = TURN * count - (phase[-1] - phase[0])
+    if not -1e-9 <= gap <= 2.0 * step.max():
+        raise DataError(
+            f"The record covers {(phase[-1] - phase[0]) / TURN:.4f} cycles: "
+            "integration needs whole cycles. Choose them first, or use least squares."
+        )
+    weight = 0.5 * (np.append(step, gap) + np.insert(step, 0, gap))
+    result = (values * weight) @ _rows(phase, order).T / (np.pi * count)
+    result[:, 0] *= 0.5
+    return np.asarray(result)

@@ -102,7 +102,7 @@ def cell_means(t: Array, y: Array, cells: int) -> Array:
     if is_uniform(t):
         size = -(-n // cells)
         m = n // size
-        return y[:, n - m * size :].reshape(y.shape[0], m, size).mean(axis=-1)
+        return np.asarray(y[:, n - m * size :].reshape(y.shape[0], m, size).mean(axis=-1))
     weight = time_weights(t)
     edge = np.insert(np.cumsum(weight), 0, 0.0)
     total = np.insert(np.cumsum(y * weight, axis=-1), 0, 0.0, axis=-1)

@@ -1,0 +1,149 @@
+"""Noise beside the harmonics of a record of whole cycles."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.signals import autoregression as ar
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+TURN: Final = 2.0 * np.pi
+MAX_ORDER: Final = 3
+PENALTY: Final = 2.0
+STEPS: Final = 25
+
+
+def phase_cells(phase: Array, count: int) -> tuple[Ints, int]:
+    """First sample of each equal stretch of phase, and the stretches in a cycle.
+
+    No stretch is empty as long as the widest gap between samples is below a twelfth of a cycle;
+    a stretch holds as nearly as possible the same number of samples as any other.
+    """
+    step = np.diff(phase)
+    samples = phase.size * TURN / (phase[-1] - phase[0] + np.median(step))
+    finest = 48 if count < 4 else 32
+    a_cycle = max(12, int(min(samples / max(1, samples // finest), TURN / step.max() * 1.001)))
+    offset = 0.02 * float(np.median(step))
+    cell = ((phase - phase[0] + offset) * (a_cycle / TURN)).astype(np.intp)
+    return np.flatnonzero(np.diff(cell, prepend=-1)), a_cycle
+
+
+def between_harmonics(cells: int, count: int, order: int) -> NDArray[np.bool_]:
+    """Which of the discrete frequencies 0 … cells/2 of whole cycles hold noise alone.
+
+    With two cycles or more those that are not multiples of the cycle's; with one cycle those
+    above the highest harmonic.
+    """
+    bins = np.arange(cells // 2 + 1)
+    noise = bins % count != 0 if count > 1 else bins > order
+    return noise & (2 * bins < cells)
+
+
+def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Array]:
+    """Autocovariances and degrees of freedom of the noise in `count` whole cycles.
+
+    Parameters
+    ----------
+    rest : (c, m) array
+        What the harmonics leave, as means over m equal stretches of phase; none constant.
+    count : int
+        Whole cycles.
+    order : int
+        Highest harmonic that was removed.
+    lags : int
+        Autocovariances wanted.
+
+    Returns
+    -------
+    gamma : (c, lags) array
+    dof : (c, order + 1) array
+        Degrees of freedom of the noise spectrum at the frequency of each harmonic.
+
+    Notes
+    -----
+    Autoregressions of order 1 to 3 (with one cycle 1) are fitted to the periodogram between the
+    harmonics: what the harmonics have taken away is filled in by its expectation and the
+    Yule-Walker equations are solved anew, with the leakage of a finite record accounted for in
+    both (Whittle likelihood by expectation and maximisation). The order has the smallest Akaike
+    criterion; degrees of freedom are 2 over the variance of the logarithm of the spectrum.
+    """
+    c, m = rest.shape
+    noise = between_harmonics(m, count, order)
+    observed = np.abs(np.fft.rfft(rest, axis=-1)) ** 2 / m
+    bins = int(noise.sum())
+    best = np.full(c, np.inf)
+    gamma = np.zeros((c, lags))
+    dof = np.zeros((c, order + 1))
+    power = observed[:, noise].mean(axis=-1)
+    expected = np.repeat(power[:, None], observed.shape[-1], axis=1)
+    covariance = np.zeros((c, m))
+    covariance[:, 0] = power
+    for p in range(1, (MAX_ORDER if count > 1 else 1) + 1):
+        reflection, expected, covariance = _expect_and_fit(observed, noise, expected, covariance, p)
+        filters = ar.coefficients(reflection)[-1]
+        ratio = observed[:, noise] / expected[:, noise]
+        scale = ratio.mean(axis=-1)
+        misfit = 2.0 * np.sum(np.log(scale[:, None] * expected[:, noise]), axis=-1)
+        score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
+        better = score < best
+        best[better] = score[better]
+        innovation = scale * np.prod(1.0 - reflection**2, axis=-1) * covariance[:, 0]
+        gamma[better] = ar.autocovariances(filters[better], innovation[better], lags)
+        dof[better] = _degrees(filters[better], m, noise, np.arange(order + 1) * count)
+    return gamma, dof
+
+
+def _expect_and_fit(
+    observed: Array, noise: NDArray[np.bool_], expected: Array, covariance: Array, p: int
+) -> tuple[Array, Array, Array]:
+    m = covariance.shape[-1]
+    share = np.arange(m) / m
+    near = share[: p + 1]
+    limit = 1.0 - 0.5 / m
+    reflection = np.zeros((covariance.shape[0], p))
+    for _ in range(STEPS):
+        filled = np.where(noise, observed, expected)
+        circular = np.fft.irfft(filled, m, axis=-1)[:, : p + 1]
+        wrapped = covariance[:, -np.arange(p + 1)]
+        wrapped[:, 0] = 0.0
+        lagged = (circular - near * wrapped) / (1.0 - near)
+        reflection = ar.levinson(lagged, limit)
+        innovation = lagged[:, 0] * np.prod(1.0 - reflection**2, axis=-1)
+        covariance = ar.autocovariances(ar.coefficients(reflection)[-1], innovation, m)
+        folded = (1.0 - share) * covariance
+        folded[:, 1:] += share[1:] * covariance[:, :0:-1]
+        before = expected
+        expected = np.fft.rfft(folded, axis=-1).real
+        expected = np.maximum(expected, 1e-9 * lagged[:, :1])
+        if np.max(np.abs(expected / before - 1.0)) < 0.01:
+            break
+    return reflection, expected, covariance
+
+
+def _degrees(filters: Array, m: int, noise: NDArray[np.bool_], at: Ints) -> Array:
+    """2 over the variance of the logarithm of the spectrum at some of its frequencies."""
+    response = np.fft.rfft(filters, m, axis=-1)
+    lag = np.arange(1, filters.shape[-1])
+    delay = np.exp(-1j * TURN / m * lag[:, None] * np.arange(response.shape[-1]))
+    slope = -2.0 * (delay / response[:, None, :]).real
+    slope = np.concatenate((np.ones_like(slope[:, :1]), slope), axis=1)
+    information = slope[:, :, noise] @ slope[:, :, noise].transpose(0, 2, 1)
+    wanted = slope[:, :, at]
+    variance = np.sum(wanted * np.linalg.solve(information, wanted), axis=1)
+    return np.asarray(2.0 / variance)
+
+
+def weighted_covariance(weights: Array, gamma: Array) -> Array:
+    """Covariances (c, p, p) of p weighted sums (p, m) over noise with autocovariances (c, m)."""
+    m = weights.shape[-1]
+    even = np.concatenate((gamma, np.zeros((gamma.shape[0], 1)), gamma[:, :0:-1]), axis=-1)
+    spectrum = np.fft.rfft(even, axis=-1).real
+    seen = np.fft.rfft(weights, 2 * m, axis=-1)
+    spectrum[:, 1:-1] *= 2.0
+    product = (seen * spectrum[:, None, :]) @ seen.conj().T
+    return np.asarray(product.real / (2 * m))
