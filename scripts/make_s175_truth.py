@@ -73,7 +73,7 @@ def find(ship: Model) -> Truth:
     names = list(hull)
 
     def truth(slopes: Array) -> Truth:
-        given = {name: round(float(s), 6) + 0.0 for name, s in zip(names, slopes, strict=True)}
+        given = dict(zip(names, slopes.tolist(), strict=True))
         return Truth(at_low=hull | mass, slopes=given, Fn_low=low, Fn_high=high)
 
     def trend(slopes: Array) -> Array:
@@ -99,7 +99,7 @@ def find(ship: Model) -> Truth:
         slopes = found
         if change < 1e-6:
             break
-    return truth(slopes)
+    return truth(np.round(slopes, 4))
 
 
 def text(truth: Truth, ship: Model) -> str:
@@ -111,8 +111,8 @@ def text(truth: Truth, ship: Model) -> str:
         label = "steady_radius" if name == "steady_diameter" else name
         trends[label] = {
             "published": published,
-            "achieved": round(achieved, 6),
-            "residual": round(achieved - published, 6) + 0.0,
+            "achieved": round(achieved, 5),
+            "residual": round(achieved - published, 5) + 0.0,
         }
     kept = (
         "advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L",
@@ -135,7 +135,7 @@ def text(truth: Truth, ship: Model) -> str:
         "slopes": dict(truth.slopes),
         "trend": trends,
         "turn": {
-            f"{speed:g}_m_s": {name: round(metrics[name], 6) for name in kept}
+            f"{speed:g}_m_s": {name: round(metrics[name], 5) for name in kept}
             for speed, metrics in turns.items()
         },
     }
