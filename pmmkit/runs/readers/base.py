@@ -1,0 +1,250 @@
+"""What every reader is asked and what it gives back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import CampaignError, Problem
+
+Array = NDArray[np.float64]
+Cell = str | float | None
+Choose = Callable[[tuple[str, ...], int], Sequence[int]]
+"""Given the headers (empty where the file has none) and the number of columns: positions wanted."""
+
+ABSURD: Final = 1e30
+"""Numbers beyond this are taken for damage."""
+LISTED: Final = 10
+"""Problems of one kind listed in full before the rest are only counted."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How a file is to be read: the ``[source]`` table of a campaign file.
+
+    Parameters
+    ----------
+    format : str or None
+        Name of a reader; None goes by the file's suffix (Excel, HDF5) and else is ``csv``.
+    skip_rows : int
+        Lines above the header.
+    encoding, delimiter, decimal : str or None
+        Text files; None means UTF-8, and found from the first lines.
+    header : bool or None
+        Whether there is a line of names; None finds out.
+    sheet, group : str or None
+        Sheet of a workbook; group (run) of an HDF5 file.
+    missing : {"error", "drop"}
+        What to do with rows that lack a value in a column that is used.
+    nondimensional : str or None
+        System in which the forces are non-dimensional.
+    in_phase_with : str or None
+        What the in-phase parts of harmonics are in phase with.
+    """
+
+    format: str | None = None
+    skip_rows: int = 0
+    encoding: str | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    header: bool | None = None
+    sheet: str | None = None
+    group: str | None = None
+    missing: Literal["error", "drop"] = "error"
+    nondimensional: str | None = None
+    in_phase_with: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """A file to be read.
+
+    Parameters
+    ----------
+    path : Path
+        Where it lies.
+    shown : str
+        Its name for messages, as the campaign file writes it.
+    run : str or None
+        The run it is read for.
+    options : Options
+        How to read it.
+    """
+
+    path: Path
+    shown: str
+    run: str | None = None
+    options: Options = field(default_factory=Options)
+
+    def problem(
+        self,
+        message: str,
+        *,
+        row: int | str | None = None,
+        column: str | None = None,
+        remedy: str | None = None,
+    ) -> Problem:
+        """A problem of this file."""
+        return Problem(
+            message=message, file=self.shown, run=self.run, row=row, column=column, remedy=remedy
+        )
+
+    def error(self, *problems: Problem) -> CampaignError:
+        """The error that tells the problems of this file."""
+        title = None if len(problems) == 1 else f"{self.shown} cannot be read"
+        return CampaignError(problems, title=title)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Columns of numbers as they stand in a file.
+
+    Parameters
+    ----------
+    headers : tuple of str
+        All headers of the file, empty strings where it has none.
+    positions : tuple of int
+        Which columns were read, counted from 0.
+    values : tuple of array
+        Their finite numbers, one array of equal length for each position.
+    dropped : int
+        Rows left out because a value was missing and the campaign file says ``missing = "drop"``.
+    notes : tuple of str
+        Conversions that the file itself reports.
+    """
+
+    headers: tuple[str, ...]
+    positions: tuple[int, ...]
+    values: tuple[Array, ...]
+    dropped: int = 0
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cells:
+    """A small file as text and numbers, row by row.
+
+    Parameters
+    ----------
+    headers : tuple of str
+        Headers, empty strings where the file has none.
+    rows : tuple of tuple
+        Cells: text, a number, or None where empty.
+    lines : tuple of int
+        Row of the file, counted from 1, of each of the rows.
+    decimal : str
+        Decimal sign of numbers written as text.
+    problems : tuple of Problem
+        Rows that are not well formed; they are not among `rows`.
+    """
+
+    headers: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    lines: tuple[int, ...]
+    decimal: str = "."
+    problems: tuple[Problem, ...] = ()
+
+
+def to_number(cell: Cell, decimal: str = ".") -> float | None:
+    """A cell's number; NaN where it says that there is none, None where it is not a number.
+
+    Examples
+    --------
+    >>> to_number(" 1,5 ", ","), to_number("1.5.2"), to_number("n/a")
+    (1.5, None, nan)
+    """
+    if isinstance(cell, float):
+        return cell
+    text = (cell or "").strip()
+    if text.lower() in _NO_VALUE:
+        return math.nan
+    if decimal != ".":
+        if "." in text:
+            return None
+        text = text.replace(decimal, ".")
+    if "_" in text or not text.isascii():
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+_NO_VALUE: Final = frozenset(
+    {"", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "#na", "null", "none", "<na>", "-1.#ind",
+     "1.#ind", "-1.#qnan", "1.#qnan", "#n/a n/a"}
+)  # fmt: skip
+
+
+def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
+    """Numbers of some columns of a small file, every cell checked.
+
+    Raises
+    ------
+    CampaignError
+        With every cell that is empty, not a number, infinite or absurdly large.
+    """
+    found = list(cells.problems)
+    drop = request.options.missing == "drop"
+    kept: list[list[float]] = []
+    dropped = 0
+    for line, row in zip(cells.lines, cells.rows, strict=True):
+        numbers = [to_number(row[place], cells.decimal) for place in positions]
+        faults = [
+            request.problem(why, row=line, column=_title(cells.headers, place))
+            for place, number in zip(positions, numbers, strict=True)
+            if (why := fault(number, row[place]))
+            and not (drop and number is not None and math.isnan(number))
+        ]
+        found += faults
+        if any(number is None or math.isnan(number) for number in numbers):
+            dropped += 1
+        else:
+            kept.append([number for number in numbers if number is not None])
+    if found:
+        raise request.error(*abridged(found, request))
+    if not kept:
+        raise request.error(request.problem("there are no rows of numbers."))
+    table = np.array(kept, dtype=float).reshape(len(kept), len(positions))
+    return Columns(
+        headers=cells.headers,
+        positions=tuple(positions),
+        values=tuple(np.ascontiguousarray(table[:, place]) for place in range(len(positions))),
+        dropped=dropped,
+    )
+
+
+def fault(number: float | None, cell: Cell) -> str | None:
+    """What is wrong with a cell, or None."""
+    if number is None:
+        return f"{_clip(cell)} is not a number."
+    if math.isnan(number):
+        return "there is no value." if not _clip(cell).strip("' ") else f"{_clip(cell)}: no value."
+    if math.isinf(number):
+        return f"{_clip(cell)} is infinite."
+    if abs(number) > ABSURD:
+        return f"{_clip(cell)} is absurdly large."
+    return None
+
+
+def abridged(problems: Sequence[Problem], request: Request) -> list[Problem]:
+    """The first problems of a file, and how many more there are."""
+    if len(problems) <= LISTED + 1:
+        return list(problems)
+    more = len(problems) - LISTED
+    return [*problems[:LISTED], request.problem(f"and {more} more like these.")]
+
+
+def _clip(cell: Cell) -> str:
+    text = "" if cell is None else str(cell)
+    return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def _title(headers: Sequence[str], place: int) -> str:
+    return headers[place] if headers[place] else str(place + 1)
