@@ -74,7 +74,7 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
     >>> found.value
     array([-1., -2., nan])
     """
-    from scipy.linalg import qr, solve_triangular
+    from scipy.linalg import qr
 
     size, count = design.shape
     length = np.linalg.norm(design, axis=0)
@@ -92,7 +92,7 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
         diagonal = np.abs(np.diagonal(triangle))
         rank = int(np.sum(diagonal > RANK_TOLERANCE * diagonal[0]))
         basic = columns[order[:rank]]
-        inverse = solve_triangular(triangle[:rank, :rank], np.eye(rank), check_finite=False)
+        inverse = np.linalg.inv(triangle[:rank, :rank])
         gain[basic] = (inverse / scale[basic][:, None]) @ q[:, :rank].T
         inflation[basic] = np.sum(inverse**2, axis=1)
         condition = float(np.linalg.cond(scaled[:, order[:rank]]))

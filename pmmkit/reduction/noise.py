@@ -87,9 +87,6 @@ def whitener(covariance: Array) -> Array:
     array([[0.5, 0. ],
            [0. , 0.2]])
     """
-    from scipy.linalg import solve_triangular
-
     scale = np.sqrt(np.diagonal(covariance))
     factor = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    inverse: Array = solve_triangular(factor, np.diag(1 / scale), lower=True)
-    return inverse
+    return np.linalg.inv(factor) / scale

@@ -34,6 +34,8 @@ CycleChoice = int | tuple[int, int] | None
 ORDER = 5
 GRID = 120
 """Points of the one-cycle grid on which motions without a record are evaluated."""
+SLIP = math.radians(5)
+"""Phase by which record and stated period must drift apart before the record counts."""
 EXTRAS = ("sinkage", "trim", "T", "Q", "FX_rudder", "FY_rudder")
 
 
@@ -215,22 +217,22 @@ def _from_cycles(
     cycles: CycleChoice,
 ) -> Prepared:
     phase = displacement_phase(run, data, times)
-    notes: list[str] = []
+    kept = whole_cycles(times, phase, record, cycles=cycles)
+    cut = slice(kept.start, kept.stop)
+    notes: tuple[str, ...] = ()
     nominal = run.settings.omega
-    frequency = float((phase[-1] - phase[0]) / (times[-1] - times[0]))
     if nominal is not None:
-        found, deviation = estimate_frequency(times, record, nominal)
-        slip = abs(found - nominal) * (times[-1] - times[0])
-        if abs(found - nominal) > max(4 * deviation, 1e-3 * nominal) and slip > math.radians(3):
-            notes.append(
+        found, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
+        slip = abs(found - nominal) * (times[cut][-1] - times[cut][0])
+        if abs(found - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
+            notes = (
                 f"{run.id}: the record oscillates at {found:.5g} rad/s (± {deviation:.1g}), "
-                f"the campaign says {nominal:.5g}; the record counts."
+                f"the campaign says {nominal:.5g}; the record counts.",
             )
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / found))
             phase = displacement_phase(run, data, times)
-            frequency = found
-    kept = whole_cycles(times, phase, record, cycles=cycles)
-    cut = slice(kept.start, kept.stop)
+            kept = whole_cycles(times, phase, record, cycles=cycles)
+            cut = slice(kept.start, kept.stop)
     part = data.isel(t=cut)
     theta = phase[cut]
     found_harmonics: Harmonics = harmonics(theta, record[:, cut], order=ORDER)
@@ -250,9 +252,9 @@ def _from_cycles(
             window=kept.reason,
             cycles=kept.count,
             scatter={} if scatter is None else dict(zip(channels, scatter, strict=True)),
-            frequency=frequency,
+            frequency=run.settings.omega,
             extras=_extras(part, np.full(len(theta), 1 / len(theta))),
-            notes=tuple(notes),
+            notes=notes,
         ),
         projection=projection,
         motion=measured_motion(run, part, times[cut]),
