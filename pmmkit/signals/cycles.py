@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.signals.harmonics import TURN, cycle_count, design_matrix
+from pmmkit.signals.harmonics import cycle_count, design_matrix
+from pmmkit.signals.periodic import TURN
 from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]

@@ -19,6 +19,7 @@ from pmmkit.signals.periodic import (
 from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -87,22 +88,27 @@ def design_matrix(theta: ArrayLike, order: int) -> Array:
 def _rows(phase: Array, order: int) -> Array:
     rows = np.empty((2 * order + 1, phase.size))
     rows[0] = 1.0
-    n = np.arange(1, order + 1)[:, None]
-    np.cos(n * phase, out=rows[1::2])
-    np.sin(n * phase, out=rows[2::2])
+    first = np.cos(phase) + 1j * np.sin(phase)
+    turned = np.ones_like(first)
+    for n in range(1, order + 1):
+        turned = turned * first
+        rows[2 * n - 1] = turned.real
+        rows[2 * n] = turned.imag
     return rows
 
 
 def cycle_count(phase: Array) -> int:
-    """Whole cycles covered; the last sample stands for one step beyond itself."""
-    step = float(np.median(np.diff(phase)))
-    return int((phase[-1] - phase[0] + 1.25 * step) / TURN)
+    """Whole cycles covered; the last sample stands for one step, of half a step's tolerance."""
+    step = np.diff(phase)
+    beyond = max(float(np.median(step)), float(step[0]), float(step[-1]))
+    return int((phase[-1] - phase[0] + 1.5 * beyond) / TURN)
 
 
-def cycle_edges(phase: Array, count: int) -> NDArray[np.intp]:
+def cycle_edges(phase: Array, count: int) -> Ints:
     """First sample of each of `count` cycles counted from the first sample, and the end."""
     step = float(np.median(np.diff(phase)))
-    return np.searchsorted(phase, phase[0] + TURN * np.arange(count + 1) - 0.25 * step)
+    edges: Ints = np.searchsorted(phase, phase[0] + TURN * np.arange(count + 1) - 0.25 * step)
+    return edges
 
 
 def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
@@ -151,7 +157,7 @@ def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
             "harmonics need at least one whole cycle."
         )
     rows = _rows(phase, order)
-    weights = _solve(rows @ rows.T, rows)
+    weights = _inverse(rows @ rows.T) @ rows
     coefficients = values @ weights.T
     rest = values - coefficients @ rows
     correction = rest @ weights.T
@@ -171,15 +177,15 @@ def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
     )
 
 
-def _solve(gram: Array, right: Array) -> Array:
-    """Solution of the normal equations, refused where the samples cannot tell the columns apart."""
+def _inverse(gram: Array) -> Array:
+    """Inverse of the normal matrix; refused where the samples cannot tell the columns apart."""
     n = gram[0, 0]
-    if np.linalg.cond(gram / n) > 1e8:
+    if np.linalg.cond(gram) > 1e8:
         raise DataError(
             f"The phases of the {int(n)} samples do not determine {gram.shape[0]} coefficients: "
             "they leave parts of the cycle out. Lower the order."
         )
-    return np.asarray(np.linalg.solve(gram, right))
+    return np.asarray(np.linalg.inv(gram))
 
 
 def _uncertainty(
@@ -222,7 +228,7 @@ def _scatter(phase: Array, values: Array, rows: Array, count: int) -> Array | No
     return np.asarray(np.std(single, axis=0, ddof=1))
 
 
-def per_cycle(values: Array, rows: Array, edges: NDArray[np.intp]) -> Array:
+def per_cycle(values: Array, rows: Array, edges: Ints) -> Array:
     """Coefficients of single cycles, (cycles, c, p), from the rows of the design matrix."""
     gram, right = [], []
     for i, j in itertools.pairwise(edges):
