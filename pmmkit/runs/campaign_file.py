@@ -184,13 +184,29 @@ def _toml(text: str, place: Path) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         message = str(error) or "nested too deeply"
         line = re.search(r"at line (\d+)", message)
+        row = int(line[1]) if line else None
+        written = text.splitlines()[row - 1] if row and row <= len(text.splitlines()) else ""
         raise CampaignError(
             Problem(
                 message=f"this is not valid TOML: {message}.",
                 file=place.name,
-                row=int(line[1]) if line else None,
+                row=row,
+                remedy=_toml_remedy(written),
             )
         ) from error
+
+
+def _toml_remedy(line: str) -> str | None:
+    """The commonest slips in a line of TOML."""
+    if re.search(r"[=\[,]\s*[+-]?\.\d", line):
+        return "Write a digit before the point: 0.5, not .5."
+    if re.search(r"=\s*[+-]?\d+,\d", line):
+        return "Write numbers with a decimal point."
+    if re.search(r'=\s*"[^"]*\\', line):
+        return "In a path write / instead of \\, or put it in single quotes."
+    if re.search(r"=\s*[A-Za-z_]", line):
+        return "Put text in quotes."
+    return None
 
 
 def _assemble(raw: Mapping[str, Any], place: Path, search: _Search, digest: str) -> Campaign:
