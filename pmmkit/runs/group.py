@@ -141,17 +141,18 @@ def write_group(group: Any, entry: Mapping[str, Any], data: xr.Dataset) -> None:
         )
         target[...] = stored
         unit, label = described(str(name))
-        target.attrs["units"] = attribute(variable.attrs.get("units", unit))
-        target.attrs["long_name"] = attribute(variable.attrs.get("long_name", label))
+        target.attrs["units"] = _plain_text(variable.attrs.get("units", unit))
+        target.attrs["long_name"] = _plain_text(variable.attrs.get("long_name", label))
         if variable.dtype.kind == "b":
             target.attrs["dtype"] = "bool"
-        contents.append(_bytes(stored))
+        if stored.dtype.kind != "O":
+            contents.append(stored.tobytes())
     if beside := [names[name] for name in data.coords if name not in data.sizes]:
         group.attrs["coordinates"] = " ".join(beside)
     texts = (to_json(entry), to_json(_description(data, names)))
     group.attrs["id"] = attribute(entry["id"])
-    group.attrs["run"], group.attrs["variables"] = texts
-    group.attrs["crc32"] = _checksum(texts, contents)
+    group.attrs["run"], group.attrs["variables"] = map(attribute, texts)
+    group.attrs["crc32"] = attribute(_checksum(texts, contents))
 
 
 def read_group(group: Any, *, file: str) -> xr.Dataset:
@@ -164,33 +165,50 @@ def read_group(group: Any, *, file: str) -> xr.Dataset:
     """
     import xarray as xr
 
-    texts = (group.attrs["run"], group.attrs["variables"])
+    texts = (text_of(group.attrs, "run"), text_of(group.attrs, "variables"))
     description = from_json(texts[1])
     holders: dict[bool, dict[Hashable, Any]] = {True: {}, False: {}}
     contents = []
     for name, entry in description["variables"].items():
-        dataset, dtype = group[entry["stored_as"]], np.dtype(entry["dtype"])
-        stored = np.asarray(dataset.asstr()[()] if dtype.kind in "OU" else dataset[()])
-        contents.append(_bytes(stored))
-        holders[entry["coordinate"]][name] = (
-            entry["dims"],
-            stored.astype(dtype, copy=False),
-            entry["attributes"],
-        )
-    if group.attrs["crc32"] != _checksum(texts, contents):
+        dtype = np.dtype(entry["dtype"])
+        if "text" in entry:
+            values = np.array(entry["text"], dtype=dtype)
+        else:
+            stored = np.asarray(group[entry["stored_as"]][()])
+            contents.append(stored.tobytes())
+            values = stored.astype(dtype, copy=False)
+        holders[entry["coordinate"]][name] = (entry["dims"], values, entry["attributes"])
+    if text_of(group.attrs, "crc32") != _checksum(texts, contents):
         raise CampaignError(
             Problem(
                 message="the data do not match their checksum: the file is damaged or was edited.",
                 file=file,
-                run=str(group.attrs["id"]),
+                run=text_of(group.attrs, "id"),
                 remedy="Save the campaign again from its source.",
             )
         )
     return xr.Dataset(holders[False], holders[True], description["attributes"])
 
 
-def attribute(value: object) -> str:
-    """Text as an HDF5 attribute can hold it."""
+def attribute(value: object) -> NDArray[Any]:
+    """Text as an attribute of fixed length.
+
+    Variable-length text lies in HDF5's global heap, which has no checksum and on which the library
+    can loop for ever when it is damaged; what pmmkit reads back is kept out of it.
+    """
+    import h5py
+
+    content = _plain_text(value).encode()
+    return np.array(content, dtype=h5py.string_dtype("utf-8", max(len(content), 1)))
+
+
+def text_of(attributes: Mapping[str, Any], name: str) -> str:
+    """An attribute's text; empty where there is none."""
+    value = attributes.get(name, b"")
+    return value.decode("utf-8") if isinstance(value, bytes) else str(value)
+
+
+def _plain_text(value: object) -> str:
     return str(value).replace("\0", "").encode("utf-8", "replace").decode()
 
 
@@ -204,6 +222,7 @@ def _description(data: xr.Dataset, names: Mapping[Hashable, str]) -> dict[str, A
                 "dtype": variable.dtype.str,
                 "coordinate": name in data.coords,
                 "attributes": variable.attrs,
+                **({"text": variable.values.tolist()} if variable.dtype.kind in "OU" else {}),
             }
             for name, variable in data.variables.items()
         },
@@ -231,12 +250,6 @@ def _storage(values: NDArray[Any]) -> dict[str, Any]:
         "compression_opts": 4,
         "shuffle": True,
     }
-
-
-def _bytes(values: NDArray[Any]) -> bytes:
-    if values.dtype.kind == "O":
-        return to_json(values.ravel().tolist()).encode()
-    return values.tobytes()
 
 
 def _checksum(texts: Sequence[str], contents: Iterable[bytes]) -> str:

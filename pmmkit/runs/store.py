@@ -23,7 +23,7 @@ import numpy as np
 from pmmkit import __version__
 from pmmkit.errors import CampaignError, DataError, PmmkitError, Problem
 from pmmkit.files import atomic_path
-from pmmkit.runs.group import attribute, read_group, safe_names, unfit, write_group
+from pmmkit.runs.group import attribute, read_group, safe_names, text_of, unfit, write_group
 from pmmkit.runs.json_text import from_json, to_json
 from pmmkit.runs.run import Campaign, Correction, Run, Settings, TypeB
 from pmmkit.ship import Ship, Water
@@ -35,6 +35,8 @@ SCHEMA: Final = 1
 """Version of the layout; a file with a higher one is refused."""
 FORMAT: Final = "pmmkit campaign"
 
+_LIBVER: Final = ("v108", "v108")
+"""Readable since HDF5 1.8 (2008): headers have checksums, attributes may exceed 64 kB."""
 _LIBRARY_FAULTS: Final = (
     OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError,
     MemoryError, AssertionError,
@@ -82,7 +84,7 @@ def save_campaign(campaign: Campaign, path: str | Path) -> None:
     import h5netcdf
 
     try:
-        with atomic_path(path) as part, h5netcdf.File(str(part), "w") as file:
+        with atomic_path(path) as part, h5netcdf.File(str(part), "w", libver=_LIBVER) as file:
             _write(file, campaign)
     except OSError as error:
         raise CampaignError(
@@ -140,7 +142,7 @@ def read_run(path: str | Path, run_id: str) -> xr.Dataset:
     with _opened(path) as file:
         _check_schema(file, path)
         group = file.get(f"runs/{safe_names([run_id], 'run')[0]}")
-        if group is None or group.attrs["id"] != run_id:
+        if group is None or text_of(group.attrs, "id") != run_id:
             return _run(_find(_read_index(file, path), run_id, path), path).data
         return read_group(group, file=path.name)
 
@@ -199,12 +201,12 @@ def _write(file: Any, campaign: Campaign) -> None:
             "excluded": [entry for entry in entries if "reason" in entry],
         }
     )
-    file.attrs["format"] = FORMAT
+    file.attrs["format"] = attribute(FORMAT)
     file.attrs["schema"] = SCHEMA
-    file.attrs["pmmkit"] = __version__
+    file.attrs["pmmkit"] = attribute(__version__)
     file.attrs["title"] = attribute(campaign.title)
-    file.attrs["index"] = index
-    file.attrs["index_crc32"] = _crc(index)
+    file.attrs["index"] = attribute(index)
+    file.attrs["index_crc32"] = attribute(_crc(index))
 
 
 def _write_run(file: Any, entry: Mapping[str, Any], run: Run, *, dry: bool) -> list[Problem]:
@@ -245,7 +247,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _check_schema(file: Any, path: Path) -> None:
-    if file.attrs.get("format") != FORMAT:
+    if text_of(file.attrs, "format") != FORMAT:
         raise CampaignError(
             Problem(
                 message="this HDF5 file is not a campaign saved by pmmkit.",
@@ -257,8 +259,8 @@ def _check_schema(file: Any, path: Path) -> None:
     if schema > SCHEMA:
         raise CampaignError(
             Problem(
-                message=f"the file has schema {schema}, written by pmmkit {file.attrs['pmmkit']}; "
-                f"this is pmmkit {__version__}, which reads schemas up to {SCHEMA}.",
+                message=f"the file has schema {schema}, written by pmmkit "
+                f"{text_of(file.attrs, 'pmmkit')}; this is pmmkit {__version__}, which reads schemas up to {SCHEMA}.",
                 file=str(path),
                 remedy="Update pmmkit.",
             )
@@ -267,8 +269,8 @@ def _check_schema(file: Any, path: Path) -> None:
 
 def _read_index(file: Any, path: Path) -> dict[str, Any]:
     _check_schema(file, path)
-    text = file.attrs["index"]
-    if file.attrs["index_crc32"] != _crc(text):
+    text = text_of(file.attrs, "index")
+    if text_of(file.attrs, "index_crc32") != _crc(text):
         raise CampaignError(
             Problem(
                 message="the index does not match its checksum: the file is damaged or was edited.",
