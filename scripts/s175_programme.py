@@ -7,18 +7,16 @@ plain formulas of ``virtual_tank.py``, which share nothing with the package.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from s175_truth import Truth
 from virtual_tank import SHIP, WATER, history, motion, water_forces
 
 from pmmkit.runs.run import Campaign, Run, Settings, TypeB
 
-TRUTH = Path(__file__).parents[1] / "datasets" / "s175" / "truth.toml"
 SPEEDS = (1.0, 1.5, 2.0)
 DRIFT = (-12.0, -9.0, -6.0, -3.0, 0.0, 3.0, 6.0, 9.0, 12.0)
 SWAY = (0.08, 0.16, 0.24)
@@ -62,12 +60,19 @@ class Plan:
         return None if self.test == "static_drift" else round(2 * math.pi / self.omega, 4)
 
     @property
-    def amplitude(self) -> float | None:
-        return self.v * self.speed / self.frequency if self.v else None
+    def amplitude_m(self) -> float | None:
+        """As the mechanism is set: to a tenth of a millimetre."""
+        return round(self.v * self.speed / self.frequency, 4) if self.v else None
+
+    @property
+    def yaw_amplitude_deg(self) -> float | None:
+        """As the mechanism is set: to a hundredth of a degree."""
+        rate = self.r * self.speed / SHIP.L
+        return round(math.degrees(rate / self.frequency), 2) if self.r else None
 
     @property
     def yaw_amplitude(self) -> float | None:
-        return self.r * self.speed / SHIP.L / self.frequency if self.r else None
+        return None if self.yaw_amplitude_deg is None else math.radians(self.yaw_amplitude_deg)
 
     @property
     def frequency(self) -> float:
@@ -88,21 +93,6 @@ def programme() -> Iterator[Plan]:
             yield Plan(f"PY_{tag}_r{r:.1f}", "pure_yaw", speed, r=r)
         for drift, r in COMBINED:
             yield Plan(f"YD_{tag}_b{drift:+03.0f}_r{r:.1f}", "yaw_drift", speed, drift, r=r)
-
-
-def load_truth(path: Path = TRUTH) -> dict:
-    return tomllib.loads(path.read_text(encoding="utf-8"))
-
-
-def derivatives(truth: Mapping, froude: float) -> dict[str, float]:
-    """True total derivatives at a Froude number: linear in Fn² between the two ends."""
-    low, high = truth["Fn_low"], truth["Fn_high"]
-    share = (froude**2 - low**2) / (high**2 - low**2)
-    slopes = truth["slope"]
-    return {
-        name: value * (1 + slopes.get(name, 0.0) * share)
-        for name, value in truth["derivatives"].items()
-    }
 
 
 def noise(rng: np.random.Generator, n: int, rms: float) -> np.ndarray:
@@ -161,7 +151,7 @@ def record(
 def oscillation(plan: Plan, speed: float, theta: np.ndarray, omega: float, drift: float):
     """Motion with small errors of drift and speed: the mechanism keeps its amplitudes [m, rad]."""
     if plan.test == "pure_sway":
-        lateral = plan.amplitude * omega
+        lateral = plan.amplitude_m * omega
         y, ydot = np.cos(theta), -omega * np.sin(theta)
         along, across = math.cos(drift), math.sin(drift)
         return (
@@ -172,7 +162,7 @@ def oscillation(plan: Plan, speed: float, theta: np.ndarray, omega: float, drift
     return motion("yaw_drift", speed, theta, omega, drift=drift, r=rate)
 
 
-def campaign(truth: Mapping, seed: int, *, biased: bool = True) -> Campaign:
+def campaign(truth: Truth, seed: int, *, biased: bool = True) -> Campaign:
     """The programme as a campaign in memory, one draw of noise and biases."""
     rng = np.random.default_rng([175, seed])
     shared = draw_biases(rng)
@@ -180,7 +170,7 @@ def campaign(truth: Mapping, seed: int, *, biased: bool = True) -> Campaign:
         shared = dict.fromkeys(shared, 0.0)
     made = []
     for plan in programme():
-        coefficients = derivatives(truth, SHIP.froude(plan.speed, WATER.g))
+        coefficients = truth.at(SHIP.froude(plan.speed, WATER.g))
         data = record(plan, coefficients, rng, shared)
         made.append(
             Run(
@@ -191,7 +181,7 @@ def campaign(truth: Mapping, seed: int, *, biased: bool = True) -> Campaign:
                     speed=plan.speed,
                     drift=math.radians(plan.drift_deg),
                     period=plan.period,
-                    amplitude=plan.amplitude,
+                    amplitude=plan.amplitude_m,
                     yaw_amplitude=plan.yaw_amplitude,
                 ),
                 loader=lambda data=data: data,
