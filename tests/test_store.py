@@ -24,6 +24,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.errors import CampaignError, PmmkitError, Problem
+from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.runs.group import described
 from pmmkit.runs.json_text import from_json, to_json
 from pmmkit.runs.run import Campaign, Correction, Run, Settings, TypeB
 from pmmkit.runs.store import load_campaign, read_run, save_campaign
@@ -475,3 +477,12 @@ def test_a_campaign_saved_by_the_first_version_still_opens() -> None:
     ((excluded, reason),) = loaded.excluded
     assert (excluded.id, reason) == ("279b", "copy of beta 12")
     np.testing.assert_array_equal(excluded.data["Y_cos"], [0.0, 1.5, 0.25])
+
+
+def test_every_channel_of_a_campaign_file_has_a_unit_and_a_meaning() -> None:
+    for name in CHANNEL_UNITS:
+        unit, label = described(name)
+        assert unit == CHANNEL_UNITS[name]
+        assert len(label) > len(name)
+    assert described("Y_cos_std")[0] == "N"
+    assert described("gauge_3") == ("unknown", "gauge_3")

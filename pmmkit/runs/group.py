@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.json_text import from_json, to_json
 
 if TYPE_CHECKING:
@@ -22,40 +23,39 @@ SMALL: Final = 4096
 CHUNK: Final = 2**20
 """Bytes of a chunk: a usual channel is one chunk, so it is read in one go."""
 
-VARIABLES: Final[dict[str, tuple[str, str]]] = {
-    "t": ("s", "time"),
-    "X": ("N", "surge force on the hull"),
-    "Y": ("N", "sway force on the hull"),
-    "N": ("N m", "yaw moment on the hull"),
-    "K": ("N m", "roll moment on the hull"),
-    "u": ("m/s", "surge velocity"),
-    "v": ("m/s", "sway velocity"),
-    "r": ("rad/s", "yaw rate"),
-    "p": ("rad/s", "roll rate"),
-    "phi": ("rad", "heel, positive to starboard"),
-    "psi": ("rad", "heading, positive to starboard"),
-    "x": ("m", "position along the tank, or north"),
-    "y": ("m", "position across the tank, or east"),
-    "udot": ("m/s2", "surge acceleration in ship axes"),
-    "vdot": ("m/s2", "sway acceleration in ship axes"),
-    "rdot": ("rad/s2", "yaw acceleration"),
-    "pdot": ("rad/s2", "roll acceleration"),
-    "xdot": ("m/s", "earth-fixed velocity along x"),
-    "ydot": ("m/s", "earth-fixed velocity along y"),
-    "delta": ("rad", "rudder angle, positive turns to starboard"),
-    "n": ("1/s", "propeller revolutions per second"),
-    "T": ("N", "propeller thrust"),
-    "Q": ("N m", "propeller torque"),
-    "FX_rudder": ("N", "rudder force along x"),
-    "FY_rudder": ("N", "rudder force along y"),
-    "sinkage": ("m", "sinkage, positive down"),
-    "trim": ("rad", "trim, positive bow up"),
-    "wind_speed": ("m/s", "relative wind speed at midship"),
-    "wind_direction": ("rad", "where the relative wind comes from, off the bow to starboard"),
-    "harmonic": ("1", "order of the harmonic"),
+_MEANINGS: Final[dict[str, str]] = {
+    "t": "time",
+    "X": "surge force on the hull",
+    "Y": "sway force on the hull",
+    "N": "yaw moment on the hull",
+    "K": "roll moment on the hull",
+    "u": "surge velocity",
+    "v": "sway velocity",
+    "r": "yaw rate",
+    "p": "roll rate",
+    "phi": "heel, positive to starboard",
+    "psi": "heading, positive to starboard",
+    "x": "position along the tank, or north",
+    "y": "position across the tank, or east",
+    "udot": "surge acceleration in ship axes",
+    "vdot": "sway acceleration in ship axes",
+    "rdot": "yaw acceleration",
+    "pdot": "roll acceleration",
+    "xdot": "earth-fixed velocity along x",
+    "ydot": "earth-fixed velocity along y",
+    "delta": "rudder angle, positive turns to starboard",
+    "n": "propeller revolutions per second",
+    "T": "propeller thrust",
+    "Q": "propeller torque",
+    "FX_rudder": "rudder force along x",
+    "FY_rudder": "rudder force along y",
+    "sinkage": "sinkage, positive down",
+    "trim": "trim, positive bow up",
+    "wind_speed": "relative wind speed at midship",
+    "wind_direction": "where the relative wind comes from, off the bow to starboard",
+    "harmonic": "order of the harmonic",
+    "speed": "speed of the carriage",
 }
-"""Unit and meaning of the channels."""
-
 _PARTS: Final = {
     "cos": "{}, cosine harmonics (in phase with the velocity)",
     "sin": "{}, sine harmonics (in phase with the displacement)",
@@ -71,13 +71,11 @@ def described(name: str) -> tuple[str, str]:
     >>> described("N_sin")
     ('N m', 'yaw moment on the hull, sine harmonics (in phase with the displacement)')
     """
-    if name in VARIABLES:
-        return VARIABLES[name]
+    if name in _MEANINGS:
+        return CHANNEL_UNITS.get(name, "1"), _MEANINGS[name]
     base, _, part = name.rpartition("_")
-    if base in VARIABLES and part in _PARTS:
-        unit, label = VARIABLES[base]
-        return unit, _PARTS[part].format(label)
-    return "unknown", name
+    unit, label = described(base) if base and part in _PARTS else ("unknown", name)
+    return unit, _PARTS[part].format(label) if unit != "unknown" else name
 
 
 def safe_names(names: Iterable[str], stem: str) -> list[str]:

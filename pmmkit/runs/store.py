@@ -260,7 +260,8 @@ def _check_schema(file: Any, path: Path) -> None:
         raise CampaignError(
             Problem(
                 message=f"the file has schema {schema}, written by pmmkit "
-                f"{text_of(file.attrs, 'pmmkit')}; this is pmmkit {__version__}, which reads schemas up to {SCHEMA}.",
+                f"{text_of(file.attrs, 'pmmkit')}; this is pmmkit {__version__}, which reads "
+                f"schemas up to {SCHEMA}.",
                 file=str(path),
                 remedy="Update pmmkit.",
             )
