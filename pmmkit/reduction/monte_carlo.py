@@ -1,4 +1,4 @@
-"""Uncertainty by Monte Carlo: the whole fit repeated with perturbed records, gauges and settings."""
+"""Uncertainty by Monte Carlo: the whole fit repeated with perturbed records and settings."""
 
 from __future__ import annotations
 
@@ -57,11 +57,12 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
 
 def _noise(solution: Solution) -> dict[tuple[int, str], tuple[Array, NDArray[np.bool_]]]:
     """Cholesky factor of the noise of each run and channel, with the rows it stands for."""
-    found = {}
+    found: dict[tuple[int, str], tuple[Array, NDArray[np.bool_]]] = {}
     for group, item in solution.fits:
         for block, covariance in zip(item.blocks, item.noise, strict=True):
             run = solution.groups[group][block.run]
-            found[run, item.channel] = (np.linalg.cholesky(covariance), block.keep)
+            factor: Array = np.linalg.cholesky(covariance)
+            found[run, item.channel] = (factor, block.keep)
     return found
 
 

@@ -25,7 +25,7 @@ from pmmkit.signals import (
     steady_window,
     whole_cycles,
 )
-from pmmkit.signals.noise import time_weights
+from pmmkit.signals.record import time_weights
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -299,7 +299,7 @@ def _from_harmonics(
 ) -> Prepared:
     del cycles
     order = int(data["harmonic"].values.max())
-    theta = np.arange(GRID) * (2 * math.pi / GRID)
+    theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
     basis = design_matrix(theta, order)
     omega = run.settings.omega
     if omega is None:

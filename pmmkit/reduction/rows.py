@@ -215,7 +215,7 @@ def _grid_projection(result: RunResult) -> Array:
 
 
 def _grid() -> Array:
-    return np.arange(GRID) * (2 * math.pi / GRID)
+    return np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
 
 
 def _nominal(result: RunResult) -> State:
