@@ -21,6 +21,7 @@ from pmmkit.checks import (
 from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
+from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.runs.run import Campaign
 
 __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
@@ -52,6 +53,11 @@ def examine(
         Errors first, then warnings, then what is worth knowing. Give it to `refuse` to stop on
         errors.
 
+    Raises
+    ------
+    DataError
+        If runs cannot be read, with the problems of all of them.
+
     Examples
     --------
     >>> from pmmkit.ship import Ship, Water
@@ -62,6 +68,19 @@ def examine(
     warning particulars 2.53
     """
     if summaries is None:
-        summaries = [summarise(run, campaign) for run in campaign.runs]
+        summaries = _read_all(campaign)
     found = [finding for check in CHECKS for finding in check.examine(campaign, summaries)]
     return tuple(sorted(found, key=lambda finding: SEVERITIES.index(finding.severity)))
+
+
+def _read_all(campaign: Campaign) -> list[Summary]:
+    summaries: list[Summary] = []
+    problems: list[Problem] = []
+    for run in campaign.runs:
+        try:
+            summaries.append(summarise(run, campaign))
+        except DataError as error:
+            problems += [problem for problem in error.problems if problem not in problems]
+    if problems:
+        raise CampaignError(problems, title="Some runs cannot be read")
+    return summaries

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 BLOCK: Final = 0.0075
 MASS: Final = 0.05
+HEIGHT: Final = 0.5
 GYRATION: Final = (0.17, 0.34)
 EFFICIENCY: Final = (0.3, 0.85)
 
@@ -45,6 +47,15 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
             f"0.28 L.",
             remedy="Check Izz (kg m², about midship), mass and L.",
             numbers={"radius": radius},
+        )
+    if ship.GM is not None and not 0 < ship.GM < HEIGHT * ship.B:
+        yield CheckFinding(
+            check="particulars",
+            severity="warning",
+            message=f"GM is {figure(ship.GM)} m with a breadth of {figure(ship.B)} m; hulls have "
+            f"up to about 0.3 B. It may be the height of the full-scale ship.",
+            remedy="Give GM of the model as tested.",
+            numbers={"GM": ship.GM, "B": ship.B},
         )
     stated = ship.block_stated
     if stated is not None and abs(ship.block / stated - 1) > BLOCK:
@@ -111,7 +122,7 @@ def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Ite
         message=f"The best efficiency J KT/(2π KQ) of the open-water table is {figure(best)}, at "
         f"J = {figure(float(J[good][np.argmax(efficiency)]))}; propellers reach 0.3 to 0.85."
         f"{found}",
-        remedy=f"Divide KQ by {power:g} (KQ_factor = {1 / power:g})."
+        remedy=f"Divide KQ by {power:g} (KQ_factor = {1 / power:g} under [propeller])."
         if power
         else "Check the columns of the table.",
         numbers={"efficiency": best, "factor": power or math.nan},
@@ -119,12 +130,36 @@ def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Ite
 
 
 def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
-    """J, KT, KQ of the campaign's propeller, as stated; None where there is no table."""
-    table = campaign.propeller.get("open_water")
-    if not isinstance(table, Mapping) or not {"J", "KT", "KQ"} <= set(table):
+    """J, KT, KQ of the campaign's propeller; None where there is no table that can be read.
+
+    ``open_water`` of ``[propeller]`` is a table with the lists J, KT and KQ, or the name of a CSV
+    file with such columns (in any case of letters) beside the data. ``KT_factor`` and
+    ``KQ_factor`` multiply them.
+    """
+    source = campaign.propeller.get("open_water")
+    table = _csv(campaign, source) if isinstance(source, str) else source
+    if not isinstance(table, Mapping):
         return None
-    J, KT, KQ = (np.asarray(table[name], float) for name in ("J", "KT", "KQ"))
+    columns = {str(name).strip().lower(): values for name, values in table.items()}
+    try:
+        J, KT, KQ = (
+            np.asarray(columns[name.lower()], float) * campaign.propeller.get(f"{name}_factor", 1.0)
+            for name in ("J", "KT", "KQ")
+        )
+    except (KeyError, ValueError, TypeError):
+        return None
     return (J, KT, KQ) if len(J) == len(KT) == len(KQ) else None
+
+
+def _csv(campaign: Campaign, name: str) -> Mapping[str, list[str]] | None:
+    beside = [path.parent for run in campaign.runs if (path := getattr(run.loader, "path", None))]
+    for folder in dict.fromkeys((*beside, campaign.folder)):
+        if (folder / name).is_file():
+            with (folder / name).open(encoding="utf-8-sig", newline="", errors="replace") as file:
+                rows = [row for row in csv.reader(file) if row]
+            return {title: [row[place] for row in rows[1:] if len(row) == len(rows[0])]
+                    for place, title in enumerate(rows[0])} if rows else None  # fmt: skip
+    return None
 
 
 CHECKS = (
