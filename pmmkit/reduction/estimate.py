@@ -185,7 +185,7 @@ def fit_channel(
         design, rows = _white(blocks, whiteners)
         found = fit(columns, design[:, chosen], rows)
     misfit = rows - design[:, chosen] @ (found.gain @ rows)
-    chi_square, excess = _excess(misfit, _freedom(found, len(rows)), from_residuals)
+    chi_square, excess = _excess(misfit, _freedom(found, len(rows)), dof, from_residuals)
     values = np.nan_to_num(found.value)
     return ChannelFit(
         channel=channel,
@@ -279,15 +279,18 @@ def _noise_from_residuals(
     return fresh, degrees
 
 
-def _excess(misfit: Array, freedom: int, from_residuals: bool) -> tuple[float, float]:
-    from scipy.special import chdtrc
+def _excess(misfit: Array, freedom: int, dof: Array, from_residuals: bool) -> tuple[float, float]:
+    """Squared misfit over the noise, and the factor by which it exceeds chance (F test)."""
+    from scipy.special import fdtrc
 
     if from_residuals:
         return math.nan, 1.0
     chi_square = float(misfit @ misfit)
-    if freedom == 0 or chdtrc(freedom, chi_square) > BIRGE_P:
+    strength = float(np.clip(np.median(dof), 3.0, 1e6))
+    ratio = chi_square / max(freedom, 1)
+    if freedom == 0 or fdtrc(freedom, strength, ratio) > BIRGE_P:
         return chi_square, 1.0
-    return chi_square, chi_square / freedom
+    return chi_square, max(1.0, ratio * (strength - 2) / strength)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

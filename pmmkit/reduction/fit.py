@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+ROUNDING = 1e-14
+"""Columns shorter than this share of the longest are zeros that were rounded."""
 RANK_TOLERANCE = 1e-9
 """Scaled columns whose remainder after the others is below this count as dependent."""
 
@@ -78,7 +80,7 @@ def fit(names: Sequence[str], design: Array, rows: Array) -> Fit:
 
     size, count = design.shape
     length = np.linalg.norm(design, axis=0)
-    excited = length > RANK_TOLERANCE * length.max(initial=0.0)
+    excited = length > ROUNDING * length.max(initial=0.0)
     scale = np.where(excited, length, 1.0)
     columns = np.flatnonzero(excited)
     gain = np.zeros((count, size))

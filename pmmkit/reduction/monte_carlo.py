@@ -47,7 +47,7 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
     for number in range(n):
         rng = np.random.default_rng([seed, number])
         rows = _perturbed(reduction.rows, reduction.sensitivities, noise, rng)
-        found = solve(rows, [()] * len(rows), reduction.columns, groups)
+        found = solve(rows, reduction.sensitivities, reduction.columns, groups)
         table = to_table(
             found, reduction.columns, reduction.campaign, reduction.convention, method="draw"
         )
@@ -61,7 +61,7 @@ def _noise(solution: Solution) -> dict[tuple[int, str], tuple[Array, NDArray[np.
     for group, item in solution.fits:
         for block, covariance in zip(item.blocks, item.noise, strict=True):
             run = solution.groups[group][block.run]
-            factor: Array = np.linalg.cholesky(covariance)
+            factor = np.linalg.cholesky(covariance).astype(np.float64)
             found[run, item.channel] = (factor, block.keep)
     return found
 
