@@ -130,7 +130,7 @@ def _groups(involved: NDArray[np.bool_], names: Sequence[str]) -> tuple[tuple[st
 
 
 def optional_columns(
-    required: Array, candidates: Sequence[str], columns: Array, *, limit: float = 1e3
+    required: Array, candidates: Sequence[str], columns: Array, *, limit: float = 100.0
 ) -> list[int]:
     """Which optional columns can be added without spoiling what the others determine.
 

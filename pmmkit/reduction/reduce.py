@@ -172,7 +172,7 @@ def reduce_campaign(
     curve = resistance(results)
     remarks = (
         *(note for item in results for note in item.notes),
-        *notes(solution),
+        *notes(solution, rows),
         *_tank(campaign, blockage),
     )
     return Reduction(

@@ -30,6 +30,10 @@ RIG: Final = {
 }
 
 
+ROUNDING = 1e-12
+"""Harmonics of a regressor below this share of its largest sample are rounding."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rows:
     """What one run says about the derivatives.
@@ -92,19 +96,28 @@ def rows_of(
         result=prepared.result,
         force=prepared.water_force(rig),
         design={
-            channel: prepared.projection
-            @ regressors(
-                listed,
-                motion,
-                ship=campaign.ship,
-                water=campaign.water,
-                convention=convention,
-                approach_speed=speed,
+            channel: _projected(
+                prepared.projection,
+                regressors(
+                    listed,
+                    motion,
+                    ship=campaign.ship,
+                    water=campaign.water,
+                    convention=convention,
+                    approach_speed=speed,
+                ),
             )
             for channel, listed in names.items()
         },
         names=names,
     )
+
+
+def _projected(projection: Array, columns: Array) -> Array:
+    """Harmonics of the columns, exact zeros where only rounding is left."""
+    harmonics = projection @ columns
+    rounding = ROUNDING * np.abs(columns).max(axis=0, initial=0.0)
+    return np.where(np.abs(harmonics) > rounding, harmonics, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

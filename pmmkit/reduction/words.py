@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.rows import Rows
 from pmmkit.reduction.solve import Solution
 
 TOGETHER = 0.95
@@ -99,21 +100,63 @@ def offsets(solution: Solution) -> tuple[Offset, ...]:
     return tuple(found)
 
 
-def notes(solution: Solution) -> tuple[str, ...]:
+def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
     """Sentences on what the runs do and do not determine."""
-    return tuple(dict.fromkeys(_sentences(solution)))
+    return (
+        *_not_excited(solution),
+        *_thrust_inside(solution, rows),
+        *dict.fromkeys(_sentences(solution)),
+    )
+
+
+def _thrust_inside(solution: Solution, rows: Sequence[Rows]) -> Iterator[str]:
+    """Speeds at which the propeller's thrust is part of Xuu."""
+    groups = [
+        group
+        for group, item in solution.fits
+        if "Xuu" in item.fit.names
+        and "XT" not in item.fit.names
+        and any(
+            rows[solution.groups[group][block.run]].result.run.settings.propeller_rps
+            for block in item.blocks
+        )
+    ]
+    if groups:
+        yield (
+            f"Xuu{_speeds(solution, groups)} is thrust less resistance: the propeller turned, and "
+            f"its thrust was not measured or did not vary. Tows without propeller part the two."
+        )
+
+
+def _not_excited(solution: Solution) -> Iterator[str]:
+    """One sentence for all derivatives that lack the same tests at the same speeds."""
+    missing: dict[tuple[str, str], list[int]] = {}
+    for group, item in solution.fits:
+        tied = {name for names in item.fit.tied for name in names}
+        for column, name in enumerate(item.fit.names):
+            if not item.fit.determined[column] and name not in tied:
+                missing.setdefault((tests_for(name), name), []).append(group)
+    alike: dict[tuple[str, tuple[int, ...]], list[str]] = {}
+    for (test, name), listed in missing.items():
+        alike.setdefault((test, tuple(listed)), []).append(name)
+    for (test, groups), names in alike.items():
+        where = _speeds(solution, groups)
+        verb, has = ("is", "has") if len(names) == 1 else ("are", "have")
+        yield f"{_list(names)}{where} {verb} not excited by these runs and {has} no value: " + (
+            f"that takes {test}."
+        )
+
+
+def _speeds(solution: Solution, groups: Sequence[int]) -> str:
+    if len(groups) == len(solution.Fn) > 1:
+        return " at all Froude numbers"
+    numbers = [f"{solution.Fn[group]:.3f}" for group in groups]
+    return "" if math.isnan(solution.Fn[groups[0]]) else f" at Fn {_list(numbers)}"
 
 
 def _sentences(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
         where = _where(solution, group)
-        tied = {name for names in item.fit.tied for name in names}
-        for column, name in enumerate(item.fit.names):
-            if not item.fit.determined[column] and name not in tied:
-                yield (
-                    f"{name}{where} is not excited by these runs and has no value. "
-                    f"It takes {tests_for(name)}."
-                )
         for names in item.fit.tied:
             yield (
                 f"{_list(names)}{where}: only a combination is determined, so none has a value. "
@@ -139,7 +182,7 @@ def _where(solution: Solution, group: int) -> str:
     return "" if math.isnan(froude) else f" at Fn {froude:.3f}"
 
 
-def _list(names: tuple[str, ...]) -> str:
+def _list(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
