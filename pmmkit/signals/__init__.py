@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from pmmkit.signals.cycles import Cycles, estimate_frequency, whole_cycles
+from pmmkit.signals.cycles import Cycles, whole_cycles
+from pmmkit.signals.frequency import estimate_frequency
 from pmmkit.signals.harmonics import (
     Harmonics,
     design_matrix,

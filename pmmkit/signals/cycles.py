@@ -1,28 +1,40 @@
-"""Whole cycles of an oscillating record, and its frequency."""
+"""Whole cycles of an oscillating record, without those that are transient."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.signals.harmonics import cycle_count, design_matrix
-from pmmkit.signals.periodic import TURN
+from pmmkit.signals.harmonics import cycle_count, cycle_edges, design_matrix, per_cycle
+from pmmkit.signals.periodic import TURN, fit_noise, phase_cells, weighted_covariance
 from pmmkit.signals.record import as_record
 
 Array = NDArray[np.float64]
+Ints = NDArray[np.intp]
+
+COMPARED: Final = 3
+"""Highest harmonic whose change from cycle to cycle is looked at."""
+REMOVED: Final = 5
+"""Highest harmonic taken out before the noise is judged."""
+CHANCE: Final = 0.01
+"""Chance at which a cycle of a steady record is called transient."""
+NEGLIGIBLE: Final = 1e-6
+"""Changes below this fraction of a channel's fluctuation are of no interest."""
 
 
 @dataclass(frozen=True)
 class Cycles:
-    """The samples [start, stop) that span whole cycles without transient, and why.
+    """The samples [start, stop) that span whole cycles, and why these.
 
     Attributes
     ----------
     start, stop : int
-        First sample kept, and the one after the last.
+        First sample kept, and the one after the last; the sample that would close the last cycle
+        is not among them.
     count : int
         Whole cycles kept.
     first : int
@@ -39,7 +51,7 @@ class Cycles:
 
 
 def whole_cycles(
-    t: Array, theta: Array, y: Array, *, cycles: int | tuple[int, int] | None = None
+    t: ArrayLike, theta: ArrayLike, y: ArrayLike, *, cycles: int | tuple[int, int] | None = None
 ) -> Cycles:
     """Whole cycles of an oscillating record, without those that are transient.
 
@@ -48,12 +60,13 @@ def whole_cycles(
     t : (n,) array
         Time, increasing [s].
     theta : (n,) array
-        Phase of the motion, increasing by 2π a cycle; need not start at 0 [rad].
+        Phase of the motion, increasing by 2π a cycle; steps may differ, and it need not start
+        at 0 [rad].
     y : (c, n) array
         Channels.
     cycles : int or (int, int), optional
-        3 takes the third cycle only, (3, 6) the third to the sixth; counted from 1 at the start
-        of the record. Default: all whole cycles that a test does not find to be transient.
+        3 takes the third cycle only, (3, 6) the third to the sixth, counted from 1 at the start
+        of the record. Default: all whole cycles that are not found to be transient.
 
     Returns
     -------
@@ -62,57 +75,158 @@ def whole_cycles(
     Raises
     ------
     DataError
-        If the record has too few whole cycles, with the numbers.
+        If the record has too few whole cycles, with the numbers, or is damaged.
+
+    Notes
+    -----
+    Harmonics 0 to 3 of the first cycle are compared with the mean of those of the later ones by
+    Hotelling's statistic; the covariance is that of the autocorrelated noise found between the
+    harmonics of the last two thirds of the cycles. A cycle that differs in any channel is left
+    out and the next one is tried; then the last cycle is tested in the same way. At least one
+    is kept.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(0.0, 50.0, 0.1)
+    >>> theta = 2 * np.pi * t / 10.0
+    >>> noise = 0.01 * np.random.default_rng(4).normal(size=t.size)
+    >>> kept = whole_cycles(t, theta, np.cos(theta) + noise + np.exp(-t / 3.0))
+    >>> kept.first, kept.count, kept.start
+    (2, 3, 200)
+    >>> whole_cycles(t, theta, np.cos(theta), cycles=3).reason
+    'took cycle 3 of 5, as asked'
     """
-    as_record(t, y)
-    phase, _ = as_record(theta, y, name="theta")
+    time, values = as_record(t, y)
+    phase, values = as_record(theta, values, name="theta")
     total = cycle_count(phase)
     covered = (phase[-1] - phase[0]) / TURN
     if total < 1:
-        raise DataError(f"The record covers {covered:.2f} cycles; at least one is needed.")
-    first, last = 0, total
-    if cycles is not None:
-        low, high = (cycles, cycles) if isinstance(cycles, int) else cycles
-        if not 1 <= low <= high <= total:
-            raise DataError(
-                f"Cycles {low} to {high} were asked for; the record has {total} whole cycles "
-                f"({covered:.2f} covered)."
-            )
-        first, last = low - 1, high
-    step = float(np.median(np.diff(phase)))
-    edges = np.searchsorted(phase, phase[0] + TURN * np.array([first, last]) - 0.25 * step)
-    return Cycles(
-        int(edges[0]),
-        int(edges[1]),
-        last - first,
-        first,
-        f"cycles {first + 1} to {last} of {total}",
-    )
-
-
-def estimate_frequency(t: Array, y: Array, omega: float) -> tuple[float, float]:
-    """Angular frequency of the record near the nominal one, with its std [rad/s]."""
-    time, values = as_record(t, y)
-    middle = 0.5 * (time[0] + time[-1])
-    w = float(omega)
-    error = 0.0
-    for _ in range(20):
-        basis = design_matrix((time - middle) * w, 3)
-        fitted = np.linalg.lstsq(basis, values.T, rcond=None)[0]
-        n = np.arange(1, 4)
-        slope = (time - middle)[:, None] * (
-            (basis[:, 2::2] * -n) @ fitted[1::2] + (basis[:, 1::2] * n) @ fitted[2::2]
+        raise DataError(
+            f"The record covers {covered:.2f} cycles ({time[-1] - time[0]:.4g} s): "
+            "at least one whole cycle is needed."
         )
-        q, _ = np.linalg.qr(basis)
-        slope = slope - q @ (q.T @ slope)
-        rest = values.T - basis @ fitted
-        variance = np.maximum(np.mean(rest**2, axis=0), 1e-300)
-        information = float(np.sum(slope**2 / variance))
-        if information <= 0:
-            return float(omega), np.inf
-        move = float(np.sum(slope * rest / variance)) / information
-        error = information**-0.5
-        w += float(np.clip(move, -0.02 * omega, 0.02 * omega))
-        if abs(move) < 1e-12 * omega:
-            break
-    return w, error
+    edges = cycle_edges(phase, total)
+    if cycles is not None:
+        first, last = _asked(cycles, total, covered)
+        reason = f"took {_cycles(first, last)} of {total}, as asked"
+    else:
+        if np.diff(edges).min() < 2 * REMOVED + 2:
+            raise DataError(
+                f"A cycle has only {np.diff(edges).min()} samples: at least {2 * REMOVED + 2} "
+                "are needed to compare cycles. State the cycles to use."
+            )
+        first, last = _settled(phase, values, edges)
+        reason = _reason(first, last, total, covered)
+    return Cycles(int(edges[first]), int(edges[last]), last - first, first, reason)
+
+
+def _asked(cycles: int | tuple[int, int], total: int, covered: float) -> tuple[int, int]:
+    low, high = (cycles, cycles) if isinstance(cycles, int) else cycles
+    if not 1 <= low <= high:
+        raise DataError(f"Cycles {low} to {high} were asked for: count from 1, first to last.")
+    if high > total:
+        raise DataError(
+            f"{_cycles(low - 1, high).capitalize()} asked for, but the record has {total} whole "
+            f"({covered:.2f} covered). Ask for cycles up to {total}."
+        )
+    return low - 1, high
+
+
+def _cycles(first: int, last: int) -> str:
+    return f"cycle {last}" if last == first + 1 else f"cycles {first + 1} to {last}"
+
+
+def _reason(first: int, last: int, total: int, covered: float) -> str:
+    parts = []
+    if first > 0:
+        parts.append(f"{_cycles(0, first)} (transient)")
+    if last < total:
+        parts.append(f"{_cycles(last, total)} (changed at the end)")
+    if covered - total > 0.02:
+        parts.append(f"the last {covered - total:.2f} of a cycle (incomplete)")
+    if not parts:
+        return f"kept all {total} cycles" if total > 1 else "kept the only cycle"
+    return f"kept {_cycles(first, last)} of {total}; left out {' and '.join(parts)}"
+
+
+def _settled(phase: Array, values: Array, edges: Ints) -> tuple[int, int]:
+    """The cycles [first, last) that agree with one another."""
+    rows = design_matrix(phase[: edges[-1]], REMOVED).T
+    single = per_cycle(values[:, : edges[-1]], rows, edges)[:, :, : 2 * COMPARED + 1]
+    last = edges.size - 1
+    first = _first_settled(phase, values, rows, edges, single)
+    if last - first >= 3:
+        before = np.arange(first, last - 1)
+        noise = _noise(phase, values, rows, edges[first:last], last - first)
+        if _differs(single[last - 1], single[before], noise, after=False):
+            last -= 1
+            first = _first_settled(phase, values, rows, edges[: last + 1], single[:last])
+    return first, last
+
+
+@dataclass(frozen=True)
+class _Noise:
+    gamma: Array
+    dof: Array
+    floor: Array
+    a_cycle: int
+    chance: float
+
+
+def _first_settled(phase: Array, values: Array, rows: Array, edges: Ints, single: Array) -> int:
+    last = edges.size - 1
+    half = last - max(2, 2 * last // 3)
+    noise = None
+    for first in range(last - 1):
+        if noise is None or first + 1 > half:
+            noise = _noise(phase, values, rows, edges[max(half, first + 1) :], last - first)
+        if not _differs(single[first], single[first + 1 :], noise, after=True):
+            return first
+    return last - 1
+
+
+def _noise(phase: Array, values: Array, rows: Array, edges: Ints, longest: int) -> _Noise:
+    """Noise of the cycles between the edges, with autocovariances over `longest` cycles."""
+    count = edges.size - 1
+    part = slice(edges[0], edges[-1])
+    columns, inside = rows[:, part], values[:, part]
+    fitted = np.linalg.solve(columns @ columns.T, columns @ inside.T).T
+    rest = inside - fitted @ columns
+    start, a_cycle = phase_cells(phase[part], count)
+    cells = np.add.reduceat(rest, start, axis=-1) / np.diff(start, append=rest.shape[-1])
+    cells = cells[:, : a_cycle * count]
+    cells = np.pad(cells, ((0, 0), (0, a_cycle * count - cells.shape[-1])))
+    swing = np.sqrt(np.mean((inside - inside.mean(axis=-1, keepdims=True)) ** 2, axis=-1))
+    floor = NEGLIGIBLE * swing + 1e-12 * np.max(np.abs(inside), axis=-1) + 1e-300
+    size = np.sqrt(np.mean(cells**2, axis=-1))
+    quiet = size <= floor
+    sign = np.where(np.arange(cells.shape[-1]) % 2, 1.0, -1.0)
+    unit = np.where(quiet[:, None], sign, cells / np.maximum(size, floor)[:, None])
+    gamma, dof = fit_noise(unit, count, REMOVED, longest * a_cycle)
+    scale = np.where(quiet, 0.0, size)
+    chance = CHANCE if count > 1 else CHANCE / 10.0
+    return _Noise(scale[:, None] ** 2 * gamma, dof, floor, a_cycle, chance)
+
+
+def _differs(one: Array, others: Array, noise: _Noise, *, after: bool) -> bool:
+    """Whether one cycle's harmonics (c, p) differ from those of the others (k, c, p)."""
+    from scipy.special import fdtrc
+
+    p = one.shape[-1]
+    many = others.shape[0]
+    phase = TURN * (np.arange(noise.a_cycle) + 0.5) / noise.a_cycle
+    own = design_matrix(phase, COMPARED).T * (2.0 / noise.a_cycle)
+    own[0] *= 0.5
+    parts = [own] + [-own / many] * many
+    weights = np.concatenate(parts if after else parts[::-1], axis=-1)
+    covariance = weighted_covariance(weights, noise.gamma[:, : weights.shape[-1]])
+    covariance = covariance + noise.floor[:, None, None] ** 2 * np.eye(p)
+    change = one - others.mean(axis=0)
+    dof = np.maximum(noise.dof, 1.0)
+    steady = fdtrc(1, dof[:, 0], change[:, 0] ** 2 / covariance[:, 0, 0])
+    swing = change[:, 1:, None]
+    statistic = np.sum(swing * np.linalg.solve(covariance[:, 1:, 1:], swing), axis=(1, 2))
+    pooled = COMPARED / np.sum(1.0 / dof[:, 1 : COMPARED + 1], axis=-1)
+    waving = fdtrc(p - 1, pooled, statistic / (p - 1))
+    return bool(np.minimum(steady, waving).min() < noise.chance / (2 * one.shape[0]))

@@ -99,14 +99,14 @@ def _rows(phase: Array, order: int) -> Array:
 
 def cycle_count(phase: Array) -> int:
     """Whole cycles covered; the last sample stands for one step, of half a step's tolerance."""
-    step = np.diff(phase)
-    beyond = max(float(np.median(step)), float(step[0]), float(step[-1]))
-    return int((phase[-1] - phase[0] + 1.5 * beyond) / TURN)
+    covered = float(phase[-1] - phase[0])
+    beyond = max(covered / (phase.size - 1), phase[1] - phase[0], phase[-1] - phase[-2])
+    return int((covered + 1.5 * beyond) / TURN)
 
 
 def cycle_edges(phase: Array, count: int) -> Ints:
     """First sample of each of `count` cycles counted from the first sample, and the end."""
-    step = float(np.median(np.diff(phase)))
+    step = (phase[-1] - phase[0]) / (phase.size - 1)
     edges: Ints = np.searchsorted(phase, phase[0] + TURN * np.arange(count + 1) - 0.25 * step)
     return edges
 
@@ -157,13 +157,12 @@ def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
             "harmonics need at least one whole cycle."
         )
     rows = _rows(phase, order)
-    weights = _inverse(rows @ rows.T) @ rows
-    coefficients = values @ weights.T
+    inverse = _inverse(rows @ rows.T)
+    coefficients = values @ rows.T @ inverse
+    coefficients = coefficients + (values - coefficients @ rows) @ rows.T @ inverse
     rest = values - coefficients @ rows
-    correction = rest @ weights.T
-    coefficients += correction
-    rest -= correction @ rows
-    covariance, dof = _uncertainty(phase, values, rest, weights, count, order)
+    size = np.max(np.abs(values), axis=-1)
+    covariance, dof = _uncertainty(phase, rest, size, rows, inverse, count)
     pooled = 2 * order / np.sum(1.0 / dof[:, 1:], axis=-1) if order else dof[:, 0]
     return Harmonics(
         order=order,
@@ -189,33 +188,30 @@ def _inverse(gram: Array) -> Array:
 
 
 def _uncertainty(
-    phase: Array, values: Array, rest: Array, weights: Array, count: int, order: int
+    phase: Array, rest: Array, size: Array, rows: Array, inverse: Array, count: int
 ) -> tuple[Array, Array]:
     """Covariance (c, p, p) and degrees of freedom (c, p) of the coefficients."""
-    p, n = weights.shape
+    p, n = rows.shape
+    order = p // 2
     start, a_cycle = phase_cells(phase, count)
-    size = np.diff(start, append=n)
-    cells = np.add.reduceat(rest, start, axis=-1) / size
-    gathered = np.add.reduceat(weights, start, axis=-1)
+    cells = np.add.reduceat(rest, start, axis=-1) / np.diff(start, append=n)
+    weights = inverse @ np.add.reduceat(rows, start, axis=-1)
     whole = a_cycle * count
-    full = n - p
-    squares = np.sum(rest**2, axis=-1) / full
-    rounding = (np.finfo(float).eps * np.max(np.abs(values), axis=-1)) ** 2
-    covariance = np.maximum(squares, rounding)[:, None, None] * (weights @ weights.T)
-    dof = np.full((values.shape[0], p), float(full))
+    if start.size < whole:
+        cells = np.pad(cells, ((0, 0), (0, whole - start.size)))
+    squares = np.sum(rest**2, axis=-1) / (n - p)
+    rounding = (np.finfo(float).eps * size) ** 2
+    covariance = np.maximum(squares, rounding)[:, None, None] * inverse
+    dof = np.full((rest.shape[0], p), float(n - p))
     noisy = squares > 1e4 * rounding
-    complete = start.size >= whole
-    enough = complete and between_harmonics(whole, count, order).sum() > 3
-    if enough and noisy.any():
+    if noisy.any() and between_harmonics(whole, count, order).sum() > 3:
         unit = np.sqrt(squares[noisy])
-        gamma, found = fit_noise(
-            cells[noisy, :whole] / unit[:, None], count, order, gathered.shape[-1]
-        )
+        gamma, found = fit_noise(cells[noisy, :whole] / unit[:, None], count, order, start.size)
         turn = np.pi * np.repeat(np.arange(order + 1), 2)[1:] / a_cycle
         inside = n / start.size
         # weights vary within a stretch: the mean over it sees a little less of each harmonic
         seen = np.sinc(turn / np.pi) / np.sinc(turn / np.pi / inside)
-        slow = weighted_covariance(gathered / seen[:, None], gamma)
+        slow = weighted_covariance(weights / seen[:, None], gamma)
         covariance[noisy] = unit[:, None, None] ** 2 * slow
         dof[noisy] = np.maximum(np.repeat(found, 2, axis=-1)[:, 1:], 1.0)
     return covariance, dof

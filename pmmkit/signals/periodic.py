@@ -25,11 +25,12 @@ def phase_cells(phase: Array, count: int) -> tuple[Ints, int]:
     a stretch holds as nearly as possible the same number of samples as any other.
     """
     step = np.diff(phase)
-    samples = phase.size * TURN / (phase[-1] - phase[0] + np.median(step))
+    mean = (phase[-1] - phase[0]) / step.size
+    samples = TURN / mean
     finest = 48 if count < 4 else 32
-    a_cycle = max(12, int(min(samples / max(1, samples // finest), TURN / step.max() * 1.001)))
-    offset = 0.02 * float(np.median(step))
-    cell = ((phase - phase[0] + offset) * (a_cycle / TURN)).astype(np.intp)
+    finest_kept = min(samples / max(1, (samples + 0.01) // finest), TURN / step.max())
+    a_cycle = max(12, int(1.001 * finest_kept))
+    cell = ((phase - phase[0] + 0.02 * mean) * (a_cycle / TURN)).astype(np.intp)
     return np.flatnonzero(np.diff(cell, prepend=-1)), a_cycle
 
 
