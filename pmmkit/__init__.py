@@ -1,3 +1,97 @@
-"""pmmkit: from captive ship-model tests to derivatives, a model and manoeuvres."""
+"""pmmkit: from captive ship-model tests to derivatives, a model and manoeuvres.
+
+The words below are reached as ``pmmkit.reduce`` and so on; what stands behind one is imported when
+it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
 
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from pmmkit.api import reduce
+    from pmmkit.checks import examine, refuse
+    from pmmkit.effects.catalogue import catalogue
+    from pmmkit.errors import PmmkitError
+    from pmmkit.model import Model, load_model, save_model, scaled, to_model
+    from pmmkit.reduction import Reduction, reduce_campaign
+    from pmmkit.report import write_report
+    from pmmkit.runs.campaign_file import open_campaign
+    from pmmkit.runs.run import Campaign, Run
+    from pmmkit.runs.store import load_campaign, save_campaign
+    from pmmkit.ship import Ship, Water
+    from pmmkit.ship_library import load_ship, ships
+    from pmmkit.simulation import Track, froude_sweep, imo_turning, simulate
+    from pmmkit.tables import DerivativeTable, converted, from_values, interpolate, read_table
+    from pmmkit.tables import write as write_table
+
+__all__ = [
+    "Campaign",
+    "DerivativeTable",
+    "Model",
+    "PmmkitError",
+    "Reduction",
+    "Run",
+    "Ship",
+    "Track",
+    "Water",
+    "__version__",
+    "catalogue",
+    "converted",
+    "examine",
+    "from_values",
+    "froude_sweep",
+    "imo_turning",
+    "interpolate",
+    "load_campaign",
+    "load_model",
+    "load_ship",
+    "open_campaign",
+    "read_table",
+    "reduce",
+    "reduce_campaign",
+    "refuse",
+    "save_campaign",
+    "save_model",
+    "scaled",
+    "ships",
+    "simulate",
+    "to_model",
+    "write_report",
+    "write_table",
+]
+
+_HOMES: Final = {
+    "api": ("reduce",),
+    "checks": ("examine", "refuse"),
+    "effects.catalogue": ("catalogue",),
+    "errors": ("PmmkitError",),
+    "model": ("Model", "load_model", "save_model", "scaled", "to_model"),
+    "reduction": ("Reduction", "reduce_campaign"),
+    "report": ("write_report",),
+    "runs.campaign_file": ("open_campaign",),
+    "runs.run": ("Campaign", "Run"),
+    "runs.store": ("load_campaign", "save_campaign"),
+    "ship": ("Ship", "Water"),
+    "ship_library": ("load_ship", "ships"),
+    "simulation": ("Track", "froude_sweep", "imo_turning", "simulate"),
+    "tables": ("DerivativeTable", "converted", "from_values", "interpolate", "read_table"),
+}
+_RENAMED: Final = {"write_table": ("tables", "write")}
+_PLACES: Final = {name: (home, name) for home, names in _HOMES.items() for name in names} | _RENAMED
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module 'pmmkit' has no attribute {name!r}")
+    home, word = _PLACES[name]
+    value = getattr(import_module(f"pmmkit.{home}"), word)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PLACES})

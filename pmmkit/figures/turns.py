@@ -10,8 +10,10 @@ import numpy as np
 from pmmkit.effects.state import Array
 from pmmkit.errors import DataError
 from pmmkit.figures import style
+from pmmkit.simulation.imo import TURNING_LIMITS
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -25,8 +27,7 @@ _SLENDER: Final = 0.145
 """Breadth over length of the outlines; they show the heading, not the ship."""
 _EVERY: Final = np.pi / 4
 """Heading between two outlines of the ship [rad]."""
-LIMITS: Final = {"advance_L": 4.5, "tactical_diameter_L": 5.0}
-"""Turning circle of IMO MSC.137(76), in ship lengths."""
+_LIMITS: Final = {f"{name}_L": limit for name, limit in TURNING_LIMITS}
 MEASURES: Final = {
     "advance_L": "advance / L [-]",
     "transfer_L": "transfer / L [-]",
@@ -116,43 +117,33 @@ def turn_histories(tracks: Sequence[Track], names: Sequence[str] | None = None) 
     return figure
 
 
-def measures_over_froude(
-    froude: Sequence[float],
-    metrics: Sequence[Mapping[str, float]],
-    *,
-    others: Mapping[str, tuple[Sequence[float], Sequence[Mapping[str, float]]]] | None = None,
-) -> Figure:
+def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
     """Measures of the turning circle over the Froude number, with the IMO limits.
 
     Parameters
     ----------
-    froude : sequence of float
-        Froude numbers of the approach.
-    metrics : sequence of mapping
-        Metrics of the turn at each of them, with the names that a Track gives them.
-    others : mapping of str to (Froude numbers, metrics), optional
-        Sets to compare with, by their name in the legend.
+    sweeps : mapping of str to Dataset
+        Sweeps as `froude_sweep` gives them, by their name in the legend; the first is ours, the
+        others are drawn to compare with.
 
     Returns
     -------
     Figure
         A matplotlib figure, a panel a measure.
     """
-    sets = {"from the derivatives measured": (froude, metrics), **(others or {})}
     with style.styled():
         figure = style.canvas(3.2)
         axes = figure.subplots(1, len(MEASURES))
         for axis, (measure, title) in zip(axes, MEASURES.items(), strict=True):
-            for number, (name, (along, values)) in enumerate(sets.items()):
+            for number, (name, sweep) in enumerate(sweeps.items()):
                 axis.plot(
-                    along, [item.get(measure, np.nan) for item in values],
-                    color=style.colour(number) if number == 0 else style.REFERENCE,
-                    marker=style.marker(number), ms=4, ls="-" if number == 0 else "--", label=name,
+                    sweep["Fn"].values, sweep[measure].values, ms=4, label=name,
+                    color=style.ORDERED[0] if number == 0 else style.REFERENCE,
+                    marker=style.marker(number), ls="-" if number == 0 else "--",
                 )  # fmt: skip
-            if measure in LIMITS:
-                axis.axhline(LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
-            low, high = axis.get_ylim()
-            axis.set_ylim(min(0.0, low), 1.08 * high)
+            if measure in _LIMITS:
+                axis.axhline(_LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
+            axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
             axis.set_title(title)
             axis.set_xlabel("Froude number [-]")
         style.legend_below(figure, list(axes))

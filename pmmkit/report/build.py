@@ -1,0 +1,265 @@
+"""A report: everything that was found, in one HTML file that needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pmmkit import __version__
+from pmmkit.checks.finding import name_runs
+from pmmkit.files import write_text
+from pmmkit.reduction import Reduction
+from pmmkit.report import pictures, tables
+from pmmkit.report.turning import Turns, changes, turning_section
+from pmmkit.report.words import Grid, Group, Section, counted, flattened, percent
+
+if TYPE_CHECKING:
+    from pmmkit.tables import DerivativeTable
+
+
+def write_report(
+    reduction: Reduction,
+    path: str | Path,
+    *,
+    reference: DerivativeTable | None = None,
+    reference_name: str = "the reference",
+    turns: Turns | None = None,
+) -> Path:
+    """Write the report of a reduction as one HTML file: style and figures inside, nothing loaded.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        As `reduce_campaign` gives it.
+    path : path
+        File to write, all or nothing.
+    reference : DerivativeTable, optional
+        Values of a source to stand beside ours, in any convention.
+    reference_name : str
+        Name of the source.
+    turns : Turns, optional
+        Turning circles with the model that was found.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    target = Path(path)
+    write_text(
+        target,
+        report_html(reduction, reference=reference, reference_name=reference_name, turns=turns),
+    )
+    return target
+
+
+def report_html(
+    reduction: Reduction,
+    *,
+    reference: DerivativeTable | None = None,
+    reference_name: str = "the reference",
+    turns: Turns | None = None,
+) -> str:
+    """The report as text (see `write_report`).
+
+    Parameters
+    ----------
+    reduction, reference, reference_name, turns
+        As for `write_report`.
+    """
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    folder = files("pmmkit.report")
+    environment = Environment(
+        loader=FunctionLoader(lambda name: (folder / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    sections = [
+        Section(
+            title="Derivatives at a glance",
+            paragraphs=_headline(reduction, turns),
+            tables=[tables.headline(reduction.table, reference, reference_name)],
+        ),
+        _done(reduction),
+        _findings(reduction),
+        _derivatives(reduction, reference, reference_name),
+        _forces(reduction),
+        _comparison(reduction),
+        *([turning_section(turns)] if turns else []),
+        _runs(reduction),
+        _provenance(reduction, reference_name if reference is not None else None),
+    ]
+    return environment.get_template("template.html.j2").render(
+        title=reduction.campaign.title or "Captive tests",
+        subtitle="Captive ship-model tests reduced to hydrodynamic derivatives, "
+        f"by pmmkit {__version__}.",
+        tiles=_tiles(reduction),
+        sections=[section for section in sections if section is not None],
+        version=__version__,
+        css=(folder / "style.css").read_text(encoding="utf-8"),
+    )
+
+
+def _tiles(reduction: Reduction) -> list[dict[str, str]]:
+    campaign, table = reduction.campaign, reduction.table
+    severities = [finding.severity for finding in reduction.findings]
+    warnings = severities.count("warning")
+    return [
+        {"value": str(len(reduction.runs)), "label": "runs used"},
+        {"value": str(len(campaign.excluded)), "label": "runs left out, with reasons"},
+        {
+            "value": "all" if table.pooled else ", ".join(f"{x:.3f}" for x in table.Fn),
+            "label": "Froude numbers",
+        },
+        {"value": str(table.provenance.get("structure", "custom")), "label": "structure"},
+        {"value": str(warnings), "label": "warnings of the checks"},
+    ]
+
+
+def _headline(reduction: Reduction, turns: Turns | None) -> list[str]:
+    said = []
+    if turns and len(turns.tracks) > 1:
+        moved = changes(turns.tracks)
+        low, high = sorted(track.Fn for track in turns.tracks)[:: len(turns.tracks) - 1]
+        said.append(
+            f"From Fn {low:.3f} to {high:.3f} a turn with {abs(turns.tracks[0].rudder_deg):g}° of "
+            f"rudder changes: steady radius {percent(moved['steady_diameter_L'])}, tactical "
+            f"diameter {percent(moved['tactical_diameter_L'])}, transfer "
+            f"{percent(moved['transfer_L'])}, advance {percent(moved['advance_L'])}."
+        )
+    if reduction.propulsion is not None:
+        found = reduction.propulsion
+        said.append(
+            f"Thrust deduction t = {found.thrust_deduction:.3f} from "
+            f"{counted(len(found.runs), 'straight run')}."
+        )
+    return said
+
+
+def _done(reduction: Reduction) -> Section:
+    campaign, origin = reduction.campaign, reduction.table.provenance
+    fn = (
+        "one set of derivatives over all speeds"
+        if reduction.table.pooled
+        else "a set of derivatives per Froude number"
+    )
+    cycles = origin.get("cycles")
+    asked = "by a cycle-to-cycle test" if cycles is None else f"as asked: {cycles}"
+    inertia = {run.run.forces for run in reduction.runs}
+    inside = (
+        "The inertia of the model was still inside the forces and has been removed, in X too."
+        if inertia == {"balance"}
+        else "The forces are stated to be those of the water alone."
+        if inertia == {"hydrodynamic"}
+        else "Some runs hold the inertia of the model, which has been removed there."
+    )
+    corrections = dict.fromkeys(
+        (item.action, name_runs(item.runs), item.reason)
+        for run in (*campaign.runs, *(run for run, _ in campaign.excluded))
+        for item in run.corrections
+    )
+    grids = [tables.particulars(reduction), tables.runs(reduction)]
+    if campaign.excluded:
+        grids.append(
+            Grid(
+                head=["Run", "Left out because"],
+                groups=[Group(rows=[[run.id, reason] for run, reason in campaign.excluded])],
+                texts=(1,),
+            )
+        )
+    if corrections:
+        grids.append(
+            Grid(
+                head=["Correction", "Runs", "Reason"],
+                groups=[Group(rows=[list(item) for item in corrections])],
+                texts=(1, 2),
+            )
+        )
+    return Section(
+        title="What was done",
+        paragraphs=[
+            f"Structure {origin.get('structure', 'custom')}, {fn}, by one regression over all runs "
+            f"weighted with the noise of their records. Cycles of oscillating tests were chosen "
+            f"{asked}. {inside}",
+        ],
+        tables=grids,
+    )
+
+
+def _findings(reduction: Reduction) -> Section:
+    shown = [
+        {
+            "severity": item.severity,
+            "check": item.check,
+            "message": item.message,
+            "runs": name_runs(item.runs, 12),
+            "remedy": item.remedy,
+        }
+        for item in reduction.findings
+    ]
+    return Section(
+        title="What the checks found",
+        paragraphs=[] if shown else ["The checks found nothing to say."],
+        findings=shown,
+    )
+
+
+def _derivatives(
+    reduction: Reduction, reference: DerivativeTable | None, reference_name: str
+) -> Section:
+    notes = list(dict.fromkeys(reduction.notes))
+    return Section(
+        title="Derivatives",
+        paragraphs=["What these runs tell and do not tell:"] if notes else [],
+        points=notes,
+        tables=[tables.derivatives(reduction.table, reference, reference_name)],
+        figures=list(pictures.of_derivatives(reduction.table, reference, reference_name)),
+    )
+
+
+def _comparison(reduction: Reduction) -> Section:
+    return Section(
+        title="The same derivatives by other ways",
+        paragraphs=[
+            "All runs together is the table above. Beside it stand the same derivatives from each "
+            "family of tests alone (curve fits of static tests, amplitude series of oscillating "
+            "ones), and from the harmonics of single runs: their mean and range. Where the ways "
+            "disagree by more than their intervals, the structure lacks something or a test does."
+        ],
+        tables=tables.methods(reduction),
+    )
+
+
+def _forces(reduction: Reduction) -> Section | None:
+    figures = list(pictures.of_forces(reduction))
+    return Section(title="Forces and what was fitted", figures=figures) if figures else None
+
+
+def _runs(reduction: Reduction) -> Section:
+    return Section(title="Runs", tables=[tables.settings(reduction)])
+
+
+def _provenance(reduction: Reduction, reference_name: str | None) -> Section:
+    rows = [list(pair) for pair in flattened(reduction.table.provenance)]
+    return Section(
+        title="Provenance and sources",
+        points=list(_sources(reduction, reference_name)),
+        tables=[Grid(head=["What", "Value"], groups=[Group(rows=rows)], texts=(1,))],
+    )
+
+
+def _sources(reduction: Reduction, reference_name: str | None) -> Iterable[str]:
+    structure: Any = reduction.table.provenance.get("source")
+    if structure:
+        yield f"Structure: {structure}."
+    if reference_name:
+        yield f"Values to compare with: {reference_name}."
+    yield (
+        "Uncertainty: Guide to the expression of uncertainty in measurement (JCGM 100:2008), "
+        "95 % intervals."
+    )

@@ -1,0 +1,163 @@
+"""The figures of a report, made from a reduction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.figures import (
+    Cycle,
+    DriftPoints,
+    beside_reference,
+    derivatives_over_froude,
+    forces_over_drift,
+    over_a_cycle,
+    svg,
+)  # fmt: skip
+from pmmkit.reduction import Reduction, RunResult
+from pmmkit.report.words import TESTS, Picture
+from pmmkit.runs.kinematics import displacement_phase
+from pmmkit.signals import whole_cycles
+
+if TYPE_CHECKING:
+    from pmmkit.tables import DerivativeTable
+
+_OSCILLATING: Final = ("pure_surge", "pure_sway", "pure_yaw", "yaw_drift", "yaw_rudder")
+_SHOWN: Final = ("X", "Y", "N")
+
+
+def of_forces(reduction: Reduction) -> Iterator[Picture]:
+    """Static forces over the drift angle, and oscillating ones over a cycle.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        Histories that are shown are read again, one run per kind of test.
+    """
+    points = drift_points(reduction)
+    if points:
+        yield Picture(
+            svg=svg(forces_over_drift(points, reduction.table, channels=_channels(reduction))),
+            caption="Static drift: mean forces (95 % intervals as bars) and what the derivatives "
+            "of all runs together make of them (lines, 95 % bands).",
+        )
+    cycles = typical_cycles(reduction)
+    if cycles:
+        yield Picture(
+            svg=svg(over_a_cycle(cycles, channels=_channels(reduction))),
+            caption="Oscillating tests: the cycles that count, on top of each other, and their "
+            "harmonics. One run per kind of test is shown, that with the largest amplitude at "
+            "the middle speed.",
+        )
+
+
+def of_derivatives(
+    table: DerivativeTable, reference: DerivativeTable | None, name: str
+) -> Iterator[Picture]:
+    """Derivatives over the Froude number, and beside a reference.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        Our values.
+    reference : DerivativeTable or None
+        Values of a source.
+    name : str
+        Name of the source.
+    """
+    if not table.pooled and len(table.Fn) > 1:
+        figure = derivatives_over_froude(table, reference=reference, reference_name=name)
+        yield Picture(
+            svg=svg(figure), caption="Derivatives over the Froude number with 95 % intervals."
+        )
+    if reference is not None:
+        figure = beside_reference(table, reference, reference_name=name)
+        yield Picture(
+            svg=svg(figure),
+            caption=f"Each derivative over its value in {name}, with its 95 % interval: at 1 they "
+            "agree.",
+        )
+
+
+def drift_points(reduction: Reduction) -> list[DriftPoints]:
+    """Means of the static drift runs, a set per Froude number of the runs.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        With the forces of the water at midship.
+    """
+    found = [item for item in reduction.rows if item.result.run.test == "static_drift"]
+    sets = []
+    for froude in sorted({round(item.result.froude, 3) for item in found}):
+        rows = [item for item in found if round(item.result.froude, 3) == froude]
+        rows.sort(key=lambda item: item.result.run.settings.drift)
+        channels = [c for c in _SHOWN if all(c in item.force for item in rows)]
+        sets.append(
+            DriftPoints(
+                froude=float(np.mean([item.result.froude for item in rows])),
+                drift=np.array([item.result.run.settings.drift for item in rows]),
+                force={c: np.array([item.force[c][0] for item in rows]) for c in channels},
+                std={c: np.array([_std(item.result, c) for item in rows]) for c in channels},
+            )
+        )
+    return sets
+
+
+def _std(result: RunResult, channel: str) -> float:
+    covariance = result.covariance.get(channel)
+    return float("nan") if covariance is None else float(np.sqrt(covariance[0, 0]))
+
+
+def typical_cycles(reduction: Reduction) -> list[Cycle]:
+    """One run of each oscillating test, over the phase of its motion.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        With its runs; tables without histories give nothing.
+    """
+    cycles = []
+    for test in _OSCILLATING:
+        results = [
+            item for item in reduction.runs
+            if item.run.test == test and item.run.kind == "history"
+        ]  # fmt: skip
+        if results:
+            cycles.append(_cycle(_typical(results), reduction))
+    return cycles
+
+
+def _typical(results: list[RunResult]) -> RunResult:
+    speeds = sorted({item.froude for item in results})
+    middle = speeds[len(speeds) // 2]
+    return max(
+        (item for item in results if item.froude == middle),
+        key=lambda item: (
+            item.run.settings.yaw_amplitude or item.run.settings.amplitude or 0.0,
+            abs(item.run.settings.drift),
+        ),
+    )
+
+
+def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
+    data = result.run.data
+    times = np.asarray(data["t"].values, float)
+    theta = displacement_phase(result.run, data, times)
+    channels = [name for name in _SHOWN if name in result.measured]
+    record = np.stack([np.asarray(data[name].values, float) for name in channels])
+    asked = reduction.table.provenance.get("cycles")
+    kept = whole_cycles(times, theta, record, cycles=asked)
+    cut = slice(kept.start, kept.stop)
+    return Cycle(
+        title=f"{TESTS[result.run.test]}, {result.run.id}, Fn {result.froude:.3f}",
+        theta=theta[cut],
+        samples={name: values[cut] for name, values in zip(channels, record, strict=True)},
+        coefficients={name: result.measured[name] for name in channels},
+    )
+
+
+def _channels(reduction: Reduction) -> list[str]:
+    return [c for c in _SHOWN if any(c in item.measured for item in reduction.runs)]

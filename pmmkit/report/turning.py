@@ -1,0 +1,124 @@
+"""Turning circles in a report: the measures, the IMO limits, the change with speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
+
+from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
+from pmmkit.report.words import Cell, Grid, Group, Picture, Section, number, percent
+from pmmkit.simulation import imo_turning
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from pmmkit.simulation import Track
+
+MEASURES: Final = {
+    "advance_L": "Advance / L",
+    "transfer_L": "Transfer / L",
+    "tactical_diameter_L": "Tactical diameter / L",
+    "steady_diameter_L": "Steady diameter / L",
+    "steady_drift_deg": "Steady drift angle [deg]",
+    "speed_ratio": "Steady speed over approach",
+    "steady_yaw_rate_deg_s": "Steady yaw rate [deg/s]",
+    "heel_max_deg": "Largest heel [deg]",
+}
+CHANGING: Final = ("steady_diameter_L", "tactical_diameter_L", "transfer_L", "advance_L")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Turns:
+    """Turning circles for a report.
+
+    Parameters
+    ----------
+    tracks : sequence of Track
+        Turns with the model that was found, one per speed.
+    sweeps : mapping of str to Dataset
+        Measures over the Froude number, ours first, as `froude_sweep` gives them.
+    notes : sequence of str
+        Notes of the model.
+    """
+
+    tracks: Sequence[Track]
+    sweeps: Mapping[str, xr.Dataset] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+
+def changes(tracks: Sequence[Track]) -> dict[str, float]:
+    """Change of the measures from the lowest to the highest Froude number, as a share.
+
+    Parameters
+    ----------
+    tracks : sequence of Track
+        Turns at several speeds.
+    """
+    ordered = sorted(tracks, key=lambda item: item.Fn)
+    first, last = ordered[0].metrics, ordered[-1].metrics
+    return {name: last[name] / first[name] - 1 for name in CHANGING}
+
+
+def turning_section(turns: Turns) -> Section:
+    """The section on turning circles.
+
+    Parameters
+    ----------
+    turns : Turns
+        What was simulated.
+    """
+    first = turns.tracks[0]
+    fastest = max(turns.tracks, key=lambda track: track.speed)
+    conditions = dict.fromkeys(text for item in imo_turning(fastest) for text in item.conditions)
+    paragraphs = [
+        f"Turning circles with {abs(first.rudder_deg):g}° of rudder. Scale: {first.scale}. Advance "
+        "and transfer are counted from the rudder order to 90° of heading, the tactical diameter "
+        "at 180°, all for the midship point.",
+        "The limits are those of IMO MSC.137(76). What the standard asks for and these turns do "
+        "not show, and what was assumed:",
+    ]
+    notes = dict.fromkeys([*turns.notes, *(note for track in turns.tracks for note in track.notes)])
+    pictures = [
+        Picture(
+            svg=svg(trajectory(turns.tracks)),
+            caption="Paths of midship in ship lengths. Filled marks: 90° of heading (advance, "
+            "transfer); open marks: 180° (tactical diameter).",
+            narrow=True,
+        ),
+        Picture(
+            svg=svg(turn_histories(turns.tracks)),
+            caption="Speed, yaw rate and drift angle in the turn.",
+        ),
+    ]
+    if any(sweep.sizes["Fn"] > 1 for sweep in turns.sweeps.values()):
+        pictures.append(
+            Picture(
+                svg=svg(measures_over_froude(turns.sweeps)),
+                caption="Measures of the turning circle over the Froude number of the approach.",
+            )
+        )
+    return Section(
+        title="Turning circles",
+        paragraphs=paragraphs,
+        points=[*conditions, *notes],
+        tables=[_measures(turns)],
+        figures=pictures,
+    )
+
+
+def _measures(turns: Turns) -> Grid:
+    tracks = sorted(turns.tracks, key=lambda item: item.Fn)
+    limits = {f"{verdict.criterion}_L": f"{verdict.limit:g}" for verdict in imo_turning(tracks[0])}
+    names = [name for name in MEASURES if name in tracks[0].metrics]
+    moved = changes(tracks) if len(tracks) > 1 else {}
+    rows: list[list[Cell]] = []
+    for name in names:
+        row: list[Cell] = [MEASURES[name], *(number(track.metrics[name]) for track in tracks)]
+        if moved:
+            row.append(percent(moved[name]) if name in moved else "")
+        rows.append([*row, limits.get(name, "")])
+    head = ["", *(f"Fn {track.Fn:.3f} ({track.speed:.3g} m/s)" for track in tracks)]
+    return Grid(
+        head=[*head, *(["change"] if moved else []), "IMO limit"], groups=[Group(rows=rows)]
+    )

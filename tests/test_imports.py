@@ -1,0 +1,65 @@
+"""What importing pmmkit costs, and that its short names lead somewhere."""
+
+from __future__ import annotations
+
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+import pmmkit
+
+HEAVY = (
+    "pandas", "xarray", "scipy.stats", "scipy.signal", "matplotlib", "h5netcdf", "h5py", "pydantic",
+    "rich", "typer", "jinja2", "pysindy", "sklearn", "openpyxl", "numba",
+)  # fmt: skip
+
+
+def loaded_by(code: str) -> set[str]:
+    """The modules that a fresh interpreter holds after some code."""
+    show = f"{code}\nimport sys\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", show], capture_output=True, text=True, check=True)
+    return set(done.stdout.split())
+
+
+def heavy_among(modules: set[str]) -> list[str]:
+    return [name for name in HEAVY if name in modules]
+
+
+def test_importing_pmmkit_loads_nothing_heavy():
+    assert heavy_among(loaded_by("import pmmkit")) == []
+
+
+def test_every_short_name_is_reached_without_plotting_or_statistics():
+    modules = loaded_by("import pmmkit\nfor name in pmmkit.__all__: getattr(pmmkit, name)")
+    assert heavy_among(modules) == []
+
+
+@pytest.mark.parametrize(
+    "module", ["pmmkit.figures", "pmmkit.report", "pmmkit.api", "pmmkit.reduction"]
+)
+def test_rooms_load_heavy_packages_only_when_used(module):
+    assert heavy_among(loaded_by(f"import {module}")) == []
+
+
+def test_the_command_line_loads_typer_and_nothing_else_heavy():
+    assert set(heavy_among(loaded_by("import pmmkit.cli"))) <= {"typer", "rich"}
+
+
+@pytest.mark.parametrize("name", pmmkit.__all__)
+def test_short_names_are_the_objects_of_their_rooms(name):
+    thing = getattr(pmmkit, name)
+    if callable(thing):
+        home = importlib.import_module(thing.__module__)
+        assert getattr(home, thing.__name__) is thing
+
+
+def test_a_wrong_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="reduse"):
+        _ = pmmkit.reduse
+
+
+def test_names_are_listed_once_and_shown_by_dir():
+    assert len(set(pmmkit.__all__)) == len(pmmkit.__all__)
+    assert set(pmmkit.__all__) <= set(dir(pmmkit))
