@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import re
@@ -64,13 +65,10 @@ def write_excel(table: DerivativeTable, path: str | Path) -> None:
         text = json.dumps(value)
         cuts = range(0, len(text), _CELL)
         _append(sheet, [key, *(text[start : start + _CELL] for start in cuts)])
+    raw = io.BytesIO()
+    book.save(raw)
     with atomic_path(path) as part:
-        raw = part.with_suffix(".raw")
-        try:
-            book.save(raw)
-            _repack(raw, part)
-        finally:
-            raw.unlink(missing_ok=True)
+        _repack(raw, part)
 
 
 def read_excel(path: str | Path) -> DerivativeTable:
@@ -129,7 +127,7 @@ def _append(sheet: Worksheet, values: Iterable[Any]) -> None:
     sheet.append(cells)
 
 
-def _repack(raw: Path, target: Path) -> None:
+def _repack(raw: io.BytesIO, target: Path) -> None:
     """The workbook without the times at which it was written."""
     stamp = re.compile(rb"(<dcterms:(created|modified)[^>]*>)[^<]*")
     with (

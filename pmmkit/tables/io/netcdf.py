@@ -1,7 +1,13 @@
-"""Derivative tables as NetCDF4 (HDF5)."""
+"""Derivative tables as NetCDF4 (HDF5).
+
+Behind the end that HDF5 knows of stands the SHA-256 of all before it: the HDF5 library can run
+forever on a file with damaged texts, so a damaged file is refused before it is opened. Files
+without that line (saved again by other programs) are read and checked by their fingerprint.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any, Final
@@ -27,6 +33,8 @@ _DIMENSIONS: Final = {
 _TEXTS: Final = frozenset({"derivative", "derivative_2", "method"})
 _IN_JSON: Final = ("convention", "ship", "water", "notes", "provenance")
 _REMEDY: Final = "Write the file again."
+_SEAL: Final = b"\npmmkit sha256 "
+_SEAL_LENGTH: Final = len(_SEAL) + 64
 
 
 def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
@@ -47,13 +55,16 @@ def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
         "method": table.method.astype(object),
         "runs": table.runs,
     }
-    with atomic_path(path) as part, h5netcdf.File(part, "w") as file:
-        file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
-        for key, value in attributes(table).items():
-            file.attrs[key] = value
-        for name, dimensions in _DIMENSIONS.items():
-            kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
-            file.create_variable(name, dimensions, kind, data=content[name])
+    with atomic_path(path) as part:
+        with h5netcdf.File(part, "w") as file:
+            file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
+            for key, value in attributes(table).items():
+                file.attrs[key] = value
+            for name, dimensions in _DIMENSIONS.items():
+                kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
+                file.create_variable(name, dimensions, kind, data=content[name])
+        whole = part.read_bytes()
+        part.write_bytes(whole + _SEAL + hashlib.sha256(whole).hexdigest().encode())
 
 
 def attributes(table: DerivativeTable) -> dict[str, str | int]:
@@ -66,10 +77,18 @@ def attributes(table: DerivativeTable) -> dict[str, str | int]:
 def read_netcdf(path: str | Path) -> DerivativeTable:
     """Read a table from NetCDF4."""
     import h5netcdf
+    import h5py
 
     name = str(path)
+    whole = Path(path).read_bytes()
+    body, seal = whole[:-_SEAL_LENGTH], whole[-_SEAL_LENGTH:]
+    if seal.startswith(_SEAL) and seal != _SEAL + hashlib.sha256(body).hexdigest().encode():
+        raise TableError(
+            Problem(message="is damaged: its checksum is another.", file=name, remedy=_REMEDY),
+            title=NOT_READ,
+        )
     try:
-        with h5netcdf.File(path, "r") as file:
+        with h5py.File(path, "r") as raw, h5netcdf.File(raw, "r") as file:
             missing = [key for key in _DIMENSIONS if key not in file.variables]
             if missing:
                 raise TableError(
