@@ -16,6 +16,7 @@ from pmmkit.checks.record import flat_facts
 from pmmkit.checks.summary import EMPTY, Array, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
+from pmmkit.numerics import coefficients
 from pmmkit.runs.kinematics import displacement_phase, measured_motion, motion_at_phase
 from pmmkit.runs.run import Campaign, Run
 from pmmkit.signals import design_matrix, steady_window, whole_cycles
@@ -75,9 +76,9 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
     except DataError:
         state = None
     if state is not None:
-        coefficients = _fit(theta, _stack(state))
+        found = _fit(theta, _stack(state))
         for row, name in enumerate(MOTIONS):
-            cos[name], sin[name] = _split(coefficients[row])
+            cos[name], sin[name] = _split(found[row])
     return Summary(
         run=run, means=means, cos=cos, sin=sin, digest=_digest(values), sketch=_scaled(values)
     )
@@ -148,10 +149,10 @@ def _oscillating(
         return Summary(means=means, **shared)
     part = slice(cycles.start, cycles.stop)
     rows = np.concatenate([forces[:, part], _stack(state)[:, part]])
-    coefficients = _fit(theta[part], rows)
+    found = _fit(theta[part], rows)
     cos, sin = {}, {}
     for row, name in enumerate([*names, *MOTIONS]):
-        cos[name], sin[name] = _split(coefficients[row])
+        cos[name], sin[name] = _split(found[row])
     nominal = _split_nominal(run, theta[part])
     single, noise = _by_cycle(theta, forces)
     count = max(cycles.count, 1)
@@ -181,7 +182,7 @@ def _by_cycle(theta: Array, forces: Array) -> tuple[Array, Array]:
         if stop - start < 4 * ORDER + 4:
             return np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
         basis = design_matrix(theta[start:stop], min(2 * ORDER, (stop - start) // 4))
-        fitted = np.linalg.lstsq(basis, forces[:, start:stop].T, rcond=None)[0]
+        fitted = coefficients(basis, forces[:, start:stop]).T
         rest = forces[:, start:stop].T - basis @ fitted
         power = np.einsum("ij,ij->j", rest, rest)
         lag = np.einsum("ij,ij->j", rest[1:], rest[:-1])
@@ -197,10 +198,10 @@ def _by_cycle(theta: Array, forces: Array) -> tuple[Array, Array]:
 def _split_nominal(run: Run, theta: Array) -> Mapping[str, tuple[Array, Array]]:
     """Harmonics of the motion that the test was set to, under ``nominal_v`` and so on."""
     try:
-        coefficients = _fit(theta, _stack(motion_at_phase(run, theta)))
+        found = _fit(theta, _stack(motion_at_phase(run, theta)))
     except DataError:
         return {}
-    return {f"nominal_{name}": _split(coefficients[row]) for row, name in enumerate(MOTIONS)}
+    return {f"nominal_{name}": _split(found[row]) for row, name in enumerate(MOTIONS)}
 
 
 def _stack(state: State) -> Array:
@@ -209,7 +210,7 @@ def _stack(state: State) -> Array:
 
 def _fit(theta: Array, rows: Array) -> Array:
     basis = design_matrix(theta, ORDER)
-    return np.asarray(np.linalg.lstsq(basis, rows.T, rcond=None)[0].T, float)
+    return coefficients(basis, rows)
 
 
 def _split(coefficients: Array) -> tuple[Array, Array]:

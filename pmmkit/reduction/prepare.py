@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import Array, State
 from pmmkit.errors import DataError, Problem
+from pmmkit.numerics import projector
 from pmmkit.reduction.inertia import Rig, at_midship, inertia_force
 from pmmkit.runs.kinematics import displacement_phase, measured_motion, move_motion, nominal_motion
 from pmmkit.runs.run import Campaign, Run
@@ -221,7 +222,7 @@ def _from_cycles(
     cut = slice(kept.start, kept.stop)
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
-    if nominal is not None:
+    if nominal is not None and kept.count >= 2:
         found, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
         slip = abs(found - nominal) * (times[cut][-1] - times[cut][0])
         if abs(found - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
@@ -236,7 +237,7 @@ def _from_cycles(
     part = data.isel(t=cut)
     theta = phase[cut]
     found_harmonics: Harmonics = harmonics(theta, record[:, cut], order=ORDER)
-    projection = projector(theta, ORDER)
+    projection = projector(design_matrix(theta, ORDER))
     scatter = found_harmonics.scatter
     return Prepared(
         result=RunResult(
@@ -322,22 +323,9 @@ def _from_harmonics(
             + ("" if run.use_means else ", without their means"),
             frequency=omega,
         ),
-        projection=projector(theta, order),
+        projection=projector(basis),
         motion=motion,
     )
-
-
-def projector(theta: Array, order: int) -> Array:
-    """The least-squares map from samples at the phases theta to their harmonics.
-
-    Examples
-    --------
-    >>> theta = np.arange(8) * (math.pi / 4)
-    >>> np.round(projector(theta, 1) @ (1 + 2 * np.sin(theta)), 12) + 0.0
-    array([1., 0., 2.])
-    """
-    q, triangle = np.linalg.qr(design_matrix(theta, order))
-    return np.linalg.solve(triangle, q.T)
 
 
 def _without_mean(measured: Mapping[str, Array], run: Run) -> dict[str, Array]:

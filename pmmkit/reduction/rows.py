@@ -12,10 +12,12 @@ import numpy as np
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import Array, State
+from pmmkit.numerics import projector
 from pmmkit.reduction.inertia import Rig, inertia_force
-from pmmkit.reduction.prepare import GRID, Prepared, RunResult, projector
+from pmmkit.reduction.prepare import GRID, Prepared, RunResult
 from pmmkit.runs.kinematics import move_motion, nominal_motion
 from pmmkit.runs.run import Campaign, TypeB
+from pmmkit.signals import design_matrix
 
 SETTINGS: Final = (
     "speed", "drift", "heel", "rudder", "propeller_rps", "period", "amplitude", "yaw_amplitude",
@@ -224,7 +226,7 @@ def _grid_projection(result: RunResult) -> Array:
     if not result.run.dynamic:
         return np.ones((1, 1))
     order = (len(result.labels) - 1) // 2
-    return projector(_grid(), order)
+    return projector(design_matrix(_grid(), order))
 
 
 def _grid() -> Array:

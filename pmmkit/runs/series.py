@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.numerics import coefficients
 from pmmkit.runs.nominal import check_settings, omega_of
 from pmmkit.runs.run import Run
 
@@ -65,9 +66,9 @@ def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:
         if trend:
             columns.append(((instants - start) / np.ptp(instants))[:, None])
         matrix = np.concatenate(columns, axis=1)
-        solution, _, rank, _ = np.linalg.lstsq(matrix, samples, rcond=1e-6)
-        if rank < size:
+        if np.linalg.matrix_rank(matrix.T @ matrix, tol=1e-9 * count) < size:
             continue
+        solution = coefficients(matrix, samples[None])[0]
         residual = samples - matrix @ solution
         scatter = math.sqrt(float(residual @ residual) / max(count - size, 1))
         return Series(

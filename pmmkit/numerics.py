@@ -1,0 +1,78 @@
+"""Small numerical tools that several rooms share."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+WELL = 1e-6
+"""Reciprocal condition of the normal equations from which they lose nothing that matters."""
+
+
+def projector(basis: Array) -> Array:
+    """The least-squares map from samples to the coefficients of a basis.
+
+    The normal equations serve where the basis is close to orthogonal (Fourier series over whole
+    cycles), which is many times faster than a factorisation of a long record; otherwise QR.
+
+    Parameters
+    ----------
+    basis : array (n, m)
+        Columns, n much larger than m.
+
+    Returns
+    -------
+    array (m, n)
+
+    Examples
+    --------
+    >>> t = np.arange(8) * (np.pi / 4)
+    >>> basis = np.stack([np.ones(8), np.sin(t)], axis=1)
+    >>> np.round(projector(basis) @ (1 + 2 * np.sin(t)), 12)
+    array([1., 2.])
+    """
+    well = _gram(basis)
+    if well is not None:
+        unit, scale = well
+        return np.linalg.solve(unit, (basis / scale).T) / scale[:, None]
+    return np.asarray(np.linalg.pinv(basis), dtype=np.float64)
+
+
+def coefficients(basis: Array, rows: Array) -> Array:
+    """Least-squares coefficients of each row of samples on a basis.
+
+    Parameters
+    ----------
+    basis : array (n, m)
+        Columns.
+    rows : array (c, n)
+        Records.
+
+    Returns
+    -------
+    array (c, m)
+
+    Examples
+    --------
+    >>> basis = np.stack([np.ones(4), np.arange(4.0)], axis=1)
+    >>> coefficients(basis, np.array([[1.0, 3.0, 5.0, 7.0]]))
+    array([[1., 2.]])
+    """
+    well = _gram(basis)
+    if well is not None:
+        unit, scale = well
+        return np.linalg.solve(unit, (rows @ basis / scale).T).T / scale
+    return np.asarray(np.linalg.lstsq(basis, rows.T, rcond=None)[0].T, dtype=np.float64)
+
+
+def _gram(basis: Array) -> tuple[Array, Array] | None:
+    """Scaled normal matrix and the columns' lengths; None where it is ill-conditioned."""
+    gram = basis.T @ basis
+    scale = np.sqrt(np.diagonal(gram))
+    if not np.all(scale > 0):
+        return None
+    unit = gram / np.outer(scale, scale)
+    values = np.linalg.eigvalsh(unit)
+    return (unit, scale) if values[0] > WELL * values[-1] else None
