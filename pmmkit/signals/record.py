@@ -108,5 +108,5 @@ def cell_means(t: Array, y: Array, cells: int) -> Array:
     total = np.insert(np.cumsum(y * weight, axis=-1), 0, 0.0, axis=-1)
     m = min(n, cells)
     grid = np.linspace(0.0, edge[-1], m + 1)
-    at = np.stack([np.interp(grid, edge, row) for row in total])
+    at = np.array([np.interp(grid, edge, row) for row in total]).reshape(y.shape[0], m + 1)
     return np.asarray(np.diff(at, axis=-1) / (edge[-1] / m))
