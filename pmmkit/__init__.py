@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from pmmkit.api import reduce
+    from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.errors import PmmkitError
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from pmmkit.runs.store import load_campaign, save_campaign
     from pmmkit.ship import Ship, Water
     from pmmkit.ship_library import load_ship, ships
-    from pmmkit.simulation import Track, froude_sweep, imo_turning, simulate
+    from pmmkit.simulation import Track, froude_sweep, imo_turning
+    from pmmkit.simulation.simulate import simulate
     from pmmkit.tables import DerivativeTable, converted, from_values, interpolate, read_table
     from pmmkit.tables import write as write_table
 
@@ -44,11 +45,13 @@ __all__ = [
     "examine",
     "from_values",
     "froude_sweep",
+    "hull_table",
     "imo_turning",
     "interpolate",
     "load_campaign",
     "load_model",
     "load_ship",
+    "model_of",
     "open_campaign",
     "read_table",
     "reduce",
@@ -65,7 +68,7 @@ __all__ = [
 ]
 
 _HOMES: Final = {
-    "api": ("reduce",),
+    "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
 
-from pmmkit.reduction import reduce_campaign
+import numpy as np
+
+from pmmkit.conventions import parse_derivative
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import UnknownNameError
+from pmmkit.model import Model, Part, load_model, to_model
+from pmmkit.model.build import NEEDED
+from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.structures import Structure
-from pmmkit.tables import DerivativeTable
+from pmmkit.tables import DerivativeTable, from_values
 
 if TYPE_CHECKING:
     from pmmkit.reduction.prepare import CycleChoice
@@ -55,3 +64,164 @@ def reduce(
     return reduce_campaign(
         campaign, structure=structure, fn=fn, cycles=cycles, carriage_speed=carriage_speed
     ).table
+
+
+def hull_table(model: Model | str | Path) -> DerivativeTable:
+    """The derivatives of a model's hull and added mass as a table, e.g. to compare with.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        A model, a library name or a model file.
+
+    Returns
+    -------
+    DerivativeTable
+        In the convention of the model, without uncertainty.
+
+    Examples
+    --------
+    >>> hull_table("s175-3dof").at()["Nvvr"]
+    -0.0424
+    """
+    loaded = model if isinstance(model, Model) else load_model(model)
+    values: dict[str, float | Sequence[float]] = {}
+    for effect in ("hull_polynomial", "added_mass"):
+        given = loaded.parts[effect].values if effect in loaded.parts else {}
+        values |= {name: value for name, value in given.items() if _named(name)}
+    return from_values(
+        values,
+        ship=loaded.ship,
+        water=loaded.water,
+        Fn=loaded.Fn or None,
+        convention=loaded.convention,
+        method=f"model {loaded.name}",
+    )
+
+
+def _named(name: str) -> bool:
+    try:
+        parse_derivative(name)
+    except UnknownNameError:
+        return False
+    return True
+
+
+def ship_as_tested(campaign: Campaign) -> Model:
+    """The tested model with the propeller and the rudder that its campaign file describes.
+
+    A part enters if the sections ``[propeller]`` and ``[rudder]`` hold every number that the
+    effect of the catalogue needs; what is absent is said in the notes.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Its ship, water, propeller and rudder.
+
+    Returns
+    -------
+    Model
+        Without a hull: `to_model` takes it as the parts of a table.
+    """
+    parts, notes = {}, []
+    for effect, section, given in (
+        ("propeller", "propeller", campaign.propeller),
+        ("rudder_mmg", "rudder", campaign.rudder),
+    ):
+        part, lacking = _part(effect, given)
+        if part is not None:
+            parts[effect] = part
+        else:
+            notes.append(
+                f"No {section}: [{section}] of the campaign file lacks {', '.join(lacking)}."
+                if given
+                else f"No {section}: the campaign file has no [{section}]."
+            )
+    return Model(
+        name=campaign.ship.name,
+        ship=campaign.ship,
+        water=campaign.water,
+        parts=MappingProxyType(parts),
+        notes=tuple(notes),
+        scale=f"L = {campaign.ship.L:.4g} m, the scale of the tests",
+    )
+
+
+def _part(effect: str, given: Mapping[str, Any]) -> tuple[Part | None, list[str]]:
+    """A part from free particulars, or the names of the parameters that are not there."""
+    known = catalogue()[effect]
+    options = {
+        name: str(given[name]) if name in given else words[0]
+        for name, words in known.options.items()
+    }
+    values = {
+        parameter.name: float(given[parameter.name])
+        for parameter in known.parameters
+        if isinstance(given.get(parameter.name), (int, float))
+    }
+    lacking = [
+        parameter.name
+        for parameter in known.parameters
+        if parameter.name not in values
+        and parameter.default is None
+        and (parameter.form is None or options[parameter.form[0]] == parameter.form[1])
+    ]
+    if lacking:
+        return None, lacking
+    return (
+        Part(
+            effect=effect,
+            values=MappingProxyType(values),
+            options=MappingProxyType(options),
+            source="measured: the campaign file",
+        ),
+        [],
+    )
+
+
+def model_of(reduction: Reduction, parts: str | Path | Model | None = None) -> Model:
+    """A model from a reduction: its hull, and parts of a library ship or of the campaign file.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        As `reduce_campaign` gives it.
+    parts : str, path or Model, optional
+        As for `to_model`; by default what the campaign file says of the tested model
+        (`ship_as_tested`), and the hull alone where it says nothing.
+
+    Returns
+    -------
+    Model
+        At the scale of the parts, for the Froude numbers at which sway and yaw were tested.
+
+    Raises
+    ------
+    MissingPartError
+        If the table lacks a derivative that every simulation needs.
+    """
+    donor = ship_as_tested(reduction.campaign) if parts is None else parts
+    table, left = _tested_in_full(reduction.table)
+    model = to_model(table, donor)
+    if parts is None and isinstance(donor, Model):
+        model = model.with_(title=f"{donor.name}, from its tests")
+        left = [*donor.notes, *left]
+    return model.with_(notes=(*left, *model.notes))
+
+
+def _tested_in_full(table: DerivativeTable) -> tuple[DerivativeTable, list[str]]:
+    """The rows in which what a model needs has values, and in words the rows left out."""
+    needed = [table.index(name) for name in NEEDED if name in table]
+    full = np.isfinite(table.value[:, needed]).all(axis=1)
+    if table.pooled or full.all() or not full.any():
+        return table, []
+    left = ", ".join(f"{froude:.3f}" for froude in table.Fn[~full])
+    chosen = table.with_(
+        Fn=table.Fn[full],
+        value=table.value[full],
+        covariance=table.covariance[full][:, :, full],
+        dof=table.dof[full],
+        method=table.method[full],
+        runs=table.runs[full],
+    )
+    return chosen, [f"Sway and yaw were not tested at Fn {left}: the model leaves them out."]

@@ -42,7 +42,7 @@ def derivatives_over_froude(
     reference_name : str
         Their name in the legend.
     names : sequence of str, optional
-        Which derivatives; all of the table by default.
+        Which derivatives; by default those that have values at two Froude numbers or more.
 
     Returns
     -------
@@ -56,7 +56,10 @@ def derivatives_over_froude(
     """
     if table.pooled:
         raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
-    shown = list(names or table.names)
+    known_at = np.isfinite(table.value).sum(axis=0)
+    shown = list(names or [name for name, k in zip(table.names, known_at, strict=True) if k > 1])
+    if not shown:
+        raise TableError("No derivative has values at two Froude numbers: nothing to draw.")
     known = _beside(table, reference) if reference is not None else {}
     low, high = table.interval()
     factor, prefix = _scale(table.value)

@@ -42,12 +42,15 @@ class DriftPoints:
         Forces of the water on the hull at midship [N, N m].
     std : mapping of channel to array (n,)
         Their standard uncertainties; NaN where not known.
+    thrust : array (n,), optional
+        Thrust of the propeller in these runs [N]; none where absent.
     """
 
     froude: float
     drift: Array
     force: Mapping[str, Array]
     std: Mapping[str, Array]
+    thrust: Array | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -146,7 +149,8 @@ def _curve(
     room = 0.03 * np.ptp(points.drift)
     drift = np.linspace(points.drift.min() - room, points.drift.max() + room, 81)
     speed = table.ship.speed(points.froude, table.water.g)
-    state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift))
+    thrust = 0.0 if points.thrust is None else np.interp(drift, points.drift, points.thrust)
+    state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift), thrust=thrust)
     names = [name for name in table.names if name[0] == channel]
     design = regressors(
         names, state, ship=table.ship, water=table.water, convention=table.convention,

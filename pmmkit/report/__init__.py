@@ -2,5 +2,6 @@
 
 from pmmkit.report.build import report_html, write_report
 from pmmkit.report.turning import Turns, changes
+from pmmkit.report.words import Reference
 
-__all__ = ["Turns", "changes", "report_html", "write_report"]
+__all__ = ["Reference", "Turns", "changes", "report_html", "write_report"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from pmmkit import __version__
 from pmmkit.checks.finding import name_runs
@@ -13,18 +13,14 @@ from pmmkit.files import write_text
 from pmmkit.reduction import Reduction
 from pmmkit.report import pictures, tables
 from pmmkit.report.turning import Turns, changes, turning_section
-from pmmkit.report.words import Grid, Group, Section, counted, flattened, percent
-
-if TYPE_CHECKING:
-    from pmmkit.tables import DerivativeTable
+from pmmkit.report.words import Grid, Group, Reference, Section, counted, flattened, percent
 
 
 def write_report(
     reduction: Reduction,
     path: str | Path,
     *,
-    reference: DerivativeTable | None = None,
-    reference_name: str = "the reference",
+    reference: Reference | None = None,
     turns: Turns | None = None,
 ) -> Path:
     """Write the report of a reduction as one HTML file: style and figures inside, nothing loaded.
@@ -35,10 +31,8 @@ def write_report(
         As `reduce_campaign` gives it.
     path : path
         File to write, all or nothing.
-    reference : DerivativeTable, optional
-        Values of a source to stand beside ours, in any convention.
-    reference_name : str
-        Name of the source.
+    reference : Reference, optional
+        Values of a source to stand beside ours.
     turns : Turns, optional
         Turning circles with the model that was found.
 
@@ -48,25 +42,21 @@ def write_report(
         The file.
     """
     target = Path(path)
-    write_text(
-        target,
-        report_html(reduction, reference=reference, reference_name=reference_name, turns=turns),
-    )
+    write_text(target, report_html(reduction, reference=reference, turns=turns))
     return target
 
 
 def report_html(
     reduction: Reduction,
     *,
-    reference: DerivativeTable | None = None,
-    reference_name: str = "the reference",
+    reference: Reference | None = None,
     turns: Turns | None = None,
 ) -> str:
     """The report as text (see `write_report`).
 
     Parameters
     ----------
-    reduction, reference, reference_name, turns
+    reduction, reference, turns
         As for `write_report`.
     """
     from jinja2 import Environment, FunctionLoader, StrictUndefined
@@ -83,16 +73,16 @@ def report_html(
         Section(
             title="Derivatives at a glance",
             paragraphs=_headline(reduction, turns),
-            tables=[tables.headline(reduction.table, reference, reference_name)],
+            tables=[tables.headline(reduction.table, reference)],
         ),
         _done(reduction),
         _findings(reduction),
-        _derivatives(reduction, reference, reference_name),
+        _derivatives(reduction, reference),
         _forces(reduction),
         _comparison(reduction),
         *([turning_section(turns)] if turns else []),
         _runs(reduction),
-        _provenance(reduction, reference_name if reference is not None else None),
+        _provenance(reduction, reference),
     ]
     return environment.get_template("template.html.j2").render(
         title=reduction.campaign.title or "Captive tests",
@@ -113,12 +103,16 @@ def _tiles(reduction: Reduction) -> list[dict[str, str]]:
         {"value": str(len(reduction.runs)), "label": "runs used"},
         {"value": str(len(campaign.excluded)), "label": "runs left out, with reasons"},
         {
-            "value": "all" if table.pooled else ", ".join(f"{x:.3f}" for x in table.Fn),
+            "value": "all" if table.pooled else _span([f"{x:.3f}" for x in table.Fn]),
             "label": "Froude numbers",
         },
         {"value": str(table.provenance.get("structure", "custom")), "label": "structure"},
         {"value": str(warnings), "label": "warnings of the checks"},
     ]
+
+
+def _span(texts: list[str]) -> str:
+    return ", ".join(texts) if len(texts) < 4 else f"{texts[0]} … {texts[-1]}"
 
 
 def _headline(reduction: Reduction, turns: Turns | None) -> list[str]:
@@ -165,13 +159,12 @@ def _done(reduction: Reduction) -> Section:
     )
     grids = [tables.particulars(reduction), tables.runs(reduction)]
     if campaign.excluded:
-        grids.append(
-            Grid(
-                head=["Run", "Left out because"],
-                groups=[Group(rows=[[run.id, reason] for run, reason in campaign.excluded])],
-                texts=(1,),
-            )
-        )
+        reasons: dict[str, list[str]] = {}
+        for run, reason in campaign.excluded:
+            reasons.setdefault(reason, []).append(run.id)
+        rows = [[name_runs(ids, 30), reason] for reason, ids in reasons.items()]
+        head = ["Runs left out", "Because"]
+        grids.append(Grid(head=head, groups=[Group(rows=rows)], texts=(0, 1)))
     if corrections:
         grids.append(
             Grid(
@@ -209,16 +202,14 @@ def _findings(reduction: Reduction) -> Section:
     )
 
 
-def _derivatives(
-    reduction: Reduction, reference: DerivativeTable | None, reference_name: str
-) -> Section:
+def _derivatives(reduction: Reduction, reference: Reference | None) -> Section:
     notes = list(dict.fromkeys(reduction.notes))
     return Section(
         title="Derivatives",
         paragraphs=["What these runs tell and do not tell:"] if notes else [],
         points=notes,
-        tables=[tables.derivatives(reduction.table, reference, reference_name)],
-        figures=list(pictures.of_derivatives(reduction.table, reference, reference_name)),
+        tables=[tables.derivatives(reduction.table, reference)],
+        figures=list(pictures.of_derivatives(reduction.table, reference)),
     )
 
 
@@ -244,21 +235,21 @@ def _runs(reduction: Reduction) -> Section:
     return Section(title="Runs", tables=[tables.settings(reduction)])
 
 
-def _provenance(reduction: Reduction, reference_name: str | None) -> Section:
+def _provenance(reduction: Reduction, reference: Reference | None) -> Section:
     rows = [list(pair) for pair in flattened(reduction.table.provenance)]
     return Section(
         title="Provenance and sources",
-        points=list(_sources(reduction, reference_name)),
+        points=list(_sources(reduction, reference)),
         tables=[Grid(head=["What", "Value"], groups=[Group(rows=rows)], texts=(1,))],
     )
 
 
-def _sources(reduction: Reduction, reference_name: str | None) -> Iterable[str]:
+def _sources(reduction: Reduction, reference: Reference | None) -> Iterable[str]:
     structure: Any = reduction.table.provenance.get("source")
     if structure:
         yield f"Structure: {structure}."
-    if reference_name:
-        yield f"Values to compare with: {reference_name}."
+    if reference:
+        yield f"Values to compare with: {reference.name}."
     yield (
         "Uncertainty: Guide to the expression of uncertainty in measurement (JCGM 100:2008), "
         "95 % intervals."

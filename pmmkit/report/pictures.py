@@ -17,7 +17,7 @@ from pmmkit.figures import (
     svg,
 )  # fmt: skip
 from pmmkit.reduction import Reduction, RunResult
-from pmmkit.report.words import TESTS, Picture
+from pmmkit.report.words import TESTS, Picture, Reference
 from pmmkit.runs.kinematics import displacement_phase
 from pmmkit.signals import whole_cycles
 
@@ -53,31 +53,31 @@ def of_forces(reduction: Reduction) -> Iterator[Picture]:
         )
 
 
-def of_derivatives(
-    table: DerivativeTable, reference: DerivativeTable | None, name: str
-) -> Iterator[Picture]:
+def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Iterator[Picture]:
     """Derivatives over the Froude number, and beside a reference.
 
     Parameters
     ----------
     table : DerivativeTable
         Our values.
-    reference : DerivativeTable or None
+    reference : Reference or None
         Values of a source.
-    name : str
-        Name of the source.
     """
-    if not table.pooled and len(table.Fn) > 1:
-        figure = derivatives_over_froude(table, reference=reference, reference_name=name)
+    if not table.pooled and np.any(np.isfinite(table.value).sum(axis=0) > 1):
+        figure = derivatives_over_froude(
+            table,
+            reference=reference.table if reference else None,
+            reference_name=reference.name if reference else "",
+        )
         yield Picture(
             svg=svg(figure), caption="Derivatives over the Froude number with 95 % intervals."
         )
     if reference is not None:
-        figure = beside_reference(table, reference, reference_name=name)
+        figure = beside_reference(table, reference.table, reference_name=reference.name)
         yield Picture(
             svg=svg(figure),
-            caption=f"Each derivative over its value in {name}, with its 95 % interval: at 1 they "
-            "agree.",
+            caption=f"Each derivative over its value in {reference.name}, with its 95 % interval: "
+            "at 1 they agree.",
         )
 
 
@@ -101,6 +101,7 @@ def drift_points(reduction: Reduction) -> list[DriftPoints]:
                 drift=np.array([item.result.run.settings.drift for item in rows]),
                 force={c: np.array([item.force[c][0] for item in rows]) for c in channels},
                 std={c: np.array([_std(item.result, c) for item in rows]) for c in channels},
+                thrust=np.array([item.result.extras.get("T", 0.0) for item in rows]),
             )
         )
     return sets

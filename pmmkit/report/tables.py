@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import Array
 from pmmkit.reduction import Reduction
-from pmmkit.report.words import TESTS, Cell, Grid, Group, number, plus_minus, symbol
+from pmmkit.report.words import TESTS, Cell, Grid, Group, Reference, number, plus_minus, symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 
@@ -25,19 +25,15 @@ def speeds(table: DerivativeTable) -> list[str]:
     return ["all speeds"] if table.pooled else [f"Fn {value:.3f}" for value in table.Fn]
 
 
-def derivatives(
-    table: DerivativeTable, reference: DerivativeTable | None, reference_name: str
-) -> Grid:
+def derivatives(table: DerivativeTable, reference: Reference | None) -> Grid:
     """Every derivative with its 95 % interval, a column per Froude number, beside a reference.
 
     Parameters
     ----------
     table : DerivativeTable
         Our values.
-    reference : DerivativeTable or None
-        Values of a source, in any convention.
-    reference_name : str
-        Name of the source.
+    reference : Reference or None
+        Values of a source.
     """
     scale = factor(table)
     low, high = table.interval()
@@ -64,9 +60,10 @@ def derivatives(
         groups.append(Group(title=_CHANNEL[channel], rows=rows))
     heads = ["", *speeds(table)]
     return Grid(
-        head=heads if reference is None else [*heads, reference_name],
+        head=heads if reference is None else [*heads, reference.name],
         groups=groups,
-        caption=f"{_times(scale)}Value ± half of the 95 % interval; system {meaning(table)}.",
+        caption=f"{_times(scale)}Value ± half of the 95 % interval; – not determined by these "
+        f"runs; system {meaning(table)}.",
     )
 
 
@@ -109,12 +106,12 @@ def meaning(table: DerivativeTable) -> str:
 
 
 def _reference_column(
-    table: DerivativeTable, reference: DerivativeTable | None, scale: float
+    table: DerivativeTable, reference: Reference | None, scale: float
 ) -> dict[str, str]:
     """Text of the reference by derivative; a range where it depends on the Froude number."""
     if reference is None:
         return {}
-    frame = compare(table, reference)
+    frame = compare(table, reference.table)
     found = {}
     for name, group in frame.groupby("derivative", sort=False):
         values = scale * group["reference"].to_numpy(float)
@@ -134,28 +131,26 @@ def methods(reduction: Reduction) -> list[Grid]:
         With its families.
     """
     table = reduction.table
-    ways: dict[str, DerivativeTable | None] = {
-        "all runs together": table,
-        **reduction.families,
-        "single runs, mean": None,
-    }
     scale = factor(table)
     singles = _single_runs(reduction, scale)
     grids = []
     for row, speed in enumerate(speeds(table)):
-        rows: list[list[Cell]] = []
-        for name in table.names:
-            cells: list[Cell] = [symbol(name, table.convention)]
-            for found in ways.values():
-                if found is None:
-                    cells.append(singles.get((row, name), ""))
-                else:
-                    cells.append(_entry(found, name, table.Fn[row], scale))
-            if sum(bool(cell) for cell in cells[2:]) > 0:
-                rows.append(cells)
-        if rows:
-            caption = f"{speed[:1].upper()}{speed[1:]}. {_times(scale)}"
-            grids.append(Grid(head=["", *ways], groups=[Group(rows=rows)], caption=caption))
+        froude = float(table.Fn[row])
+        ways = {
+            way: {name: _entry(found, name, froude, scale) for name in table.names}
+            for way, found in {"all runs together": table, **reduction.families}.items()
+        }
+        ways["single runs, mean"] = {name: singles.get((row, name), "") for name in table.names}
+        ways = {way: texts for way, texts in ways.items() if any(texts.values())}
+        names = [name for name in table.names if any(texts[name] for texts in ways.values())]
+        if len(ways) < 3:
+            continue
+        rows = [
+            [symbol(name, table.convention), *(texts[name] for texts in ways.values())]
+            for name in names
+        ]
+        caption = f"{speed[:1].upper()}{speed[1:]}. {_times(scale)}"
+        grids.append(Grid(head=["", *ways], groups=[Group(rows=rows)], caption=caption))
     return grids
 
 
@@ -198,18 +193,23 @@ def _mean_and_range(values: Sequence[float]) -> str:
 
 
 def runs(reduction: Reduction) -> Grid:
-    """How many runs of each kind there are at each Froude number.
+    """How many runs of each kind there are, and at which Froude numbers.
 
     Parameters
     ----------
     reduction : Reduction
         With its runs.
     """
-    froude = sorted({round(item.froude, 3) for item in reduction.runs})
-    count = Counter((item.run.test, round(item.froude, 3)) for item in reduction.runs)
-    tests = [test for test in TESTS if any(key[0] == test for key in count)]
-    rows = [[TESTS[test], *(str(count[test, value] or "–") for value in froude)] for test in tests]
-    return Grid(head=["Test", *(f"Fn {value:.3f}" for value in froude)], groups=[Group(rows=rows)])
+    count = Counter((item.run.test, f"{item.froude:.3f}") for item in reduction.runs)
+    rows: list[list[Cell]] = []
+    for test, name in TESTS.items():
+        speeds = {
+            froude: number for (kind, froude), number in sorted(count.items()) if kind == test
+        }
+        if speeds:
+            places = ", ".join(f"{froude} ({number})" for froude, number in speeds.items())
+            rows.append([name, str(sum(speeds.values())), places])
+    return Grid(head=["Test", "Runs", "At Fn (runs)"], groups=[Group(rows=rows)], texts=(2,))
 
 
 def settings(reduction: Reduction) -> Grid:
@@ -271,19 +271,15 @@ def particulars(reduction: Reduction) -> Grid:
     return Grid(head=[ship.name, "", ""], groups=[Group(rows=rows)], texts=(2,))
 
 
-def headline(
-    table: DerivativeTable, reference: DerivativeTable | None, reference_name: str
-) -> Grid:
+def headline(table: DerivativeTable, reference: Reference | None) -> Grid:
     """The linear derivatives of sway and yaw, a row per Froude number.
 
     Parameters
     ----------
     table : DerivativeTable
         Our values.
-    reference : DerivativeTable or None
+    reference : Reference or None
         Values of a source, for one more row.
-    reference_name : str
-        Name of the source.
     """
     names = [name for name in ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot") if name in table]
     scale = factor(table)
@@ -295,10 +291,11 @@ def headline(
             *(plus_minus(scale * table[name][row], half[row, table.index(name)]) for name in names),
         ]
         for row, speed in enumerate(speeds(table))
+        if any(math.isfinite(table[name][row]) for name in names)
     ]
     if reference is not None:
         beside = _reference_column(table, reference, scale)
-        rows.append([reference_name, *(beside.get(name, "–") for name in names)])
+        rows.append([reference.name, *(beside.get(name, "–") for name in names)])
     return Grid(
         head=["", *(symbol(name, table.convention) for name in names)],
         groups=[Group(rows=rows)],

@@ -10,6 +10,7 @@ from typing import Any, Final
 from markupsafe import Markup
 
 from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.tables import DerivativeTable
 from pmmkit.tables.io.latex import with_uncertainty
 
 Cell = str | None
@@ -21,6 +22,22 @@ TESTS: Final = {
     "pure_surge": "pure surge", "pure_sway": "pure sway", "pure_yaw": "pure yaw",
     "yaw_drift": "yaw with drift", "yaw_rudder": "yaw with rudder", "sway_yaw": "sway and yaw",
 }  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reference:
+    """Derivatives of a source that stand beside ours.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        Its values, in any convention.
+    name : str
+        Its name in tables and figures.
+    """
+
+    table: DerivativeTable
+    name: str
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,82 @@
+"""The command line: ``pmmkit reduce``, ``pmmkit simulate`` and so on."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from pmmkit.errors import PmmkitError
+
+DONE, WRONG, USAGE, STOPPED = 0, 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What stands after ``pmmkit``; that of the process by default.
+
+    Returns
+    -------
+    int
+        0 done, 1 the data or the request is wrong, 2 usage, 130 stopped by the user.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    previous = _stop_on_termination()
+    try:
+        return _run(given)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return WRONG
+    finally:
+        if previous is not None:
+            signal.signal(signal.SIGTERM, previous)
+
+
+def _run(given: list[str]) -> int:
+    import click
+
+    from pmmkit.cli.commands import app
+    from pmmkit.cli.console import tell_error
+
+    as_json = "--json" in given
+    try:
+        status = app(given, prog_name="pmmkit", standalone_mode=False)
+        sys.stdout.flush()
+    except click.UsageError as error:
+        if as_json:
+            tell_error(error, as_json=True)
+        error.show(sys.stderr)
+        return USAGE
+    except (click.exceptions.Abort, KeyboardInterrupt):
+        print("Stopped. No output was left half-written.", file=sys.stderr)
+        return STOPPED
+    except PmmkitError as error:
+        tell_error(error, as_json=as_json)
+        return WRONG
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        tell_error(error, as_json=as_json)
+        return WRONG
+    return status if isinstance(status, int) else DONE
+
+
+def _stop_on_termination() -> Any:
+    """Let a termination clean up like Ctrl-C; gives what was set before."""
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        return signal.signal(signal.SIGTERM, stop)
+    except ValueError:
+        return None

@@ -1,0 +1,137 @@
+"""What a command says: text for people, one JSON object for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from pmmkit.checks.finding import CheckFinding, name_runs
+from pmmkit.errors import DataError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a command did: as JSON for programs, in lines for people."""
+
+    content: Mapping[str, Any]
+    lines: Sequence[str]
+
+
+def say(text: str = "") -> None:
+    """A line for the person at the keyboard, on standard error."""
+    print(text, file=sys.stderr)
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON can hold it: no NaN, no infinity, no arrays.
+
+    Examples
+    --------
+    >>> plain({"a": float("nan"), "b": (1, 2.5)})
+    {'a': None, 'b': [1, 2.5]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
+
+
+def emit(content: Mapping[str, Any]) -> None:
+    """One JSON object on standard output."""
+    print(json_text(content))
+
+
+def json_text(content: Any) -> str:
+    """Content as JSON text, the same on every machine."""
+    return json.dumps(plain(content), indent=2, allow_nan=False)
+
+
+def tell_error(error: Exception, *, as_json: bool) -> None:
+    """An error in words on standard error, and as JSON on standard output if asked for.
+
+    Parameters
+    ----------
+    error : Exception
+        What went wrong.
+    as_json : bool
+        Whether the command was asked for JSON.
+    """
+    text = str(error)
+    if as_json:
+        problems = error.problems if isinstance(error, DataError) else ()
+        emit(
+            {
+                "error": {
+                    "type": type(error).__name__,
+                    "message": text or type(error).__name__,
+                    "problems": [asdict(problem) for problem in problems],
+                }
+            }
+        )
+    if not hasattr(error, "ctx"):
+        say(f"pmmkit: {text or type(error).__name__}")
+
+
+def findings_of(findings: Iterable[CheckFinding]) -> list[dict[str, Any]]:
+    """Findings of the checks for JSON."""
+    return [
+        {
+            "check": item.check,
+            "severity": item.severity,
+            "message": item.message,
+            "runs": list(item.runs),
+            "remedy": item.remedy,
+            "numbers": dict(item.numbers),
+        }
+        for item in findings
+    ]
+
+
+def findings_text(findings: Sequence[CheckFinding]) -> str:
+    """Findings of the checks for people."""
+    if not findings:
+        return "The checks found nothing to say."
+    blocks = []
+    for item in findings:
+        where = f" ({name_runs(item.runs)})" if item.runs else ""
+        lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
+        if item.remedy:
+            lines.append(f"  {item.remedy}")
+        blocks.append("\n".join(lines))
+    return "\n".join(blocks)
+
+
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in plain text, the first column to the left, the others to the right.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Names of the columns.
+    rows : sequence of sequence of str
+        The cells.
+
+    Examples
+    --------
+    >>> print(aligned(["", "Yv"], [["Fn 0.145", "-11.6"]]))
+                 Yv
+    Fn 0.145  -11.6
+    """
+    every = [list(head), *map(list, rows)]
+    widths = [max(len(row[column]) for row in every) for column in range(len(head))]
+    return "\n".join(
+        "  ".join(
+            cell.ljust(width) if column == 0 else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in every
+    )

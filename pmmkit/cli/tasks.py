@@ -1,0 +1,180 @@
+"""The work behind the commands that look, simulate, convert and list."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pmmkit.checks import examine
+from pmmkit.cli.console import Outcome, aligned, findings_of, findings_text, json_text
+from pmmkit.cli.results import check_folder, metrics_of, sweep_rows, write_sweep, write_track
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import FileExists
+from pmmkit.files import write_text
+from pmmkit.model import load_model
+from pmmkit.report.tables import meaning
+from pmmkit.runs.campaign_file import open_campaign
+from pmmkit.ship_library import ships
+from pmmkit.simulation import froude_sweep, imo_turning, simulate
+from pmmkit.tables import converted, read_table, write
+
+
+def check(campaign: Path, *, data: Path | None, out: Path | None) -> Outcome:
+    """What the checks find in a campaign.
+
+    Parameters
+    ----------
+    campaign, data : Path
+        As for `open_campaign`.
+    out : Path, optional
+        Folder for ``findings.json``.
+
+    Returns
+    -------
+    Outcome
+        With the number of errors.
+    """
+    if out:
+        check_folder(out)
+    opened = open_campaign(campaign, data=data)
+    found = examine(opened)
+    content = {
+        "campaign": opened.title,
+        "runs": len(opened),
+        "errors": sum(item.severity == "error" for item in found),
+        "findings": findings_of(found),
+    }
+    if out:
+        write_text(out / "findings.json", json_text(content["findings"]) + "\n")
+    return Outcome(content=content, lines=[findings_text(found)])
+
+
+def simulate_manoeuvre(model: str, out: Path, **settings: Any) -> Outcome:
+    """Simulate and write a manoeuvre.
+
+    Parameters
+    ----------
+    model : str
+        Library ship or model file.
+    out : Path
+        The folder of the results.
+    **settings
+        As for `simulate`.
+
+    Returns
+    -------
+    Outcome
+        With the metrics.
+    """
+    check_folder(out)
+    track = simulate(model, **settings)
+    files = write_track(track, out)
+    metrics = metrics_of(track)
+    rows = [[name, f"{value:.4g}"] for name, value in track.metrics.items() if not np.isnan(value)]
+    limits = [
+        f"IMO {item.criterion.replace('_', ' ')}: {item.value:.2f} L, limit {item.limit:g} L, "
+        f"{'met' if item.passed else 'not reached' if item.passed is None else 'NOT met'}"
+        for item in imo_turning(track)
+    ]
+    lines = [
+        f"{track.name}, {track.manoeuvre}, {track.rudder_deg:+g}° of rudder, {track.speed:g} m/s "
+        f"(Fn {track.Fn:.3f})",
+        f"Scale: {track.scale}",
+        aligned(["metric", "value"], rows),
+        *limits,
+        *track.notes,
+        f"Results: {out}",
+    ]
+    return Outcome(content={"out": str(out), "files": files, **metrics}, lines=lines)
+
+
+def sweep(model: str, out: Path, *, speeds: Sequence[float] | None, rudder_deg: float) -> Outcome:
+    """Measures of the turning circle over the approach speed.
+
+    Parameters
+    ----------
+    model : str
+        Library ship or model file.
+    out : Path
+        The folder of the results.
+    speeds : sequence of float, optional
+        Approach speeds [m/s].
+    rudder_deg : float
+        Rudder angle [deg].
+
+    Returns
+    -------
+    Outcome
+        With a row per speed.
+    """
+    check_folder(out)
+    loaded = load_model(model)
+    found = froude_sweep(loaded, speeds, rudder_deg=rudder_deg)
+    files = write_sweep({loaded.name: found}, out)
+    rows = sweep_rows(found)
+    names = ["Fn", "speed", "advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L"]
+    cells = [[f"{row[name]:.4g}" for name in names] for row in rows]
+    lines = [f"Scale: {loaded.scale}", aligned(names, cells), f"Results: {out}"]
+    return Outcome(content={"out": str(out), "files": files, "sweep": rows}, lines=lines)
+
+
+def convert(table: Path, out: Path, ending: str, changes: Mapping[str, Any]) -> Outcome:
+    """Write a table in another convention or format.
+
+    Parameters
+    ----------
+    table : Path
+        The table.
+    out : Path
+        Folder for the new one.
+    ending : str
+        Its format, such as ``.nc``.
+    changes : mapping
+        Entries of the convention, as for `converted`.
+
+    Returns
+    -------
+    Outcome
+        With the path of the new file.
+    """
+    known = read_table(table)
+    made = converted(known, **changes) if changes else known
+    target = out / f"{'-'.join([table.stem, *map(str, changes.values())])}{ending}"
+    if target.resolve() == table.resolve():
+        raise FileExists(f"{table} is already that table: say a system, a convention or a format.")
+    check_folder(out)
+    write(made, target)
+    line = f"{target}: {meaning(made)}."
+    return Outcome(
+        content={"file": str(target), "convention": asdict(made.convention)}, lines=[line]
+    )
+
+
+def ships_of_library() -> Outcome:
+    """The ships of the library with their titles and scales."""
+    found = [load_model(name) for name in ships()]
+    entries = [
+        {"name": item.name, "title": item.title, "L": item.ship.L, "scale": item.scale,
+         "parts": list(item.parts)}
+        for item in found
+    ]  # fmt: skip
+    width = max(len(item.name) for item in found)
+    lines = [f"{item.name:<{width}}  {item.title} (L = {item.ship.L:g} m)" for item in found]
+    return Outcome(content={"ships": entries}, lines=lines)
+
+
+def effects() -> Outcome:
+    """The catalogue of effects."""
+    found = catalogue().values()
+    entries = [
+        {"name": item.name, "family": item.family, "kind": item.kind, "summary": item.summary,
+         "source": item.source, "parameters": [part.name for part in item.parameters]}
+        for item in found
+    ]  # fmt: skip
+    width = max(len(item.name) for item in found)
+    lines = [f"{item.name:<{width}}  {item.summary}" for item in found]
+    return Outcome(content={"effects": entries}, lines=lines)
