@@ -65,7 +65,6 @@ def examine(
     >>> for finding in examine(Campaign(title="", ship=hull, water=Water(rho=1000.0), runs=())):
     ...     print(finding.severity, finding.check, round(*finding.numbers.values(), 2))
     error particulars 0.01
-    warning particulars 2.53
     """
     if summaries is None:
         summaries = _read_all(campaign)

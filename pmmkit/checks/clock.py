@@ -17,6 +17,7 @@ RESOLUTIONS: Final = (3600.0, 60.0, 10.0, 5.0, 1.0, 0.5, 0.1, 0.05, 0.02, 0.01, 
 GAP: Final = 5.0
 COARSE: Final = 0.05
 UNEVEN: Final = 0.05
+MOSTLY: Final = 0.9
 _ROUNDED: Final[tuple[tuple[bool, Severity], ...]] = ((True, "error"), (False, "warning"))
 
 
@@ -33,8 +34,9 @@ def clock_facts(t: Array) -> Mapping[str, float]:
     mapping
         ``samples``, ``missing``, ``step`` (mean over the record) [s], ``backwards``, ``repeats``,
         ``gaps`` (steps above 5 median ones), ``gap`` (the longest) [s], ``unevenness`` (standard
-        deviation of the steps over their mean), ``resolution`` (coarsest of 60, 10, … 0.001 s
-        of which all times are multiples; 0 if finer) [s].
+        deviation of the steps over their mean), ``even`` (share of the steps within 1 %
+        of the median one), ``resolution`` (coarsest of 60, 10, … 0.001 s of which all times are
+        multiples; 0 if finer) [s].
 
     Examples
     --------
@@ -63,6 +65,7 @@ def clock_facts(t: Array) -> Mapping[str, float]:
         "gaps": float(np.count_nonzero(steps > GAP * typical)) if typical else 0.0,
         "gap": float(steps.max()),
         "unevenness": float(steps.std() / mean) if mean else 0.0,
+        "even": float(np.mean(np.abs(steps - typical) <= 0.01 * typical)),
         "resolution": next(multiples, 0.0),
     }
 
@@ -153,7 +156,7 @@ def _order(item: Summary) -> Iterator[CheckFinding]:
 def _is_rounded(item: Summary) -> bool:
     facts = item.facts
     step, resolution = facts.get("step", 0.0), facts.get("resolution", 0.0)
-    uneven = facts.get("unevenness", 0.0) > 0.01 or facts.get("repeats", 0.0) > 0
+    uneven = facts.get("even", 1.0) < MOSTLY
     return bool(step and uneven and resolution > COARSE * step and not facts.get("backwards"))
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 AGREES: Final = 0.02
 DIFFERS: Final = 0.10
-LAG_GAIN: Final = 0.7
+LAG_GAIN: Final = 0.85
 LENGTH: Final = 0.002
 
 
@@ -87,10 +87,10 @@ def _late(items: Sequence[Summary]) -> Iterator[CheckFinding]:
             check="velocities",
             severity="warning",
             message=f"The velocity columns are {'late' if middle > 0 else 'early'} by "
-            f"{figure(abs(middle), 2)} s against the differentiated positions in {len(late)} runs "
-            f"({figure(float(lags.min()), 2)} to {figure(float(lags.max()), 2)} s, 0 expected); "
-            f"allowing for it the rms difference falls from {figure(before)} to "
-            f"{figure(after)} m/s.",
+            f"{figure(abs(middle), 2)} s against the differentiated positions in {len(late)} "
+            f"of {len(items)} runs ({figure(float(lags.min()), 2)} to "
+            f"{figure(float(lags.max()), 2)} s, 0 expected); allowing for it the rms difference "
+            f"falls from {figure(before)} to {figure(after)} m/s.",
             runs=tuple(item.run.id for item in late),
             remedy="Shift the columns, or take the velocities from the positions.",
             numbers={"lag": middle, "before": before, "after": after},

@@ -39,7 +39,7 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
             numbers={"ratio": ratio},
         )
     radius = math.sqrt(max(ship.Izz / ship.mass - ship.xG**2, 0.0)) / ship.L
-    if not GYRATION[0] < radius < GYRATION[1]:
+    if abs(ratio - 1) <= MASS and not GYRATION[0] < radius < GYRATION[1]:
         yield CheckFinding(
             check="particulars",
             severity="warning",

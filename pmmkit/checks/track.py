@@ -20,7 +20,10 @@ NDArrayInt = NDArray[np.int64]
 NDArrayBool = NDArray[np.bool_]
 
 WINDOW: Final = 1.0
+LONG: Final = 6.0
 LAGS: Final = 3.0
+KEPT: Final = 0.9
+JUMPS: Final = 6.0
 _POINTS: Final = 1500
 _GRID: Final = 61
 
@@ -44,9 +47,10 @@ def velocity_facts(
     -------
     mapping
         ``speed`` (rms from the positions) [m/s]; ``body``, ``earth`` (rms difference if the columns
-        are taken in ship axes, in earth axes) [m/s]; ``lag`` (by which the columns are late) [s]
-        and ``lagged`` (rms difference left when that is allowed for) [m/s]; ``scale`` (columns over
-        positions); ``jump`` (largest step of position against the velocity) [m] and ``jumps``.
+        are taken in ship axes, in earth axes, without the tenth that is largest) [m/s]; ``lag``
+        (by which the columns are late) [s] and ``lagged`` (rms difference left when that is
+        allowed for) [m/s]; ``scale`` (columns over positions); ``jump`` (largest step of position
+        against the velocity) [m] and ``jumps``.
 
     Examples
     --------
@@ -64,7 +68,7 @@ def velocity_facts(
     truth = np.stack([x[stop] - x[start], y[stop] - y[start]]) / span
     body = np.stack([_averages(t, ahead, start, stop), _averages(t, across, start, stop)])
     earth = np.stack([_averages(t, u, start, stop), _averages(t, v, start, stop)])
-    best = body if _rms(body - truth) <= _rms(earth - truth) else earth
+    best = body if _usual(body - truth) <= _usual(earth - truth) else earth
     lag, lagged = _lag(t, np.stack([x, y]), best, start, stop)
     power = float(np.sum(truth**2))
     steps = np.diff(np.stack([x, y]))
@@ -75,8 +79,8 @@ def velocity_facts(
     jumps = miss > np.maximum(20 * usual, 0.05 * _rms(truth) + 0.02)
     return {
         "speed": _rms(truth),
-        "body": _rms(body - truth),
-        "earth": _rms(earth - truth),
+        "body": _usual(body - truth),
+        "earth": _usual(earth - truth),
         "lag": lag,
         "lagged": lagged,
         "scale": float(np.sum(best * truth)) / power if power else math.nan,
@@ -101,15 +105,31 @@ def rate_facts(t: Array, angle: Array, rate: Array) -> Mapping[str, float]:
     57
     """
     start, stop = _stretches(t)
-    truth = (angle[stop] - angle[start]) / (t[stop] - t[start])
-    found = _averages(t, rate, start, stop)
-    power = float(truth @ truth)
+    truth, found = _rates(t, angle, rate, start, stop)
+    power = float(np.mean(truth**2))
     if power == 0:
         return {}
-    slope = float(truth @ found) / power
+    slope = _slope(truth, found)
+    long_truth, long_found = _rates(t, angle, rate, *_stretches(t, LONG))
+    if float(np.mean(long_truth**2)) > 0.3 * power:
+        slope = _slope(long_truth, long_found)
     scaled = found / slope if abs(slope) > 1e-6 else found
     lag, _ = _lag(t, angle[None], scaled[None], start, stop)
-    return {"slope": slope, "left": _rms(found - truth) / _rms(truth), "lag": lag}
+    return {"slope": slope, "left": _usual(found - truth) / math.sqrt(power), "lag": lag}
+
+
+def _rates(
+    t: Array, angle: Array, rate: Array, start: NDArrayInt, stop: NDArrayInt
+) -> tuple[Array, Array]:
+    return (angle[stop] - angle[start]) / (t[stop] - t[start]), _averages(t, rate, start, stop)
+
+
+def _slope(truth: Array, found: Array) -> float:
+    """Least squares through the origin; what misses by 6 times the usual is left out."""
+    slope = float(truth @ found) / float(truth @ truth)
+    miss = np.abs(found - slope * truth)
+    kept = miss <= JUMPS * np.median(miss) + 1e-12
+    return float(truth[kept] @ found[kept]) / max(float(truth[kept] @ truth[kept]), 1e-300)
 
 
 def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
@@ -184,10 +204,10 @@ def _rudder_facts(t: Array, delta: Array, r: Array) -> Mapping[str, float]:
     return {"yaw_per_rudder": float(fitted[1])} if abs(fitted[1]) > 3 * std else {}
 
 
-def _stretches(t: Array) -> tuple[NDArrayInt, NDArrayInt]:
-    """First and last index of overlapping stretches of about a second."""
+def _stretches(t: Array, seconds: float = WINDOW) -> tuple[NDArrayInt, NDArrayInt]:
+    """First and last index of overlapping stretches of so many seconds."""
     step = float(np.median(np.diff(t)))
-    width = int(np.clip(round(WINDOW / step), 2, max(2, len(t) // 10)))
+    width = int(np.clip(round(seconds / step), 2, max(2, len(t) // 10)))
     start = np.unique(np.linspace(0, len(t) - 1 - width, _POINTS).astype(int))
     return start, start + width
 
@@ -213,7 +233,7 @@ def _lag(
         rate = np.stack(
             [np.interp(end - lag, t, row) - np.interp(begin - lag, t, row) for row in places]
         ) / (end - begin)
-        left[place] = _rms(found[:, inner] - rate)
+        left[place] = _usual(found[:, inner] - rate)
     best = int(np.argmin(left))
     if 0 < best < _GRID - 1:
         low, mid, high = left[best - 1 : best + 2] ** 2
@@ -230,6 +250,12 @@ def _named(prefix: str, facts: Mapping[str, float]) -> Mapping[str, float]:
 def _finite(*series: Array) -> NDArrayBool:
     good: NDArrayBool = np.logical_and.reduce([np.isfinite(part) for part in series])
     return good
+
+
+def _usual(values: Array) -> float:
+    """Root mean square of all but the tenth that is largest, so that jumps do not count."""
+    size = np.sort(np.sum(np.atleast_2d(values) ** 2, axis=0))
+    return float(np.sqrt(np.mean(size[: max(1, round(KEPT * len(size)))])))
 
 
 def _rms(values: Array) -> float:

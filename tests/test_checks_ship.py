@@ -1,0 +1,106 @@
+"""Checks of particulars, propeller, frequencies and of the length that amplitudes imply."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from checks_programme import SHIP, WATER, campaign_of, run_of
+
+from pmmkit.checks import examine
+
+
+def said(findings, check: str):
+    return [finding for finding in findings if finding.check == check]
+
+
+def test_consistent_particulars_are_silent():
+    assert examine(campaign_of([], ship=replace(SHIP, block_stated=0.5617, GM=0.03))) == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "severity", "words"),
+    [
+        ({"mass": 0.454}, "error", "1000"),
+        ({"mass": 420.0}, "warning", "rho times volume"),
+        ({"block_stated": 0.5562}, "warning", "L = 4.909 m"),
+        ({"block_stated": 5.617}, "error", "near 1/10"),
+        ({"GM": 5.0}, "warning", "full-scale"),
+        ({"Izz": 61.8}, "warning", "radius of gyration"),
+    ],
+)
+def test_particulars_that_contradict_one_another(changes, severity, words):
+    (found,) = said(examine(campaign_of([], ship=replace(SHIP, **changes))), "particulars")
+    assert found.severity == severity
+    assert words in found.message
+
+
+def test_a_movable_rudder_area_larger_than_the_whole():
+    right = campaign_of([], rudder={"area_lateral": 0.0634, "area_movable": 0.0523})
+    assert examine(right) == ()
+    wrong = campaign_of([], rudder={"area_lateral": 0.0523, "area_movable": 0.0634})
+    assert "exchanged" in said(examine(wrong), "particulars")[0].message
+
+
+@pytest.mark.parametrize("factor", [1.0, 10.0, 100.0])
+def test_the_factor_in_KQ_is_found_from_the_efficiency(factor):
+    J = np.linspace(0, 0.9, 10)
+    table = {"J": J, "KT": 0.35 * (1 - J), "KQ": factor * 0.05 * (1 - 0.85 * J)}
+    found = said(examine(campaign_of([], propeller={"open_water": table})), "open water")
+    if factor == 1.0:
+        assert found == []
+    else:
+        assert found[0].numbers["factor"] == factor
+        mended = campaign_of([], propeller={"open_water": table, "KQ_factor": 1 / factor})
+        assert said(examine(mended), "open water") == []
+
+
+def test_an_open_water_table_in_a_file(tmp_path):
+    rows = ["J,Kt,Kq", *(f"{j / 10},{0.35 - 0.035 * j},{5 - 0.425 * j}" for j in range(10))]
+    (tmp_path / "ow.csv").write_text("\n".join(rows))
+    campaign = campaign_of([], propeller={"open_water": "ow.csv"}, folder=tmp_path)
+    assert said(examine(campaign), "open water")[0].numbers["factor"] == 100.0
+
+
+def oscillating(**settings):
+    return campaign_of([run_of("PS", "pure_sway", amplitude=0.1, **settings)])
+
+
+def test_frequency_against_a_quarter():
+    quarter = 2 * math.pi * 1.5 / (0.25 * 9.81)
+    assert said(examine(oscillating(period=12.5)), "frequency") == []
+    high = said(examine(oscillating(period=0.95 * quarter)), "frequency")
+    assert high[0].severity == "warning"
+    assert high[0].numbers["tau"] == pytest.approx(0.25 / 0.95)
+    near = said(examine(oscillating(period=1.1 * quarter)), "frequency")
+    assert near[0].severity == "info"
+    assert "near 0.25" in near[0].message
+
+
+def test_waves_that_stand_across_the_tank():
+    wave = math.pi / WATER.tank_width
+    omega = math.sqrt(9.81 * wave * math.tanh(wave * WATER.tank_depth))
+    found = said(examine(oscillating(period=2 * math.pi / (1.02 * omega))), "frequency")
+    assert any("standing across a tank" in finding.message for finding in found)
+    aside = said(examine(oscillating(period=2 * math.pi / (1.2 * omega))), "frequency")
+    assert not any("standing" in finding.message for finding in aside)
+
+
+def test_stated_amplitudes_give_the_length_that_made_them():
+    def runs(length):
+        for hertz, r in ((0.03, 0.2), (0.05, 0.3), (0.07, 0.4)):
+            omega = 2 * math.pi * hertz
+            stated = {"r_amplitude": r, "rdot_amplitude": -round(r * omega * length / 1.5, 5)}
+            run = run_of(
+                f"PY_{hertz}", "pure_yaw", period=1 / hertz,
+                yaw_amplitude=r * 1.5 / SHIP.L / omega,
+            )  # fmt: skip
+            yield run.with_(stated=MappingProxyType(stated))
+
+    assert said(examine(campaign_of(runs(SHIP.L))), "length") == []
+    (found,) = said(examine(campaign_of(runs(1.01 * SHIP.L))), "length")
+    assert found.severity == "error"
+    assert found.numbers["length"] == pytest.approx(1.01 * SHIP.L, rel=1e-4)
