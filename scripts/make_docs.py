@@ -1,4 +1,4 @@
-"""Write the pages of docs/ that follow from the program: effects.md and the list in checks.md.
+"""Write what docs/ takes from the program: effects.md, checks.md and the README's pictures.
 
     python scripts/make_docs.py [--check]
 
@@ -10,10 +10,14 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import pmmkit as pk
 from pmmkit.checks import CHECKS
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.files import write_text
+from pmmkit.figures import style
+from pmmkit.figures.derivatives import derivatives_over_froude
+from pmmkit.figures.turns import trajectory
+from pmmkit.files import datasets_folder, write_text
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -82,6 +86,18 @@ def pages() -> dict[str, str]:
     }
 
 
+def pictures() -> None:
+    """The derivatives of datasets/s175 over the Froude number, and the turns they lead to."""
+    table = pk.reduce(pk.open_campaign(datasets_folder() / "s175"))
+    model = pk.to_model(table, parts="s175-3dof")
+    speeds = (6.0, 9.0, 12.0)
+    tracks = [pk.simulate(model, "turning", rudder_deg=35, speed=speed) for speed in speeds]
+    shown = table.select(["Yv", "Yr", "Yvvv", "Yvrr", "Nv", "Nr", "Nrrr", "Nvvr"])
+    style.save(derivatives_over_froude(shown), DOCS / "images" / "derivatives.png")
+    names = [f"{speed:g} m/s, Fn {model.ship.froude(speed):.3f}" for speed in speeds]
+    style.save(trajectory(tracks, names), DOCS / "images" / "turning.png")
+
+
 def main() -> int:
     stale = [
         name
@@ -94,6 +110,7 @@ def main() -> int:
         return 1 if stale else 0
     for name, text in pages().items():
         write_text(DOCS / name, text)
+    pictures()
     return 0
 
 
