@@ -42,23 +42,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(given: list[str]) -> int:
-    import click
+    import typer
 
     from pmmkit.cli.commands import app
-    from pmmkit.cli.console import tell_error
+    from pmmkit.cli.console import emit, tell_error
 
     as_json = "--json" in given
+    usage_error: Any = typer.BadParameter.__base__
     try:
         status = app(given, prog_name="pmmkit", standalone_mode=False)
         sys.stdout.flush()
-    except click.UsageError as error:
-        if as_json:
-            tell_error(error, as_json=True)
-        error.show(sys.stderr)
-        return USAGE
-    except (click.exceptions.Abort, KeyboardInterrupt):
-        print("Stopped. No output was left half-written.", file=sys.stderr)
-        return STOPPED
+    except (typer.Abort, KeyboardInterrupt):
+        status = STOPPED
     except PmmkitError as error:
         tell_error(error, as_json=as_json)
         return WRONG
@@ -67,6 +62,13 @@ def _run(given: list[str]) -> int:
     except OSError as error:
         tell_error(error, as_json=as_json)
         return WRONG
+    except usage_error as error:
+        if as_json:
+            emit({"error": {"type": "usage", "message": error.format_message(), "problems": []}})
+        error.show(sys.stderr)
+        return USAGE
+    if status == STOPPED:
+        print("Stopped. No output was left half-written.", file=sys.stderr)
     return status if isinstance(status, int) else DONE
 
 

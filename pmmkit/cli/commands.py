@@ -229,9 +229,7 @@ def _cycles(text: str | None) -> int | tuple[int, int] | None:
     try:
         return (int(first), int(last)) if dash else int(first)
     except ValueError:
-        raise typer.BadParameter(
-            f"--cycles {text!r}: write one cycle (3) or a range (3-6)."
-        ) from None
+        raise typer.BadParameter(f"{text!r}: write one cycle (3) or a range (3-6).") from None
 
 
 def _numbers(text: str | None) -> Sequence[float] | None:

@@ -77,8 +77,7 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
                 }
             }
         )
-    if not hasattr(error, "ctx"):
-        say(f"pmmkit: {text or type(error).__name__}")
+    say(f"pmmkit: {text or type(error).__name__}")
 
 
 def findings_of(findings: Iterable[CheckFinding]) -> list[dict[str, Any]]:

@@ -1,0 +1,359 @@
+"""The commands: what they write, what they say, and how they end."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from small_campaign import TRUTH, write_campaign
+
+import pmmkit
+from pmmkit.cli import main
+from pmmkit.tables import identical
+
+COLUMNS = ["Fn", "derivative", "value", "std", "ci_low", "ci_high", "method", "runs"]
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory):
+    return write_campaign(tmp_path_factory.mktemp("tests") / "small")
+
+
+@pytest.fixture(scope="module")
+def reduced(campaign, tmp_path_factory):
+    out = tmp_path_factory.mktemp("results") / "small-reduced"
+    arguments = ["--parts", "s175-3dof", "--reference", "s175-3dof", "--out", str(out)]
+    assert main(["reduce", str(campaign), *arguments]) == 0
+    return out
+
+
+def said(capsys, *arguments):
+    """Status, JSON object and words of a command run with --json."""
+    status = main([*map(str, arguments), "--json"])
+    output = capsys.readouterr()
+    return status, json.loads(output.out), output.err
+
+
+def rows_of(path):
+    with path.open(encoding="utf-8", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_reduce_writes_the_files_of_the_contract(reduced):
+    names = {file.name for file in reduced.iterdir()}
+    assert names >= {"derivatives.csv", "derivatives.nc", "model.toml", "report.html"}
+    rows = rows_of(reduced / "derivatives.csv")
+    assert list(rows[0]) == COLUMNS
+    assert {row["derivative"] for row in rows} == set(TRUTH)
+    assert {round(float(row["Fn"]), 3) for row in rows} == {0.145, 0.29}
+
+
+def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
+    rows = rows_of(reduced / "derivatives.csv")
+    deviation = [
+        (float(row["value"]) - TRUTH[row["derivative"]]) / float(row["std"]) for row in rows
+    ]
+    assert np.max(np.abs(deviation)) < 4.5
+    assert 0.6 < np.std(deviation) < 1.4
+
+
+def test_both_table_files_hold_the_same(reduced):
+    first = pmmkit.read_table(reduced / "derivatives.csv")
+    second = pmmkit.read_table(reduced / "derivatives.nc")
+    np.testing.assert_array_equal(first.value, second.value)
+    assert first.names == second.names
+
+
+def test_every_way_to_a_derivative_is_listed(reduced):
+    rows = rows_of(reduced / "derivatives_by_method.csv")
+    assert list(rows[0]) == [*COLUMNS, "run"]
+    methods = {row["method"] for row in rows}
+    assert {"static drift", "pure sway", "pure yaw", "yaw with drift"} <= methods
+    assert any(row["run"] == "PS_U1_a0.3" for row in rows)
+
+
+def test_a_pooled_table_has_no_froude_number(campaign, tmp_path):
+    assert main(["reduce", str(campaign), "--fn", "pooled", "--out", str(tmp_path / "p")]) == 0
+    rows = rows_of(tmp_path / "p" / "derivatives.csv")
+    assert {row["Fn"] for row in rows} == {""}
+    assert len(rows) == len(TRUTH)
+
+
+def test_json_is_one_object_and_the_words_go_elsewhere(campaign, tmp_path, capsys):
+    out = tmp_path / "r"
+    status, content, words = said(capsys, "reduce", campaign, "--out", out)
+    assert status == 0
+    assert content["runs"] == 24
+    assert {row["derivative"] for row in content["table"]} == set(TRUTH)
+    assert set(content["files"]) == {file.name for file in out.iterdir()}
+    assert "24 of 24" in words
+    assert "no [propeller]" in " ".join(content["model_lacks"])
+
+
+def test_a_hull_alone_cannot_turn_and_says_what_it_lacks(campaign, tmp_path, capsys):
+    out = tmp_path / "r"
+    assert main(["reduce", str(campaign), "--out", str(out)]) == 0
+    model = pmmkit.load_model(out / "model.toml")
+    assert set(model.parts) == {"hull_polynomial", "added_mass"}
+    capsys.readouterr()
+    assert main(["simulate", str(out / "model.toml"), "--speed", "1.5"]) == 1
+    assert "propeller" in capsys.readouterr().err
+
+
+def test_the_model_that_reduce_writes_turns_like_the_one_in_python(reduced, tmp_path):
+    out = tmp_path / "turn"
+    arguments = ["--manoeuvre", "turning", "--rudder-deg", "35", "--speed", "8.0"]
+    model = str(reduced / "model.toml")
+    assert main(["simulate", model, *arguments, "--out", str(out)]) == 0
+    metrics = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+    track = pmmkit.simulate(pmmkit.load_model(model), "turning", rudder_deg=35, speed=8.0)
+    assert metrics["tactical_diameter_L"] == track.metrics["tactical_diameter_L"]
+    assert {"advance", "transfer", "steady_diameter", "speed_ratio", "steady_drift_deg"} <= set(
+        metrics
+    )
+    assert metrics["advance"] == pytest.approx(175.0 * metrics["advance_L"])
+    assert metrics["imo"][0]["limit"] == 4.5
+    assert "175 m" in metrics["scale"]
+    header = (out / "track.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert header.split(",")[:9] == ["t", "x", "y", "psi", "u", "v", "r", "p", "phi"]
+
+
+def test_duration_ends_the_track(tmp_path):
+    out = tmp_path / "t"
+    assert main(["simulate", "s175", "--speed", "8", "--duration", "20", "--out", str(out)]) == 0
+    assert float(rows_of(out / "track.csv")[-1]["t"]) == 20.0
+    metrics = json.loads((out / "metrics.json").read_text(encoding="utf-8"))
+    assert metrics["tactical_diameter"] is None
+
+
+def test_sweep_has_a_row_per_speed(tmp_path, capsys):
+    out = tmp_path / "sweep"
+    status, content, _ = said(capsys, "sweep", "s175-3dof", "--speeds", "6,9,12", "--out", out)
+    assert status == 0
+    assert [row["speed"] for row in content["sweep"]] == [6.0, 9.0, 12.0]
+    # One set of derivatives for all speeds: the steady circle does not know the speed.
+    diameters = [row["steady_diameter_L"] for row in content["sweep"]]
+    assert np.ptp(diameters) < 1e-6
+    assert len(rows_of(out / "sweep.csv")) == 3
+
+
+def test_check_is_quiet_on_sound_data_and_refuses_contradictions(campaign, tmp_path, capsys):
+    status, content, _ = said(capsys, "check", campaign)
+    assert (status, content["errors"]) == (0, 0)
+    wrong = write_campaign(tmp_path / "wrong")
+    toml = wrong / "campaign.toml"
+    text = toml.read_text(encoding="utf-8")
+    toml.write_text(text.replace('"hydrodynamic"', '"balance"'), encoding="utf-8")
+    status, content, _ = said(capsys, "check", wrong, "--out", tmp_path / "found")
+    assert status == 1
+    assert content["errors"] > 0
+    assert json.loads((tmp_path / "found" / "findings.json").read_text()) == content["findings"]
+    out = tmp_path / "refused"
+    status, content, words = said(capsys, "reduce", wrong, "--out", out)
+    assert status == 1
+    assert content["error"]["type"] == "ContradictionError"
+    assert "inertia" in words
+    assert not out.exists()
+
+
+def test_all_faults_of_a_campaign_are_told_with_their_places(tmp_path, capsys):
+    folder = write_campaign(tmp_path / "damaged")
+    first, second = sorted((folder / "runs").glob("SD_U1_*.csv"))[:2]
+    first.write_text(first.read_text().replace("\n", "\nx,", 3), encoding="utf-8")
+    second.write_bytes(b"")
+    status, content, words = said(capsys, "reduce", folder, "--out", tmp_path / "r")
+    assert status == 1
+    assert "Traceback" not in words
+    files = " ".join(str(problem["file"]) for problem in content["error"]["problems"])
+    assert first.name in files
+    assert second.name in files
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [
+        (["--version"], 0),
+        (["ships"], 0),
+        (["effects"], 0),
+        (["simulate", "no-such-ship", "--speed", "8"], 1),
+        (["simulate", "s175", "--speed", "-8"], 1),
+        (["simulate", "s175", "--speed", "8", "--manoeuvre", "dance"], 1),
+        (["reduce", "no-such-folder"], 1),
+        (["sweep", "s175-3dof"], 1),
+        (["convert", "no-such-table.csv", "--system", "bis"], 1),
+        ([], 2),
+        (["reduse"], 2),
+        (["simulate", "s175"], 2),
+        (["simulate", "s175", "--speed", "fast"], 2),
+        (["reduce", ".", "--cycles", "three"], 2),
+        (["sweep", "s175", "--speeds", "6,x"], 2),
+    ],
+)
+def test_exit_status(arguments, status, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == status
+    output = capsys.readouterr()
+    assert "Traceback" not in output.err
+    assert (status == 0) == bool(output.out)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_usage_error_is_json_too(capsys):
+    status, content, words = said(capsys, "simulate", "s175")
+    assert status == 2
+    assert content["error"]["type"] == "usage"
+    assert "--speed" in words
+
+
+def test_the_installed_command_hands_its_status_on():
+    code = "import sys; from pmmkit.cli import main; sys.exit(main())"
+    for arguments, status in ((["ships"], 0), (["simulate", "nobody", "--speed", "1"], 1)):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *arguments], capture_output=True, check=False
+        )
+        assert done.returncode == status
+
+
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, "SIGTERM"])
+def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monkeypatch, capsys):
+    def interrupted(*_, **__):
+        if stop is KeyboardInterrupt:
+            raise KeyboardInterrupt
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    monkeypatch.setattr("pmmkit.cli.results.write_report", interrupted)
+    before = tmp_path / "r"
+    before.mkdir()
+    (before / "derivatives.csv").write_text("mine")
+    assert main(["reduce", str(campaign), "--out", str(before)]) == 130
+    assert "Stopped" in capsys.readouterr().err
+    assert [file.name for file in tmp_path.iterdir()] == ["r"]
+    assert [file.read_text() for file in before.iterdir()] == ["mine"]
+
+
+def test_results_beside_files_of_the_user_leave_them_alone(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "metrics.json").write_text("old")
+    assert main(["simulate", "s175", "--speed", "8", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert "advance_L" in (tmp_path / "metrics.json").read_text(encoding="utf-8")
+
+
+def test_a_file_in_the_way_is_not_replaced(tmp_path, capsys):
+    target = tmp_path / "out"
+    target.write_text("mine")
+    assert main(["simulate", "s175", "--speed", "8", "--out", str(target)]) == 1
+    assert "is a file" in capsys.readouterr().err
+    assert target.read_text() == "mine"
+
+
+def test_convert_there_and_back(reduced, tmp_path, capsys):
+    table = reduced / "derivatives.nc"
+    status, content, _ = said(capsys, "convert", table, "--system", "prime-d", "--out", tmp_path)
+    assert status == 0
+    there = pmmkit.read_table(content["file"])
+    first = pmmkit.read_table(table)
+    draught = first.ship.L / first.ship.d
+    np.testing.assert_allclose(there["Yv"], first["Yv"] * draught, rtol=1e-12)
+    assert main(["convert", content["file"], "--system", "prime", "--out", str(tmp_path)]) == 0
+    back = pmmkit.read_table(tmp_path / "derivatives-prime-d-prime.nc")
+    np.testing.assert_allclose(back.value, first.value, rtol=1e-12)
+
+
+def test_convert_to_another_format_keeps_the_table(reduced, tmp_path):
+    table = reduced / "derivatives.nc"
+    assert main(["convert", str(table), "--format", "xlsx", "--out", str(tmp_path)]) == 0
+    assert identical(pmmkit.read_table(tmp_path / "derivatives.xlsx"), pmmkit.read_table(table))
+    assert main(["convert", str(table)]) == 1
+
+
+def test_lists_for_programs(capsys):
+    _, content, _ = said(capsys, "ships")
+    assert {"s175", "s175-3dof"} <= {ship["name"] for ship in content["ships"]}
+    _, content, _ = said(capsys, "effects")
+    assert {"hull_polynomial", "propeller"} <= {effect["name"] for effect in content["effects"]}
+
+
+class Page(HTMLParser):
+    """Reads a page: its tags in balance, what it would load, and its text."""
+
+    EMPTY = frozenset(("meta", "br", "link", "img", "path", "use", "rect"))
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.loads, self.text = [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+        if tag in ("script", "link", "iframe", "object"):
+            self.loads.append(tag)
+        for name, value in attributes:
+            if name in ("src", "href", "xlink:href") and not (value or "").startswith(
+                ("#", "data:")
+            ):
+                self.loads.append(value)
+
+    def handle_endtag(self, tag):
+        if tag not in self.EMPTY:
+            assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def read_page(path) -> Page:
+    page = Page()
+    page.feed(path.read_text(encoding="utf-8"))
+    assert page.open == []
+    return page
+
+
+def test_the_report_needs_no_other_file(reduced):
+    page = read_page(reduced / "report.html")
+    assert page.loads == []
+    assert "@import" not in (reduced / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_report_says_what_was_done(reduced, campaign):
+    text = " ".join(read_page(reduced / "report.html").text)
+    for run in pmmkit.open_campaign(campaign):
+        assert run.id in text
+    for words in ("abkowitz3", "s175-3dof", "IMO", "Provenance", "self-propulsion", "-11.6"):
+        assert words in text
+
+
+def test_names_of_the_user_are_not_markup(tmp_path):
+    folder = write_campaign(tmp_path / "odd")
+    toml = folder / "campaign.toml"
+    text = toml.read_text(encoding="utf-8")
+    title = "Tests <script>alert(1)</script> & more"
+    toml.write_text(text.replace("Small S175 programme", title), encoding="utf-8")
+    assert main(["reduce", str(folder), "--out", str(tmp_path / "r")]) == 0
+    page = read_page(tmp_path / "r" / "report.html")
+    assert page.loads == []
+    assert title in "".join(page.text)
+
+
+def test_the_demo_finds_the_trends_that_are_in_the_synthetic_programme(tmp_path, capsys, datasets):
+    import tomllib
+
+    status, content, _ = said(capsys, "demo", "--out", tmp_path / "demo")
+    assert status == 0
+    truth = tomllib.loads((datasets / "s175" / "truth.toml").read_text(encoding="utf-8"))["trend"]
+    found = content["changes"]
+    pairs = {
+        "steady_diameter_L": "steady_radius", "tactical_diameter_L": "tactical_diameter",
+        "transfer_L": "transfer", "advance_L": "advance",
+    }  # fmt: skip
+    for ours, theirs in pairs.items():
+        assert abs(found[ours] - truth[theirs]["achieved"]) < 0.015
+    assert "Son and Nomoto 1981" in " ".join(read_page(tmp_path / "demo" / "report.html").text)
