@@ -156,8 +156,9 @@ def test_resistance_and_self_propulsion():
         force = {"X": (1 - t) * thrust - resistance(1.5), "T": thrust}
         runs.append(still(f"P{rps}", "propulsion", force, speed=1.5, propeller_rps=rps))
     J = np.linspace(0, 1.1, 23)
+    curve = {"J": J, "KT": 0.527 - 0.455 * J, "KQ": 0.06 - 0.04 * J}
     found = reduce_campaign(
-        of(*runs, propeller={"D": D, "open_water": {"J": J, "KT": 0.527 - 0.455 * J}}),
+        of(*runs, propeller={"D": D, "open_water": curve}),
         structure="Xuu",
         check=False,
     )

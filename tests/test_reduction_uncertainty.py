@@ -114,12 +114,13 @@ def test_misfit_of_a_wrong_structure_widens_the_intervals_and_is_told():
 
 
 def test_like_noise_levels_borrow_strength_and_unlike_ones_do_not():
-    alike, dof = shrunk_levels(np.array([0.8, 1.3, 1.0, 0.9, 1.1]), np.full(5, 8.0))
+    alike, dof, _ = shrunk_levels(np.array([0.8, 1.3, 1.0, 0.9, 1.1]), np.full(5, 8.0))
     assert np.ptp(alike) < 0.05
     assert dof.min() > 20
-    unlike, dof = shrunk_levels(np.array([1.0, 100.0, 1e4, 1.0, 1e3]), np.full(5, 50.0))
+    unlike, dof, own = shrunk_levels(np.array([1.0, 100.0, 1e4, 1.0, 1e3]), np.full(5, 50.0))
     assert unlike == pytest.approx([1.0, 100.0, 1e4, 1.0, 1e3], rel=0.1)
     assert dof.max() < 60
+    assert own.min() > 0.95
 
 
 def test_same_input_same_output_whatever_the_threads():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -10,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.checks.expected import round_factor
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure
+from pmmkit.checks.finding import Check, CheckFinding, figure
+from pmmkit.runs.open_water import open_water
 
 if TYPE_CHECKING:
     from pmmkit.checks.summary import Summary
@@ -127,39 +127,6 @@ def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Ite
         else "Check the columns of the table.",
         numbers={"efficiency": best, "factor": power or math.nan},
     )
-
-
-def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
-    """J, KT, KQ of the campaign's propeller; None where there is no table that can be read.
-
-    ``open_water`` of ``[propeller]`` is a table with the lists J, KT and KQ, or the name of a CSV
-    file with such columns (in any case of letters) beside the data. ``KT_factor`` and
-    ``KQ_factor`` multiply them.
-    """
-    source = campaign.propeller.get("open_water")
-    table = _csv(campaign, source) if isinstance(source, str) else source
-    if not isinstance(table, Mapping):
-        return None
-    columns = {str(name).strip().lower(): values for name, values in table.items()}
-    try:
-        J, KT, KQ = (
-            np.asarray(columns[name.lower()], float) * campaign.propeller.get(f"{name}_factor", 1.0)
-            for name in ("J", "KT", "KQ")
-        )
-    except (KeyError, ValueError, TypeError):
-        return None
-    return (J, KT, KQ) if len(J) == len(KT) == len(KQ) else None
-
-
-def _csv(campaign: Campaign, name: str) -> Mapping[str, list[str]] | None:
-    beside = [path.parent for run in campaign.runs if (path := getattr(run.loader, "path", None))]
-    for folder in dict.fromkeys((*beside, campaign.folder)):
-        if (folder / name).is_file():
-            with (folder / name).open(encoding="utf-8-sig", newline="", errors="replace") as file:
-                rows = [row for row in csv.reader(file) if row]
-            return {title: [row[place] for row in rows[1:] if len(row) == len(rows[0])]
-                    for place, title in enumerate(rows[0])} if rows else None  # fmt: skip
-    return None
 
 
 CHECKS = (

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 from pmmkit.reduction.noise import FLOOR, moderated, whitener
 from pmmkit.reduction.rows import Rows, Sensitivity
+from pmmkit.runs.run import Settings
 
 Array = NDArray[np.float64]
 ROUNDS = 6
@@ -21,10 +22,14 @@ BIRGE_P = 0.01
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """The usable rows of one run in one channel."""
+    """The usable rows of one run in one channel.
+
+    Runs of one kin, the same speed and frequency within a tenth, have like noise.
+    """
 
     run: int
     dynamic: bool
+    kin: tuple[int, int]
     design: Array
     rows: Array
     covariance: Array | None
@@ -134,6 +139,7 @@ def blocks_of(
             Block(
                 run=place,
                 dynamic=item.result.run.dynamic,
+                kin=_kin(item.result.run.settings),
                 design=design[keep],
                 rows=rest[keep],
                 covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
@@ -142,6 +148,15 @@ def blocks_of(
             )
         )
     return blocks
+
+
+def _kin(settings: Settings) -> tuple[int, int]:
+    frequency = settings.omega
+    tenths = math.log(1.1)
+    return (
+        round(math.log(settings.speed) / tenths),
+        round(math.log(frequency) / tenths) if frequency else -(10**6),
+    )
 
 
 def fit_channel(
@@ -211,18 +226,16 @@ def _stated_noise(blocks: Sequence[Block]) -> tuple[list[Array], Array]:
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
     noise: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
     dof = np.full(len(blocks), math.inf)
-    for dynamic in (False, True):
-        alike = [
-            (place, block.covariance, block.dof)
-            for place, block in enumerate(blocks)
-            if block.covariance is not None and block.dynamic == dynamic
-        ]
-        if alike:
-            places, covariances, degrees = zip(*alike, strict=True)
-            calm, freedom = moderated(covariances, degrees, size)
-            for place, covariance, value in zip(places, calm, freedom, strict=True):
-                noise[place] = covariance
-                dof[place] = value
+    alike: dict[tuple[int, int], list[tuple[int, Array, float]]] = {}
+    for place, block in enumerate(blocks):
+        if block.covariance is not None:
+            alike.setdefault(block.kin, []).append((place, block.covariance, block.dof))
+    for members in alike.values():
+        places, covariances, degrees = zip(*members, strict=True)
+        calm, freedom = moderated(covariances, degrees, size)
+        for place, covariance, value in zip(places, calm, freedom, strict=True):
+            noise[place] = covariance
+            dof[place] = value
     return noise, dof
 
 

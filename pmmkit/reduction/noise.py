@@ -13,7 +13,7 @@ FLOOR = 1e-6
 """Noise below this share of a channel's size does not count: records of a noise-free solver."""
 
 
-def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array]:
+def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
     """Noise levels of like runs, drawn towards each other as far as their scatter is chance.
 
     Parameters
@@ -25,8 +25,9 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array]:
 
     Returns
     -------
-    levels, dof : array (k,)
-        Moderated variances and their degrees of freedom.
+    levels, dof, own : array (k,)
+        Moderated variances, their degrees of freedom, and the share of its own estimate that
+        each run keeps: 0 where all differences are chance.
 
     Notes
     -----
@@ -35,9 +36,9 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> levels, dof = shrunk_levels(np.array([1.0, 1.1, 0.9, 1.05]), np.full(4, 10.0))
-    >>> bool(np.ptp(levels) < 1e-12), bool((dof > 30).all())
-    (True, True)
+    >>> levels, dof, own = shrunk_levels(np.array([1.0, 1.1, 0.9, 1.05]), np.full(4, 10.0))
+    >>> bool(np.ptp(levels) < 1e-12), bool((dof > 30).all()), own
+    (True, True, array([0., 0., 0., 0.]))
     """
     from scipy.special import digamma, polygamma
 
@@ -45,20 +46,20 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array]:
     log = np.log(levels) - (digamma(half) - np.log(half))
     sampling = polygamma(1, half)
     if len(levels) < 3:
-        return levels, dof
+        return levels, dof, np.ones(len(levels))
     weight = 1 / sampling
     centre = float(weight @ log / weight.sum())
     between = max(0.0, float(np.var(log, ddof=1) - sampling.mean()))
     own = between / (between + sampling)
     moderated = own * log + (1 - own) * centre
     variance = own**2 * sampling + (1 - own) ** 2 / weight.sum()
-    return np.exp(moderated), np.maximum(2 / variance, dof)
+    return np.exp(moderated), np.maximum(2 / variance, dof), own
 
 
 def moderated(
     covariances: Sequence[Array], dof: Sequence[float], size: float
 ) -> tuple[list[Array], Array]:
-    """Covariances of like runs with moderated levels and a floor.
+    """Covariances of like runs with moderated levels and spectra, and a floor.
 
     Parameters
     ----------
@@ -72,10 +73,14 @@ def moderated(
     floor = (FLOOR * size) ** 2
     safe = [covariance + floor * np.eye(len(covariance)) for covariance in covariances]
     levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
-    calm, freedom = shrunk_levels(levels, np.asarray(dof, float))
-    return [
-        covariance * (new / old) for covariance, new, old in zip(safe, calm, levels, strict=True)
-    ], freedom
+    calm, freedom, own = shrunk_levels(levels, np.asarray(dof, float))
+    shapes = [covariance / level for covariance, level in zip(safe, levels, strict=True)]
+    if len({shape.shape for shape in shapes}) == 1:
+        common = np.mean(shapes, axis=0)
+        shapes = [
+            share * shape + (1 - share) * common for share, shape in zip(own, shapes, strict=True)
+        ]
+    return [level * shape for level, shape in zip(calm, shapes, strict=True)], freedom
 
 
 def whitener(covariance: Array) -> Array:

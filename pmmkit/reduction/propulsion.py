@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.reduction.prepare import RunResult
+from pmmkit.runs.open_water import open_water
 from pmmkit.runs.run import Campaign
 
 Array = NDArray[np.float64]
@@ -137,10 +138,10 @@ def propulsion(
 def _wake(straight: Sequence[RunResult], campaign: Campaign) -> dict[float, float]:
     """Effective wake by thrust identity, by speed."""
     diameter = campaign.propeller.get("D")
-    curve = campaign.propeller.get("open_water")
-    if not diameter or not isinstance(curve, Mapping) or "KT" not in curve or "J" not in curve:
+    curve = open_water(campaign)
+    if not diameter or curve is None:
         return {}
-    advance, coefficient = np.asarray(curve["J"], float), np.asarray(curve["KT"], float)
+    advance, coefficient, _ = curve
     order = np.argsort(coefficient)
     found: dict[float, list[float]] = {}
     for item in straight:
