@@ -7,11 +7,12 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from checks_programme import campaign_of, programme, run_of
+from checks_programme import campaign_of, hash_of, programme, run_of
 
 from pmmkit.checks import examine
 from pmmkit.checks.track import rate_facts, velocity_facts
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.runs.run import Run, Settings
 
 
@@ -99,9 +100,37 @@ def test_forces_that_grow_from_cycle_to_cycle_are_a_trend():
     def growing(run, data):
         return data.assign(N=data["N"] * (1 + 0.03 * data["t"] / run.settings.period))
 
-    found = said(examine(campaign_of([sway(growing)])), "cycles")
-    assert len(found) == 1
-    assert "a trend" in found[0].message
+    (found,) = said(examine(campaign_of([sway(growing)])), "cycles")
+    assert "a trend" in found.message
+    assert found.message.startswith("The first harmonic of N")
+    assert found.numbers["deviation"] == pytest.approx(0.09 * found.numbers["amplitude"], rel=0.2)
+
+
+def slow_noise(run: Run, data: xr.Dataset) -> xr.Dataset:
+    """Noise with a memory of some seconds, as carriages and waves make it."""
+    generator = np.random.default_rng(abs(hash_of(run.id)))
+    kernel = np.exp(-np.arange(0, 15, 0.1) / 3.0)
+    kernel /= np.linalg.norm(kernel)
+    size = {"X": 0.3, "Y": 2.0, "N": 4.0}
+    return data.assign(
+        {
+            name: data[name]
+            + level * np.convolve(generator.standard_normal(data.sizes["t"]), kernel, "same")
+            for name, level in size.items()
+        }
+    )
+
+
+def test_slow_noise_is_no_difference_between_cycles():
+    runs = programme(speeds=(1.0, 1.5), change=slow_noise)
+    assert said(examine(campaign_of(runs)), "cycles") == []
+
+
+def test_the_synthetic_s175_programme_is_silent(datasets):
+    if not (datasets / "s175" / "campaign.toml").is_file():
+        pytest.skip("the S175 programme has not been made")
+    findings = examine(open_campaign(datasets / "s175"))
+    assert [str(finding) for finding in findings if finding.severity != "info"] == []
 
 
 def test_noise_alone_is_no_difference_between_cycles():

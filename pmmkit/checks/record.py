@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.checks.expected import prime_unit
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure
@@ -15,11 +17,14 @@ if TYPE_CHECKING:
     from pmmkit.checks.summary import Summary
     from pmmkit.runs.run import Campaign
 
+Cycles = NDArray[np.complex128]
+
 FLAT_SAMPLES: Final = 5
 FLAT_SHARE: Final = 0.01
 FLAT_DENSITY: Final = 6.0
 CYCLE_SHARE: Final = 0.03
-CYCLE_SIGMAS: Final = 5.0
+CYCLE_SIGMAS: Final = 6.5
+FEW: Final = 2.5
 SISTER_SIGMAS: Final = 5.0
 SISTER_SHARE: Final = 0.5
 
@@ -90,48 +95,118 @@ def examine_saturation(_campaign: Campaign, summaries: Sequence[Summary]) -> Ite
             )
 
 
+@dataclass(frozen=True)
+class _Odd:
+    """A run of which one cycle, or the trend over the cycles, is beyond the noise."""
+
+    item: Summary
+    away: float
+    amplitude: float
+    limit: float
+    cycle: int
+    total: int
+    trend: bool
+
+
 def examine_cycles(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """First harmonics that change from cycle to cycle beyond their noise, or that drift.
 
     The first cycle is left out: it holds the start. A cycle is conspicuous when its first harmonic
-    lies more than 3 % of the amplitude and more than 5 standard errors (of one cycle) from the
-    median of the others.
+    lies more than 3 % of the amplitude and more than 6.5 times the noise of one cycle from the
+    median cycle; a straight line through the cycles when it changes by as much. The noise is the
+    usual scatter over the cycles of all runs at that speed; with fewer than four runs it is 2.5
+    times the scatter of the cycles but the worst, as few cycles tell it badly.
     """
-    for item in summaries:
-        for channel, cycles in item.cycles.items():
-            kept = cycles[1:] if len(cycles) > 3 else cycles
-            if len(kept) < 3:
-                continue
-            first = kept[:, 1] + 1j * kept[:, 2]
-            middle = complex(np.median(first.real), np.median(first.imag))
-            away = np.abs(first - middle)
-            limit = max(
-                CYCLE_SHARE * abs(middle),
-                CYCLE_SIGMAS * item.cycle_noise.get(channel, 0.0),
-                CYCLE_SHARE * item.level(channel),
-            )
-            worst = int(np.argmax(away))
-            if away[worst] <= limit:
-                continue
-            steps = np.diff(np.abs(first))
-            trend = bool(len(first) > 3 and (np.all(steps > 0) or np.all(steps < 0)))
-            yield CheckFinding(
-                check="cycles",
-                severity="warning",
-                message=f"The first harmonic of {channel} differs between cycles: cycle "
-                f"{len(cycles) - len(kept) + worst + 1} of {len(cycles)} lies "
-                f"{figure(away[worst])} from the median cycle of {figure(abs(middle))}, "
-                f"{100 * away[worst] / abs(middle):.0f} %, where at most {figure(limit)} is noise."
-                + (" It grows or falls all the way: a trend." if trend else ""),
-                runs=(item.run.id,),
-                remedy="Look at the record; take cycles that agree (cycles = …), or trim it.",
-                numbers={
-                    "deviation": float(away[worst]),
-                    "amplitude": abs(middle),
-                    "limit": limit,
-                    "cycle": float(len(cycles) - len(kept) + worst + 1),
-                },
-            )
+    for channel in ("X", "Y", "N", "K"):
+        items = [item for item in summaries if len(_kept(item, channel)) >= 3]
+        odd = [
+            found
+            for item in items
+            if (found := _odd_cycle(item, channel, _noise(item, items, channel))) is not None
+        ]
+        if not odd:
+            continue
+        worst = max(odd, key=lambda found: found.away / found.limit)
+        what = (
+            f"changes steadily by {figure(worst.away)} over the cycles of {worst.item.run.id}, "
+            f"a trend"
+            if worst.trend
+            else f"differs between cycles: cycle {worst.cycle} of {worst.total} in "
+            f"{worst.item.run.id} lies {figure(worst.away)} from the median cycle"
+        )
+        yield CheckFinding(
+            check="cycles",
+            severity="warning",
+            message=f"The first harmonic of {channel} {what}, "
+            f"{100 * worst.away / worst.amplitude:.0f} % of its {figure(worst.amplitude)}, where "
+            f"at most {figure(worst.limit)} is noise"
+            + (f"; so in {len(odd)} of {len(items)} runs." if len(odd) > 1 else "."),
+            runs=tuple(found.item.run.id for found in odd),
+            remedy="Look at the record; take cycles that agree (cycles = …), or trim it.",
+            numbers={
+                "deviation": worst.away,
+                "amplitude": worst.amplitude,
+                "limit": worst.limit,
+                "cycle": float(worst.cycle),
+            },
+        )
+
+
+def _kept(item: Summary, channel: str) -> Cycles:
+    """First harmonics of the cycles as complex numbers, without the cycle of the start."""
+    cycles = item.cycles.get(channel)
+    if cycles is None:
+        return np.zeros(0, complex)
+    kept = cycles[1:] if len(cycles) > 3 else cycles
+    return kept[:, 1] + 1j * kept[:, 2]
+
+
+def _scatter(first: Cycles) -> float:
+    """Standard deviation of each of the two parts over the cycles."""
+    away = first - first.mean()
+    return math.sqrt(float(np.sum(np.abs(away) ** 2)) / 2 / (len(first) - 1))
+
+
+def _noise(item: Summary, items: Sequence[Summary], channel: str) -> float:
+    speed = item.run.settings.speed
+    series = [other for other in items if abs(other.run.settings.speed / speed - 1) < 0.02]
+    own = item.cycle_noise.get(channel, 0.0)
+    if len(series) >= 4:
+        return max(own, float(np.median([_scatter(_kept(other, channel)) for other in series])))
+    first = _kept(item, channel)
+    worst = int(np.argmax(np.abs(first - _middle(first))))
+    line = _line(first)[1] if len(first) > 3 else math.inf
+    return max(own, FEW * min(_scatter(np.delete(first, worst)), line))
+
+
+def _middle(first: Cycles) -> complex:
+    return complex(np.median(first.real), np.median(first.imag))
+
+
+def _line(first: Cycles) -> tuple[float, float]:
+    """Change from the first to the last cycle on a straight line, and what scatters about it."""
+    number = np.arange(len(first)) - (len(first) - 1) / 2
+    slope = np.sum(number * first) / np.sum(number**2)
+    rest = first - first.mean() - slope * number
+    free = 2 * max(len(first) - 2, 1)
+    return float(abs(slope)) * (len(first) - 1), math.sqrt(float(np.sum(np.abs(rest) ** 2)) / free)
+
+
+def _odd_cycle(item: Summary, channel: str, noise: float) -> _Odd | None:
+    first = _kept(item, channel)
+    middle = _middle(first)
+    amplitude = max(abs(middle), item.level(channel))
+    limit = max(CYCLE_SHARE * amplitude, CYCLE_SIGMAS * noise)
+    total = len(item.cycles[channel])
+    away = np.abs(first - middle)
+    worst = int(np.argmax(away))
+    change, rest = _line(first)
+    if len(first) > 3 and change > limit and change > CYCLE_SIGMAS * rest:
+        return _Odd(item, change, amplitude, limit, total, total, True)
+    if away[worst] > limit:
+        cycle = total - len(first) + worst + 1
+        return _Odd(item, float(away[worst]), amplitude, limit, cycle, total, False)
+    return None
 
 
 _SISTERS: Final = (
