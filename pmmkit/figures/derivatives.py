@@ -202,7 +202,7 @@ def _dots(
     for value, height in zip(ratio[~inside], place[~inside], strict=True):
         if np.isnan(value):
             continue
-        right = value > limits[1]
+        right = bool(value > limits[1])
         axis.plot(limits[right], height, marker=">" if right else "<", color=colour, clip_on=False)
         axis.annotate(
             f"{value:.3g}", (limits[right], height), xytext=(-8 if right else 8, 0),
