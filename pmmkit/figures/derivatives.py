@@ -162,7 +162,7 @@ def beside_reference(
                     limits[0], gap, "  not determined by these runs", va="center",
                     fontsize=8, color=style.REFERENCE,
                 )  # fmt: skip
-            axis.axvline(1.0, color=style.REFERENCE, ls="--", lw=1.2)
+            axis.axvline(1.0, color=style.REFERENCE, ls="--", lw=1.2, zorder=1)
             axis.set_yticks(
                 np.arange(len(group)),
                 [style.symbol(name, table.convention) for name in group],
