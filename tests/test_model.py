@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -378,3 +379,18 @@ def test_scaling_to_nothing_is_refused():
     for length in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(PmmkitError, match="positive"):
             scaled(load_model("s175"), length)
+
+
+def test_a_file_saved_by_version_1_loads_for_ever():
+    """Kept as it was written by schema 1: values over Fn, odd names, a covariance with gaps."""
+    model = load_model(Path(__file__).parent / "data" / "model_v1.toml")
+    assert model.Fn == (0.15, 0.29)
+    assert model.values("hull_polynomial", 0.22)["Nr"] == pytest.approx(-0.00215)
+    assert model.values("hull_polynomial", 0.22)["Yv|v|"] == pytest.approx(-0.01)
+    assert model.covariance is not None
+    n = len(model.covariance_names)
+    assert model.covariance.shape == (2 * n, 2 * n)
+    place = n + model.covariance_names.index("Yv")
+    assert model.covariance[place, place] == 4e-10
+    assert np.isnan(model.covariance[0, 0])
+    assert model.parts["rudder_mmg"].options["inflow"] == "son-nomoto"

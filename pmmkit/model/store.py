@@ -82,7 +82,13 @@ def save_model(model: Model, path: str | Path) -> None:
 
 
 def model_text(model: Model) -> str:
-    """The text of a model's file; equal for equal models."""
+    """The text of a model's file; equal for equal models.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
     data: dict[str, Any] = {"schema": SCHEMA, "name": model.name}
     data |= {key: getattr(model, key) for key in ("title", "scale") if getattr(model, key)}
     data |= {key: list(getattr(model, key)) for key in ("notes", "history") if getattr(model, key)}
