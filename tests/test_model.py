@@ -391,6 +391,6 @@ def test_a_file_saved_by_version_1_loads_for_ever():
     n = len(model.covariance_names)
     assert model.covariance.shape == (2 * n, 2 * n)
     place = n + model.covariance_names.index("Yv")
-    assert model.covariance[place, place] == 4e-10
+    assert model.covariance[place, place] == pytest.approx(4e-10, rel=1e-12)
     assert np.isnan(model.covariance[0, 0])
     assert model.parts["rudder_mmg"].options["inflow"] == "son-nomoto"
