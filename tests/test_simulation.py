@@ -541,3 +541,34 @@ def test_more_rudder_than_the_ship_has_is_refused():
     with pytest.raises(SimulationError, match="20°"):
         simulate(limited, speed=6.0, rudder_deg=-35.0)
     assert simulate(limited, speed=6.0, rudder_deg=20.0).metrics["advance"] > 0
+
+
+@pytest.mark.parametrize(
+    ("name", "speed", "rudder_deg", "expected"),
+    [
+        ("kvlcc2-l7", 1.179, 35.0, (3.080, 1.331, 3.118, 2.32)),
+        ("kvlcc2-l7", 1.179, -35.0, (3.091, 1.332, 3.105, 2.26)),
+        ("kvlcc2", 7.974, 35.0, (2.976, None, 3.004, None)),
+        ("kvlcc2", 7.974, -35.0, (3.001, None, 3.013, None)),
+    ],
+)
+def test_kvlcc2_turns_as_other_mmg_programs_compute(name, speed, rudder_deg, expected):
+    """The MMG standard model with its wake, slipstream and two-sided flow straightening.
+
+    Other programs' simulations with the same coefficients, not tests; rounded as tabulated.
+    """
+    found = simulate(name, speed=speed, rudder_deg=rudder_deg).metrics
+    for key, value in zip(LENGTHS, expected, strict=True):
+        if value is not None:
+            assert found[key] == pytest.approx(value, abs=1e-3 if value > 3 else 6e-3)
+    if name == "kvlcc2-l7" and rudder_deg > 0:
+        assert found["speed_ratio"] == pytest.approx(0.383, abs=5e-4)
+
+
+def test_a_track_draws_itself():
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib.figure import Figure
+
+    assert isinstance(simulate("s175-3dof", speed=6.0).plot(), Figure)
