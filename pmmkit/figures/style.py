@@ -144,7 +144,13 @@ def save(figure: Figure, path: str | Path) -> Path:
 
 
 def svg(figure: Figure) -> str:
-    """A figure as an ``<svg>`` element to stand inside a page."""
+    """A figure as an ``<svg>`` element to stand inside a page.
+
+    Parameters
+    ----------
+    figure : Figure
+        What to draw.
+    """
     buffer = io.StringIO()
     with styled():
         figure.savefig(buffer, format="svg", metadata=_undated(".svg"))
