@@ -275,6 +275,17 @@ def test_a_missing_derivative_is_named_with_the_tests_that_give_it():
     assert "Xvr is not in the table. It comes from: yaw with drift" in text
 
 
+def test_a_gap_at_some_speeds_is_named_with_them_and_with_the_way_out():
+    table = s175_table(Fn=GRID, Nr=[-0.0022, float("nan"), -0.002])
+    with pytest.raises(MissingPartError) as caught:
+        to_model(table, "s175")
+    assert "Nr has no value at Fn 0.217." in str(caught.value)
+    assert 'fn="pooled"' in str(caught.value)
+    with pytest.raises(MissingPartError) as caught:
+        to_model(s175_table(without=["Nr"]), "s175")
+    assert "pooled" not in str(caught.value)
+
+
 def test_what_the_runs_do_not_determine_is_not_zero():
     table = s175_table(Yvvr=float("nan"))
     with pytest.raises(MissingPartError, match="Yvvr has no value"):

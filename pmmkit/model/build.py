@@ -216,19 +216,35 @@ def _fill(
             continue
         refused.append(item)
     if refused:
-        why = 'Or take what is not essential as zero with missing="zero", or acceleration '
-        why += 'derivatives from the library ship with missing="library".'
-        raise MissingPartError(
-            [
-                Problem(
-                    message=f"{item} {'has no value' if item in empty else 'is not in the table'}.",
-                    remedy=f"It comes from: {tests_for(item)}.",
-                )
-                for item in refused
-            ],
-            title=f"The table does not carry a simulation. {why}",
-        )
+        found = [
+            Problem(message=_lack(item, table), remedy=f"It comes from: {tests_for(item)}.")
+            for item in refused
+        ]
+        raise MissingPartError([*found, _way_out(refused, table)], title=_NOT_ENOUGH)
     return borrowed, zeroed
+
+
+def _lack(name: str, table: DerivativeTable) -> str:
+    if name not in table:
+        return f"{name} is not in the table."
+    empty = ~np.isfinite(table[name])
+    if table.pooled or np.all(empty):
+        return f"{name} has no value: the runs do not determine it."
+    at = ", ".join(f"{Fn:.3g}" for Fn in table.Fn[empty])
+    return f"{name} has no value at Fn {at}."
+
+
+def _way_out(refused: list[str], table: DerivativeTable) -> Problem:
+    ways = []
+    partly = [item for item in refused if item in table and np.any(np.isfinite(table[item]))]
+    if partly:
+        ways.append('reduce all speeds to one set (fn="pooled")')
+    if not set(refused) <= set(NEEDED):
+        ways.append('take what is not essential as zero (missing="zero")')
+    if any(map(_accelerates, refused)):
+        ways.append('take acceleration derivatives from the library ship (missing="library")')
+    ways.append("choose a structure without the terms that the runs do not determine")
+    return Problem(message=f"What can be done without new tests: {'; '.join(ways)}.")
 
 
 def _borrow(name: str, table: DerivativeTable, donor: Model) -> float | None:
@@ -256,6 +272,7 @@ def tests_for(name: str) -> str:
     return "resistance or static drift tests"
 
 
+_NOT_ENOUGH: Final = "The table does not carry a simulation"
 _TESTS: Final[tuple[tuple[frozenset[str], str], ...]] = (
     (frozenset({"d"}), "static rudder tests"),
     (frozenset({"udot"}), "pure surge, or pure yaw with large heading (second harmonic of X)"),
