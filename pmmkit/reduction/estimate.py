@@ -16,6 +16,8 @@ from pmmkit.runs.run import Settings
 
 Array = NDArray[np.float64]
 ROUNDS = 6
+STATED = 20.0
+"""Degrees of freedom that the noise stated by the records counts for beside the residuals."""
 BIRGE_P = 0.01
 """Residuals larger than the noise with a probability below this widen the intervals."""
 
@@ -61,8 +63,10 @@ class ChannelFit:
         Rows minus fit, block by block [N, N m].
     chi_square : float
         Squared residuals over the noise; NaN where the noise was taken from the residuals.
-    excess : float
-        Factor on the type A variances: 1 where the residuals agree with the noise.
+    scale : float
+        Factor by which the residuals correct the variances that the records state.
+    excessive : bool
+        Whether the misfit is larger than the noise allows.
     """
 
     channel: str
@@ -74,7 +78,8 @@ class ChannelFit:
     noise_dof: Array
     residual: tuple[Array, ...]
     chi_square: float
-    excess: float
+    scale: float
+    excessive: bool
 
     @property
     def freedom(self) -> int:
@@ -200,7 +205,11 @@ def fit_channel(
         design, rows = _white(blocks, whiteners)
         found = fit(columns, design[:, chosen], rows)
     misfit = rows - design[:, chosen] @ (found.gain @ rows)
-    chi_square, excess = _excess(misfit, _freedom(found, len(rows)), dof, from_residuals)
+    scale = (
+        _Scale(math.nan, 1.0, 0.0, False)
+        if from_residuals
+        else _scale(misfit, _freedom(found, len(rows)), dof)
+    )
     values = np.nan_to_num(found.value)
     return ChannelFit(
         channel=channel,
@@ -208,11 +217,12 @@ def fit_channel(
         chosen=tuple(chosen),
         blocks=tuple(blocks),
         whiteners=tuple(whiteners),
-        noise=tuple(excess * covariance for covariance in noise),
-        noise_dof=dof if excess == 1.0 else np.full(len(dof), _freedom(found, len(rows)), float),
+        noise=tuple(scale.factor * covariance for covariance in noise),
+        noise_dof=np.maximum(dof, scale.dof),
         residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
-        chi_square=chi_square,
-        excess=excess,
+        chi_square=scale.chi_square,
+        scale=scale.factor,
+        excessive=scale.excessive,
     )
 
 
@@ -292,18 +302,30 @@ def _noise_from_residuals(
     return fresh, degrees
 
 
-def _excess(misfit: Array, freedom: int, dof: Array, from_residuals: bool) -> tuple[float, float]:
-    """Squared misfit over the noise, and the factor by which it exceeds chance (F test)."""
+@dataclass(frozen=True)
+class _Scale:
+    """How the residuals correct the noise that the records state."""
+
+    chi_square: float
+    factor: float
+    dof: float
+    excessive: bool
+
+
+def _scale(misfit: Array, freedom: int, dof: Array) -> _Scale:
+    """The stated noise and the residuals weighed by their degrees of freedom.
+
+    A short autocorrelated record understates its slow noise a little; the residuals of many runs
+    see it. `excessive` says that the misfit is larger than chance allows (F test).
+    """
     from scipy.special import fdtrc
 
-    if from_residuals:
-        return math.nan, 1.0
     chi_square = float(misfit @ misfit)
     strength = float(np.clip(np.median(dof), 3.0, 1e6))
-    ratio = chi_square / max(freedom, 1)
-    if freedom == 0 or fdtrc(freedom, strength, ratio) > BIRGE_P:
-        return chi_square, 1.0
-    return chi_square, max(1.0, ratio * (strength - 2) / strength)
+    prior = min(strength, STATED)
+    factor = (prior + chi_square) / (prior + freedom)
+    excessive = freedom > 0 and fdtrc(freedom, strength, chi_square / freedom) <= BIRGE_P
+    return _Scale(chi_square, factor, prior + freedom, bool(excessive))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

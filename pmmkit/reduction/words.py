@@ -164,9 +164,9 @@ def _sentences(solution: Solution) -> Iterator[str]:
             )
         yield from _together(item, where)
         yield from _signs(item, where)
-        if item.excess > 1:
+        if item.excessive:
             yield (
-                f"{item.channel}{where}: the misfit is {math.sqrt(item.excess):.1f} times the "
+                f"{item.channel}{where}: the misfit is {math.sqrt(item.scale):.1f} times the "
                 f"noise of the records. The structure lacks something or runs scatter; the "
                 f"intervals are widened by that factor."
             )
