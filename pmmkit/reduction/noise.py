@@ -32,7 +32,9 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
     Notes
     -----
     Empirical Bayes on the logarithm of the variances, whose sampling variance is the trigamma
-    function of half the degrees of freedom (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3(1)).
+    function of half the degrees of freedom (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3(1)). The
+    common level is the weighted mean of the variances themselves, which no error in the degrees
+    of freedom can bias.
 
     Examples
     --------
@@ -43,12 +45,12 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
     from scipy.special import digamma, polygamma
 
     half = np.clip(dof, 1.0, 1e6) / 2
-    log = np.log(levels) - (digamma(half) - np.log(half))
-    sampling = polygamma(1, half)
     if len(levels) < 3:
         return levels, dof, np.ones(len(levels))
+    log = np.log(levels) - (digamma(half) - np.log(half))
+    sampling = polygamma(1, half)
     weight = 1 / sampling
-    centre = float(weight @ log / weight.sum())
+    centre = float(np.log(half @ levels / half.sum()))
     between = max(0.0, float(np.var(log, ddof=1) - sampling.mean()))
     own = between / (between + sampling)
     moderated = own * log + (1 - own) * centre
@@ -72,15 +74,19 @@ def moderated(
     """
     floor = (FLOOR * size) ** 2
     safe = [covariance + floor * np.eye(len(covariance)) for covariance in covariances]
-    levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
+    if len({covariance.shape for covariance in safe}) > 1:
+        levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
+        calm, freedom, _ = shrunk_levels(levels, np.asarray(dof, float))
+        factors = calm / levels
+        return [f * covariance for f, covariance in zip(factors, safe, strict=True)], freedom
+    common = np.mean(safe, axis=0)
+    size_of = np.diagonal(common)
+    levels = np.array([np.mean(np.diagonal(covariance) / size_of) for covariance in safe])
     calm, freedom, own = shrunk_levels(levels, np.asarray(dof, float))
-    shapes = [covariance / level for covariance, level in zip(safe, levels, strict=True)]
-    if len({shape.shape for shape in shapes}) == 1:
-        common = np.mean(shapes, axis=0)
-        shapes = [
-            share * shape + (1 - share) * common for share, shape in zip(own, shapes, strict=True)
-        ]
-    return [level * shape for level, shape in zip(calm, shapes, strict=True)], freedom
+    return [
+        new * (share * covariance / old + (1 - share) * common)
+        for new, share, covariance, old in zip(calm, own, safe, levels, strict=True)
+    ], freedom
 
 
 def whitener(covariance: Array) -> Array:
