@@ -223,7 +223,7 @@ def _differs(one: Array, others: Array, noise: _Noise, *, after: bool) -> bool:
     covariance = weighted_covariance(weights, noise.gamma[:, : weights.shape[-1]])
     covariance = covariance + noise.floor[:, None, None] ** 2 * np.eye(p)
     change = one - others.mean(axis=0)
-    dof = np.maximum(noise.dof, 1.0)
+    dof = np.maximum(noise.dof, 0.2)
     steady = fdtrc(1, dof[:, 0], change[:, 0] ** 2 / covariance[:, 0, 0])
     swing = change[:, 1:, None]
     statistic = np.sum(swing * np.linalg.solve(covariance[:, 1:, 1:], swing), axis=(1, 2))
