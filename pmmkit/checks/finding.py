@@ -59,7 +59,12 @@ class CheckFinding:
 class Check:
     """A check: its name, what it looks for in one line, and the function that looks.
 
-    The function takes the campaign and the summaries of its runs and gives findings.
+    Parameters
+    ----------
+    name, description : str
+        Name, and what it looks for.
+    examine : callable
+        Takes the campaign and the summaries of its runs, gives findings.
     """
 
     name: str

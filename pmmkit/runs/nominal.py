@@ -130,6 +130,7 @@ def motion_at_phase(run: Run, theta: ArrayLike) -> State:
 
 
 def fixed_settings(settings: Settings) -> dict[str, float | Array]:
+    """Heel, rudder and propeller as they were set."""
     return {
         "phi": settings.heel,
         "delta": settings.rudder,
@@ -138,6 +139,7 @@ def fixed_settings(settings: Settings) -> dict[str, float | Array]:
 
 
 def as_times(run: Run, times: ArrayLike) -> Array:
+    """Times as finite numbers [s]."""
     instants = np.atleast_1d(np.asarray(times, float))
     if instants.ndim != 1 or instants.size == 0:
         raise CampaignError(Problem(message="there are no times at all.", run=run.id))
@@ -145,6 +147,7 @@ def as_times(run: Run, times: ArrayLike) -> Array:
 
 
 def turn_rate(run: Run) -> float:
+    """Yaw rate of circular motion [rad/s]."""
     settings = run.settings
     if run.test != "circular_motion":
         return 0.0
@@ -154,6 +157,7 @@ def turn_rate(run: Run) -> float:
 
 
 def refuse_free_running(run: Run) -> None:
+    """Refuse tests whose motion nobody prescribes."""
     if run.test in FREE_TESTS:
         raise CampaignError(
             Problem(
@@ -165,11 +169,13 @@ def refuse_free_running(run: Run) -> None:
 
 
 def require_settings(run: Run) -> None:
+    """Refuse a run that lacks what its test needs."""
     refuse_free_running(run)
     check_settings(run, _NEEDS.get(run.test, ()))
 
 
 def check_settings(run: Run, needed: Sequence[str]) -> None:
+    """Refuse a run that lacks some settings, all named at once."""
     settings = run.settings
     wrong = [
         f"a {run.test} test needs the setting {name}."
@@ -190,10 +196,12 @@ def check_settings(run: Run, needed: Sequence[str]) -> None:
 
 
 def omega_of(run: Run) -> float:
+    """Angular frequency of an oscillating run [rad/s]."""
     return 2 * math.pi / (run.settings.period or math.inf)
 
 
 def nominal_phase(run: Run, times: Array) -> Array:
+    """Phase ωt + phase of the displacement [rad]."""
     return omega_of(run) * times + run.settings.phase
 
 
@@ -215,6 +223,7 @@ def _zero_sway_path(settings: Settings, theta: Array) -> dict[str, Array]:
 
 
 def tank_motion(run: Run, theta: Array) -> TankMotion:
+    """Motion in tank axes at the phases theta."""
     settings, omega = run.settings, omega_of(run)
     zero = np.zeros_like(theta)
     velocity = (settings.amplitude or 0.0) * omega * np.cos(theta)

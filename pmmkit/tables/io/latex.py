@@ -76,7 +76,15 @@ def _plain(value: float) -> str:
 
 def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
     """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
-    by channel. An empty cell is a value that the runs do not determine."""
+    by channel. An empty cell is a value that the runs do not determine.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    style : {"parentheses", "plus-minus"}
+        How the standard uncertainty stands beside the value.
+    """
     beta, double = table.convention.sway == "beta", table.convention.system == "bis"
     std = table.std
     heads = [""] if table.pooled else [f"$Fn = {speed:.3f}$" for speed in table.Fn]
