@@ -16,6 +16,7 @@ from small_campaign import TRUTH, write_campaign
 
 import pmmkit
 from pmmkit.cli import main
+from pmmkit.errors import SimulationError
 from pmmkit.tables import identical
 
 COLUMNS = ["Fn", "derivative", "value", "std", "ci_low", "ci_high", "method", "runs"]
@@ -62,6 +63,21 @@ def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
     ]
     assert np.max(np.abs(deviation)) < 4.5
     assert 0.6 < np.std(deviation) < 1.4
+
+
+def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
+    campaign, tmp_path, monkeypatch, capsys
+):
+    def diverges(*_, **__):
+        raise SimulationError("it grows without bound")
+
+    monkeypatch.setattr("pmmkit.cli.reducing.simulate", diverges)
+    arguments = ["--parts", "s175-3dof", "--out", tmp_path / "r"]
+    status, content, words = said(capsys, "reduce", campaign, *arguments)
+    assert status == 0
+    assert content["turns"] == []
+    assert "No turning circle: it grows without bound" in words
+    assert len(rows_of(tmp_path / "r" / "derivatives.csv")) == 2 * len(TRUTH)
 
 
 def test_both_table_files_hold_the_same(reduced):
@@ -222,7 +238,13 @@ def test_the_installed_command_hands_its_status_on():
         assert done.returncode == status
 
 
-@pytest.mark.parametrize("stop", [KeyboardInterrupt, "SIGTERM"])
+@pytest.mark.parametrize(
+    "stop",
+    [
+        KeyboardInterrupt,
+        pytest.param("SIGTERM", marks=pytest.mark.skipif(os.name == "nt", reason="no SIGTERM")),
+    ],
+)
 def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monkeypatch, capsys):
     def interrupted(*_, **__):
         if stop is KeyboardInterrupt:

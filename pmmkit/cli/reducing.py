@@ -12,7 +12,7 @@ from pmmkit.api import hull_table, model_of
 from pmmkit.cli.console import Outcome, aligned, findings_of, say
 from pmmkit.cli.results import check_folder, write_reduction
 from pmmkit.conventions import CHANNELS
-from pmmkit.errors import MissingPartError, ModelError
+from pmmkit.errors import MissingPartError, ModelError, SimulationError
 from pmmkit.files import datasets_folder
 from pmmkit.model import Model, load_model
 from pmmkit.progress import shown
@@ -75,7 +75,8 @@ def reduce(
             opened, structure=structure, fn=fn, cycles=cycles, progress=progress
         )
     model, why = _model(found, donor)
-    turns = _turns(model, reference, beside) if model else None
+    turns, why_not = _turns(found, model, reference, beside)
+    why += why_not
     say("Writing tables, figures and the report ...")
     files = write_reduction(found, out, model=model, reference=beside, turns=turns)
     content = {
@@ -146,19 +147,24 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
     ]
 
 
-def _turns(model: Model, given: str | None, beside: Reference | None) -> Turns | None:
-    """Turning circles at the speeds of the tests, and sweeps between them."""
-    if any(name not in model.parts for name in PARTS) or not model.Fn:
-        return None
-    speeds = [model.ship.speed(number, model.water.g) for number in model.Fn]
-    tracks = [simulate(model, rudder_deg=RUDDER_DEG, speed=speed) for speed in speeds]
+def _turns(
+    found: Reduction, model: Model | None, given: str | None, beside: Reference | None
+) -> tuple[Turns | None, list[str]]:
+    """Turning circles at the speeds of the tests and sweeps between them, or why there are none."""
+    if model is None or any(name not in model.parts for name in PARTS):
+        return None, []
+    tested = model.Fn or tuple(sorted({round(item.froude, 4) for item in found.runs}))
+    along = np.linspace(tested[0], tested[-1], STEPS if len(tested) > 1 else 1).tolist()
+    speeds = [model.ship.speed(number, model.water.g) for number in tested]
     sweeps = {}
-    if len(model.Fn) > 1:
-        along = np.linspace(model.Fn[0], model.Fn[-1], STEPS).tolist()
+    try:
+        tracks = [simulate(model, rudder_deg=RUDDER_DEG, speed=speed) for speed in speeds]
         sweeps["these derivatives"] = froude_sweep(model, Fn=along, rudder_deg=RUDDER_DEG)
-        if given and beside and not _is_table(given):
-            sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG)
-    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes)
+    except SimulationError as error:
+        return None, [f"No turning circle: {error}"]
+    if given and beside and not _is_table(given):
+        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG)
+    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes), []
 
 
 def _words(
