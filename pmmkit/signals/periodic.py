@@ -16,6 +16,7 @@ TURN: Final = 2.0 * np.pi
 MAX_ORDER: Final = 3
 PENALTY: Final = 2.0
 STEPS: Final = 25
+TINY: Final = 1e-300
 
 
 def phase_cells(phase: Array, count: int) -> tuple[Ints, int]:
@@ -87,9 +88,9 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
     for p in range(1, (MAX_ORDER if count > 1 else 1) + 1):
         reflection, expected, covariance = _expect_and_fit(observed, noise, expected, covariance, p)
         filters = ar.coefficients(reflection)[-1]
-        ratio = observed[:, noise] / expected[:, noise]
+        ratio = observed[:, noise] / np.maximum(expected[:, noise], TINY)
         scale = ratio.mean(axis=-1)
-        misfit = 2.0 * np.sum(np.log(scale[:, None] * expected[:, noise]), axis=-1)
+        misfit = 2.0 * np.sum(np.log(np.maximum(scale[:, None] * expected[:, noise], TINY)), axis=-1)
         score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
         better = score < best
         best[better] = score[better]
@@ -121,7 +122,7 @@ def _expect_and_fit(
         before = expected
         expected = np.fft.rfft(folded, axis=-1).real
         expected = np.maximum(expected, 1e-9 * lagged[:, :1])
-        if np.max(np.abs(expected / before - 1.0)) < 0.01:
+        if np.all(np.abs(expected - before) <= 0.01 * before):
             break
     return reflection, expected, covariance
 
