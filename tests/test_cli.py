@@ -378,4 +378,7 @@ def test_the_demo_finds_the_trends_that_are_in_the_synthetic_programme(tmp_path,
     }  # fmt: skip
     for ours, theirs in pairs.items():
         assert abs(found[ours] - truth[theirs]["achieved"]) < 0.015
-    assert "Son and Nomoto 1981" in " ".join(read_page(tmp_path / "demo" / "report.html").text)
+    text = " ".join(read_page(tmp_path / "demo" / "report.html").text)
+    assert "Son and Nomoto 1981" in text
+    assert "5, exceeded at Fn 0.290" in text  # tactical diameter 5.3 L at 12 m/s
+    assert "4.5, met" in text

@@ -153,7 +153,7 @@ def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
     kept = whole_cycles(times, theta, record, cycles=asked)
     cut = slice(kept.start, kept.stop)
     return Cycle(
-        title=f"{TESTS[result.run.test]}, {result.run.id}, Fn {result.froude:.3f}",
+        title=f"{TESTS[result.run.test]}, Fn {result.froude:.3f}\n{result.run.id}",
         theta=theta[cut],
         samples={name: values[cut] for name, values in zip(channels, record, strict=True)},
         coefficients={name: result.measured[name] for name in channels},

@@ -122,3 +122,21 @@ def _measures(turns: Turns) -> Grid:
     return Grid(
         head=[*head, *(["change"] if moved else []), "IMO limit"], groups=[Group(rows=rows)]
     )
+
+
+def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
+    """Each limit, and at which speeds it is exceeded or not reached."""
+    found: dict[str, str] = {}
+    for same in zip(*(imo_turning(track) for track in tracks), strict=True):
+        exceeded = [
+            f"Fn {track.Fn:.3f}"
+            for track, item in zip(tracks, same, strict=True)
+            if item.passed is False
+        ]
+        text = f"{same[0].limit:g}"
+        if exceeded:
+            text += f", exceeded at {', '.join(exceeded)}"
+        elif all(item.passed for item in same):
+            text += ", met"
+        found[f"{same[0].criterion}_L"] = text
+    return found
