@@ -141,7 +141,9 @@ def autoregressive_noise(x: Array, max_order: int) -> tuple[Array, Array, Array,
     order = max(1, min(max_order, m // 5))
     reflection, power = ar.burg(x, order)
     p = np.arange(order + 1)
-    score = m * np.log(np.maximum(power, 1e-30 * power[:, :1] + 1e-300)) + PENALTY * p * m / (m - 2.0 * p)
+    score = m * np.log(np.maximum(power, 1e-30 * power[:, :1] + 1e-300)) + PENALTY * p * m / (
+        m - 2.0 * p
+    )
     best = 1 + np.argmin(score[:, 1:], axis=-1)
     kept = np.arange(1, order + 1) <= best[:, None]
     reflection = np.where(kept, ar.without_bias(reflection, m), 0.0)

@@ -90,7 +90,9 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
         filters = ar.coefficients(reflection)[-1]
         ratio = observed[:, noise] / np.maximum(expected[:, noise], TINY)
         scale = ratio.mean(axis=-1)
-        misfit = 2.0 * np.sum(np.log(np.maximum(scale[:, None] * expected[:, noise], TINY)), axis=-1)
+        misfit = 2.0 * np.sum(
+            np.log(np.maximum(scale[:, None] * expected[:, noise], TINY)), axis=-1
+        )
         score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
         better = score < best
         best[better] = score[better]
