@@ -109,7 +109,7 @@ def turning_section(turns: Turns) -> Section:
 
 def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
-    limits = {f"{verdict.criterion}_L": f"{verdict.limit:g}" for verdict in imo_turning(tracks[0])}
+    limits = _verdicts(tracks)
     names = [name for name in MEASURES if name in tracks[0].metrics]
     moved = changes(tracks) if len(tracks) > 1 else {}
     rows: list[list[Cell]] = []
