@@ -97,22 +97,34 @@ def rows_of(
     return Rows(
         result=prepared.result,
         force=prepared.water_force(rig),
-        design={
-            channel: _projected(
-                prepared.projection,
-                regressors(
-                    listed,
-                    motion,
-                    ship=campaign.ship,
-                    water=campaign.water,
-                    convention=convention,
-                    approach_speed=speed,
-                ),
-            )
-            for channel, listed in names.items()
-        },
+        design=_design(prepared.projection, names, motion, speed, campaign, convention),
         names=names,
     )
+
+
+def _design(
+    projection: Array,
+    names: Mapping[str, Sequence[str]],
+    motion: State,
+    speed: float,
+    campaign: Campaign,
+    convention: Convention,
+) -> dict[str, Array]:
+    """Harmonics of what each derivative multiplies, channel by channel."""
+    return {
+        channel: _projected(
+            projection,
+            regressors(
+                listed,
+                motion,
+                ship=campaign.ship,
+                water=campaign.water,
+                convention=convention,
+                approach_speed=speed,
+            ),
+        )
+        for channel, listed in names.items()
+    }
 
 
 def _projected(projection: Array, columns: Array) -> Array:
@@ -282,16 +294,6 @@ def _equations(
     if result.run.forces == "balance":
         inertia = inertia_force(midship, rig)
         force = {channel: force[channel] + projection @ inertia[channel] for channel in force}
-    design = {
-        channel: projection
-        @ regressors(
-            listed,
-            midship,
-            ship=campaign.ship,
-            water=campaign.water,
-            convention=convention,
-            approach_speed=result.run.settings.speed,
-        )
-        for channel, listed in names.items()
-    }
+    speed = result.run.settings.speed
+    design = _design(projection, names, midship, speed, campaign, convention)
     return force, design
