@@ -129,3 +129,35 @@ def test_same_input_same_output_whatever_the_threads():
     many = reduce_campaign(made, check=False, jobs=4).table
     assert np.array_equal(one.value, many.value)
     assert np.array_equal(one.covariance, many.covariance)
+
+
+def test_repeats_that_scatter_widen_the_intervals():
+    """Each run has an error of its own, 3 N, far above its record's noise: repeats show it."""
+    angles = (-12, -8, -4, 0, 4, 8, 12)
+    rng = np.random.default_rng(4)
+    runs, repeated = [], []
+    for number in range(3):
+        for beta in angles:
+            name = f"SD{beta}_{number}"
+            runs.append((name, "static_drift", 1.5, {"drift": math.radians(beta)}))
+    made = captive(runs=runs, noise=autocorrelated)
+    for run in made:
+        off = 3.0 * rng.normal()
+        shifted = run.data.assign(Y=run.data["Y"] + off)
+        repeated.append(run.with_(loader=lambda data=shifted: data))
+    structure = "Yv Yvvv Nv Nvvv"
+    quiet = reduce_campaign(made, structure=structure, check=False).table
+    loud = reduce_campaign(made.with_(runs=tuple(repeated)), structure=structure, check=False).table
+    assert loud.std[0, 0] > 3 * quiet.std[0, 0]
+    assert loud.std[0, 2] == pytest.approx(quiet.std[0, 2], rel=0.1)
+    assert abs(loud.value[0, 0] - SON_NOMOTO["Yv"]) < 3 * loud.std[0, 0]
+
+
+def test_numerical_uncertainty_of_a_solver_counts_as_a_common_zero_error():
+    """CFD has no noise: what is stated as U_SN is what the intervals rest on."""
+    made = captive()
+    bare = reduce_campaign(made, check=False).table
+    grid = reduce_campaign(made.with_(numerical={"Y": 2.0}), check=False).table
+    same = made.with_(uncertainty=(TypeB(name="Y_gauge", std=2.0, shared=True),))
+    assert grid.std[0, 5] > 100 * bare.std[0, 5]
+    assert np.array_equal(grid.std, reduce_campaign(same, check=False).table.std)

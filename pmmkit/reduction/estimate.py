@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.reduction.fit import Fit, fit, optional_columns
-from pmmkit.reduction.noise import FLOOR, moderated, whitener
+from pmmkit.reduction.noise import FLOOR, moderated, repeat_scatter, whitener
 from pmmkit.reduction.rows import Rows, Sensitivity
 from pmmkit.runs.run import Settings
 
@@ -26,12 +26,14 @@ BIRGE_P = 0.01
 class Block:
     """The usable rows of one run in one channel.
 
-    Runs of one kin, the same speed and frequency within a tenth, have like noise.
+    Runs of one kin, the same speed and frequency within a tenth, have like noise; runs of one
+    origin repeat each other.
     """
 
     run: int
     dynamic: bool
     kin: tuple[int, int]
+    origin: str
     design: Array
     rows: Array
     covariance: Array | None
@@ -127,7 +129,10 @@ def blocks_of(
         Derivatives held at known values, taken off the rows.
     """
     blocks = []
+    first: dict[tuple[str, Settings], str] = {}
     for place, item in enumerate(rows):
+        run = item.result.run
+        same = first.setdefault((run.test, replace(run.settings, repeat_of=None)), run.id)
         if channel not in item.force or channel not in item.design:
             continue
         at = {name: column for column, name in enumerate(item.names[channel])}
@@ -143,8 +148,9 @@ def blocks_of(
         blocks.append(
             Block(
                 run=place,
-                dynamic=item.result.run.dynamic,
-                kin=_kin(item.result.run.settings),
+                dynamic=run.dynamic,
+                kin=_kin(run.settings),
+                origin=run.settings.repeat_of or same,
                 design=design[keep],
                 rows=rest[keep],
                 covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
@@ -246,7 +252,33 @@ def _stated_noise(blocks: Sequence[Block]) -> tuple[list[Array], Array]:
         for place, covariance, value in zip(places, calm, freedom, strict=True):
             noise[place] = covariance
             dof[place] = value
+    for dynamic in (False, True):
+        noise, dof = _with_repeat_scatter(dynamic, blocks, noise, dof)
     return noise, dof
+
+
+def _with_repeat_scatter(
+    dynamic: bool, blocks: Sequence[Block], noise: Sequence[Array], dof: Array
+) -> tuple[list[Array], Array]:
+    """Noise of static or of oscillating runs with what their repeats scatter beyond it."""
+    known = [
+        place
+        for place, block in enumerate(blocks)
+        if block.dynamic == dynamic and block.covariance is not None
+    ]
+    conditions: dict[str, list[int]] = {}
+    for place in known:
+        conditions.setdefault(blocks[place].origin, []).append(place)
+    extra, freedom = repeat_scatter(
+        [[blocks[place].rows for place in places] for places in conditions.values()],
+        [[noise[place] for place in places] for places in conditions.values()],
+    )
+    wide, degrees = list(noise), dof.copy()
+    for place in known if extra > 0 else ():
+        own = float(np.mean(np.diagonal(noise[place])))
+        wide[place] = noise[place] + extra * np.eye(len(noise[place]))
+        degrees[place] = (own + extra) ** 2 / (own**2 / dof[place] + extra**2 / freedom)
+    return wide, degrees
 
 
 def _whiteners(noise: Sequence[Array], scatter: Sequence[Array | None]) -> list[Array]:

@@ -22,7 +22,7 @@ from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resi
 from pmmkit.reduction.rows import Rows, Sensitivity, rows_of, sensitivity
 from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
 from pmmkit.reduction.words import Offset, notes, offsets
-from pmmkit.runs.run import Campaign, Run
+from pmmkit.runs.run import Campaign, Run, TypeB
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
 
@@ -269,10 +269,18 @@ def _read(
     }
     rows = rows_of(prepared, campaign, rig, names, convention, blockage=share or 0.0)
     changes = tuple(
-        sensitivity(rows, source, campaign, rig, names, convention)
-        for source in campaign.uncertainty
+        sensitivity(rows, source, campaign, rig, names, convention) for source in _sources(campaign)
     )
     return _forget(rows, run), changes, summarise(once, campaign)
+
+
+def _sources(campaign: Campaign) -> tuple[TypeB, ...]:
+    """Stated uncertainties; the numerical one of a solver counts as a zero error of all runs."""
+    numerical = (
+        TypeB(name=f"{channel}_gauge", std=float(std), shared=True)
+        for channel, std in campaign.numerical.items()
+    )
+    return (*campaign.uncertainty, *numerical)
 
 
 def _forget(rows: Rows, run: Run) -> Rows:
@@ -346,6 +354,8 @@ def _run_row(item: RunResult) -> dict[str, Any]:
             row[name] = float(values[place])
             if covariance is not None:
                 row[f"{name}_std"] = math.sqrt(covariance[place, place])
+            if channel in item.scatter:
+                row[f"{name}_scatter"] = float(item.scatter[channel][place])
     return row | {f"{name}_mean": value for name, value in item.extras.items()}
 
 
