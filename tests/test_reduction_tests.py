@@ -244,3 +244,10 @@ def test_a_wrong_period_is_found_in_the_record():
     found = reduce_campaign(of(said), structure="Yv Yvvv Yvdot", check=False)
     assert any("the record counts" in note for note in found.notes)
     assert found.runs[0].frequency == pytest.approx(run.settings.omega, rel=1e-3)
+
+
+def test_a_few_derivatives_from_all_tests():
+    """A list of sway derivatives leaves the yaw tests without anything to find."""
+    found = reduce_campaign(captive(), structure="Yv Yvvv Nv Nvvv", check=False)
+    assert "pure yaw" not in found.families
+    assert found.families["static drift"].at()["Yv"] == pytest.approx(SON_NOMOTO["Yv"])

@@ -96,6 +96,7 @@ def test_intervals_of_harmonics_hold_the_truth(rho, cycles):
 @settings(max_examples=40, deadline=None)
 def test_noise_free_harmonics_are_exact(seed, cycles, per, start, uneven):
     rng = np.random.default_rng(seed)
+    cycles += uneven
     truth = rng.normal(size=(2, 11))
     theta = start + np.arange(cycles * per) * (2 * np.pi / per)
     if uneven:

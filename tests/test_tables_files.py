@@ -152,8 +152,8 @@ class TestOthersRead:
         table = example()
         frame = pd.read_csv(write(table, tmp_path / "t.csv"))
         assert list(frame.columns) == COLUMNS
-        np.testing.assert_array_equal(frame["value"], table.value.ravel())
-        np.testing.assert_array_equal(frame["Fn"], np.repeat(table.Fn, 5))
+        np.testing.assert_allclose(frame["value"], table.value.ravel(), rtol=1e-15)
+        np.testing.assert_allclose(frame["Fn"], np.repeat(table.Fn, 5), rtol=1e-15)
         assert frame["derivative"].tolist() == list(table.names) * 3
 
     def test_the_column_fn_of_a_pooled_table_is_empty(self, tmp_path):

@@ -16,7 +16,7 @@ from pmmkit.runs.run import Settings
 
 Array = NDArray[np.float64]
 ROUNDS = 6
-STATED = 20.0
+STATED = 5.0
 """Degrees of freedom that the noise stated by the records counts for beside the residuals."""
 BIRGE_P = 0.01
 """Residuals larger than the noise with a probability below this widen the intervals."""

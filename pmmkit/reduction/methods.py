@@ -81,8 +81,10 @@ def by_family(
             and any(rows[i].result.run.test == family.key for i in chosen)
         ]
         wanted = columns.only(family.factors)
-        found = solve(rows, sensitivities, wanted, groups) if groups else None
-        if found is not None and found.fits:
+        if not groups or not any(wanted.required.values()):
+            continue
+        found = solve(rows, sensitivities, wanted, groups)
+        if found.fits:
             tables[name] = to_table(found, wanted, campaign, convention, method=name)
     return tables
 
@@ -129,6 +131,8 @@ def by_run(
                 )
                 asked = {name for names in wanted.required.values() for name in names}
                 held = {k: v for k, v in values.get(group, {}).items() if k not in asked}
+            if not any(wanted.required.values()):
+                continue
             found = solve(
                 rows, sensitivities, wanted, [(float(solution.Fn[group]), [place])], {0: held}
             )

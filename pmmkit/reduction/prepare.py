@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -72,6 +73,8 @@ class RunResult:
         Means of the channels that are only reported (sinkage, trim, thrust …).
     notes : tuple of str
         What a reader should know of this run.
+    conversions : tuple of str
+        What was done to the source's numbers when they were read.
     """
 
     run: Run
@@ -87,6 +90,7 @@ class RunResult:
     frequency: float | None = None
     extras: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    conversions: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,7 +166,9 @@ def prepare(run: Run, campaign: Campaign, *, cycles: CycleChoice = None) -> Prep
             )
         )
     make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
-    return make[run.kind](run, campaign, data, channels, cycles)
+    prepared = make[run.kind](run, campaign, data, channels, cycles)
+    steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
+    return replace(prepared, result=replace(prepared.result, conversions=steps))
 
 
 def _froude(run: Run, campaign: Campaign) -> float:

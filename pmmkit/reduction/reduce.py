@@ -22,6 +22,7 @@ from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resi
 from pmmkit.reduction.rows import Rows, Sensitivity, rows_of, sensitivity
 from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
 from pmmkit.reduction.words import Offset, notes, offsets
+from pmmkit.runs.loading import file_hashes
 from pmmkit.runs.run import Campaign, Run, TypeB
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
@@ -183,7 +184,7 @@ def reduce_campaign(
             convention,
             method="global regression",
             notes=remarks,
-            provenance=_provenance(campaign, wanted, fn, cycles, blockage),
+            provenance=_provenance(campaign, results, wanted, fn, cycles, blockage),
         ),
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
@@ -315,7 +316,12 @@ def _tank(campaign: Campaign, blockage: str) -> Iterator[str]:
 
 
 def _provenance(
-    campaign: Campaign, structure: Structure, fn: str, cycles: CycleChoice, blockage: str
+    campaign: Campaign,
+    results: Sequence[RunResult],
+    structure: Structure,
+    fn: str,
+    cycles: CycleChoice,
+    blockage: str,
 ) -> dict[str, Any]:
     return {
         "pmmkit": __version__,
@@ -327,6 +333,15 @@ def _provenance(
         "blockage": blockage,
         "runs": len(campaign),
         "excluded": {run.id: reason for run, reason in campaign.excluded},
+        "conversions": list(dict.fromkeys(step for item in results for step in item.conversions)),
+        "corrections": list(
+            dict.fromkeys(
+                f"{correction.action}: {correction.reason}"
+                for run in campaign
+                for correction in run.corrections
+            )
+        ),
+        "files": file_hashes(campaign),
         **dict(campaign.provenance),
     }
 
