@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -202,12 +202,12 @@ def sensitivity(
             design={channel: share * design for channel, design in rows.design.items()},
             names=names,
         )
-    base, changed = _perturbed(result, source, rig)
-    if base is None or changed is None:
+    changed = _perturbed(result, source, rig)
+    if changed is None:
         return Sensitivity(source=source, force=none, design=flat, names=names)
     projection = _grid_projection(result)
-    before = _equations(result, base, rig, projection, campaign, names, convention)
-    after = _equations(changed[0], changed[1], changed[2], projection, campaign, names, convention)
+    before = _equations(result, rig, projection, campaign, names, convention)
+    after = _equations(*changed, projection, campaign, names, convention)
     return Sensitivity(
         source=source,
         force={channel: after[0][channel] - before[0][channel] for channel in rows.force},
@@ -254,30 +254,26 @@ def _nominal(result: RunResult) -> State:
     return nominal_motion(run, (_grid() - run.settings.phase) / omega)
 
 
-def _perturbed(
-    result: RunResult, source: TypeB, rig: Rig
-) -> tuple[State | None, tuple[RunResult, State, Rig] | None]:
-    base = _nominal(result)
+def _perturbed(result: RunResult, source: TypeB, rig: Rig) -> tuple[RunResult, Rig] | None:
+    """The run and the rig with one standard deviation of error; None where it cannot act."""
     if source.name in RIG:
         field = RIG[source.name]
-        value = getattr(rig, field)
-        step = source.std * value if source.relative else source.std
-        return base, (result, base, replace(rig, **{field: value + step}))
-    if source.name not in SETTINGS:
-        return None, None
+        return result, replace(rig, **{field: _stepped(getattr(rig, field), source)})
     settings = result.run.settings
-    value = getattr(settings, source.name)
+    value = getattr(settings, source.name) if source.name in SETTINGS else None
     if value is None:
-        return None, None
-    step = source.std * value if source.relative else source.std
-    run = result.run.with_(settings=replace(settings, **{source.name: value + step}))
-    changed = replace(result, run=run)
-    return base, (changed, _nominal(changed), rig)
+        return None
+    change: dict[str, Any] = {source.name: _stepped(value, source)}
+    run = result.run.with_(settings=replace(settings, **change))
+    return replace(result, run=run), rig
+
+
+def _stepped(value: float, source: TypeB) -> float:
+    return value * (1 + source.std) if source.relative else value + source.std
 
 
 def _equations(
     result: RunResult,
-    motion: State,
     rig: Rig,
     projection: Array,
     campaign: Campaign,
@@ -285,7 +281,7 @@ def _equations(
     convention: Convention,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Force correction and regressors on the nominal motion."""
-    midship = move_motion(motion, rig.motion_x)
+    midship = move_motion(_nominal(result), rig.motion_x)
     size = len(result.labels)
     force = {channel: np.zeros(size) for channel in result.measured}
     for moment, arm in (("N", rig.moment_x), ("K", -rig.moment_z)):
