@@ -17,9 +17,6 @@ from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
 from s175_programme import campaign
 from s175_truth import load_truth
 from virtual_tank import SHIP, WATER
