@@ -79,6 +79,11 @@ def test_whatever_is_written_as_toml_is_read_back_equal(data):
     assert tomllib.loads(toml_text(data)) == data
 
 
+def test_line_breaks_of_unicode_inside_long_lists_stay_as_they_are():
+    data = {"notes": ["x" * 90, "next line \x85 and \u2028 paragraph", ["a" * 80, "b\x85"]]}
+    assert tomllib.loads(toml_text(data)) == data
+
+
 def test_a_model_is_saved_and_loaded_without_loss(tmp_path):
     table = s175_table(
         Fn=GRID, std={"Yv": [1e-5, 2e-5, 3e-5], "Nr": 1e-6}, Yv=[-0.0116, -0.012, -0.013]

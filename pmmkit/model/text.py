@@ -82,9 +82,14 @@ def _list(items: list[str], texts: bool) -> str:
     if len(line) <= WIDTH and "\n" not in line:
         return line
     if texts or any("\n" in item or item.startswith("[") for item in items):
-        inner = "".join(f"{item},\n" for item in items)
-        return "[\n" + textwrap.indent(inner, "    ") + "]"
+        inner = "".join(f"{_indented(item)},\n" for item in items)
+        return f"[\n{inner}]"
     wrapped = textwrap.wrap(
         ", ".join(items), WIDTH - 4, break_long_words=False, break_on_hyphens=False
     )
-    return "[\n" + textwrap.indent("\n".join(wrapped), "    ") + ",\n]"
+    return "[\n" + _indented("\n".join(wrapped)) + ",\n]"
+
+
+def _indented(text: str) -> str:
+    """Lines moved in; only line feeds part them, not the further breaks that Unicode knows."""
+    return "    " + text.replace("\n", "\n    ")
