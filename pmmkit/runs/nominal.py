@@ -130,6 +130,7 @@ def motion_at_phase(run: Run, theta: ArrayLike) -> State:
 
 
 def fixed_settings(settings: Settings) -> dict[str, float | Array]:
+    """Heel, rudder and revolutions that the test holds, by their names in `State`."""
     """Heel, rudder and propeller as they were set."""
     return {
         "phi": settings.heel,
@@ -139,6 +140,7 @@ def fixed_settings(settings: Settings) -> dict[str, float | Array]:
 
 
 def as_times(run: Run, times: ArrayLike) -> Array:
+    """Times (or phases) as an array (n,); a CampaignError where there are none."""
     """Times as finite numbers [s]."""
     instants = np.atleast_1d(np.asarray(times, float))
     if instants.ndim != 1 or instants.size == 0:
@@ -147,6 +149,7 @@ def as_times(run: Run, times: ArrayLike) -> Array:
 
 
 def turn_rate(run: Run) -> float:
+    """Yaw rate of circular motion [rad/s], the stated one before U/radius; else zero."""
     """Yaw rate of circular motion [rad/s]."""
     settings = run.settings
     if run.test != "circular_motion":
@@ -157,6 +160,7 @@ def turn_rate(run: Run) -> float:
 
 
 def refuse_free_running(run: Run) -> None:
+    """Raise a CampaignError for a free-running test."""
     """Refuse tests whose motion nobody prescribes."""
     if run.test in FREE_TESTS:
         raise CampaignError(
@@ -169,12 +173,14 @@ def refuse_free_running(run: Run) -> None:
 
 
 def require_settings(run: Run) -> None:
+    """Raise a CampaignError naming all settings that the nominal motion lacks."""
     """Refuse a run that lacks what its test needs."""
     refuse_free_running(run)
     check_settings(run, _NEEDS.get(run.test, ()))
 
 
 def check_settings(run: Run, needed: Sequence[str]) -> None:
+    """Raise a CampaignError naming those of some settings that are missing or impossible."""
     """Refuse a run that lacks some settings, all named at once."""
     settings = run.settings
     wrong = [
@@ -196,11 +202,13 @@ def check_settings(run: Run, needed: Sequence[str]) -> None:
 
 
 def omega_of(run: Run) -> float:
+    """Angular frequency of the oscillation [rad/s]; zero without a period."""
     """Angular frequency of an oscillating run [rad/s]."""
     return 2 * math.pi / (run.settings.period or math.inf)
 
 
 def nominal_phase(run: Run, times: Array) -> Array:
+    """Phase ωt + phase of the displacement [rad], array (n,)."""
     """Phase ωt + phase of the displacement [rad]."""
     return omega_of(run) * times + run.settings.phase
 
@@ -223,6 +231,7 @@ def _zero_sway_path(settings: Settings, theta: Array) -> dict[str, Array]:
 
 
 def tank_motion(run: Run, theta: Array) -> TankMotion:
+    """Nominal motion of an oscillating test in tank axes; amplitudes not stated are zero."""
     """Motion in tank axes at the phases theta."""
     settings, omega = run.settings, omega_of(run)
     zero = np.zeros_like(theta)
