@@ -122,10 +122,17 @@ def campaign() -> Campaign:
     )  # fmt: skip
 
 
-@pytest.fixture
-def saved(tmp_path: Path) -> Path:
-    path = tmp_path / "campaign.h5"
+@pytest.fixture(scope="module")
+def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    path = tmp_path_factory.mktemp("store") / "campaign.h5"
     save_campaign(campaign(), path)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def saved(tmp_path: Path, content: bytes) -> Path:
+    path = tmp_path / "campaign.h5"
+    path.write_bytes(content)
     return path
 
 
