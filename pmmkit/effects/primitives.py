@@ -1,0 +1,111 @@
+"""The few functions that effects are written in, for one instant and for arrays alike.
+
+An effect's `force` uses only these, the operators of arithmetic and loops of fixed length. So the
+same text runs on plain floats, compiled, and, by `over_arrays`, on whole histories at once.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from math import atan2, cos, exp, fabs, pi, sin, sqrt, tanh
+from types import FunctionType
+from typing import Any, Final
+
+__all__ = [
+    "atan2", "cos", "exp", "fabs", "interpolate", "maximum", "minimum", "over_arrays", "pi",
+    "rebound", "sin", "sqrt", "tanh", "where",
+]  # fmt: skip
+
+
+def where(condition: bool, yes: float, no: float) -> float:
+    """One of two numbers; both are computed, so neither may fail."""
+    return yes if condition else no
+
+
+def maximum(a: float, b: float) -> float:
+    """The larger of two numbers."""
+    return a if a > b else b
+
+
+def minimum(a: float, b: float) -> float:
+    """The smaller of two numbers."""
+    return a if a < b else b
+
+
+def interpolate(x: float, xs: Sequence[float], ys: Sequence[float]) -> float:
+    """Straight lines through points with ascending xs, constant beyond both ends.
+
+    Examples
+    --------
+    >>> interpolate(1.5, (0.0, 1.0, 2.0), (5.0, 7.0, 8.0)), interpolate(9.0, (0.0, 1.0), (2.0, 3.0))
+    (7.5, 3.0)
+    """
+    last = len(xs) - 1
+    if not x > xs[0]:
+        return ys[0]
+    if x >= xs[last]:
+        return ys[last]
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        if xs[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return ys[low] + (ys[high] - ys[low]) * ((x - xs[low]) / (xs[high] - xs[low]))
+
+
+def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function of an effect, taking arrays.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> def drag(v: float, area: float) -> float:
+    ...     return where(v > 1.0, -area * v * fabs(v), 0.0)
+    >>> over_arrays(drag)(np.array([0.5, 2.0]), 3.0)
+    array([  0., -12.])
+    """
+    import numpy as np
+
+    arrays: dict[str, Any] = {
+        "atan2": np.arctan2, "cos": np.cos, "exp": np.exp, "fabs": np.abs, "sin": np.sin,
+        "sqrt": np.sqrt, "tanh": np.tanh, "where": np.where, "maximum": np.maximum,
+        "minimum": np.minimum, "interpolate": np.interp,
+    }  # fmt: skip
+    return rebound(function, arrays, lambda made: made)
+
+
+_OWN: Final = {where, maximum, minimum, interpolate}
+
+
+def rebound(
+    function: Callable[..., Any],
+    replaced: Mapping[str, Any],
+    wrap: Callable[[Any], Any],
+) -> Callable[..., Any]:
+    """A copy of a function in which the functions it calls are others.
+
+    Parameters
+    ----------
+    function : callable
+        A plain function of an effect.
+    replaced : mapping
+        What stands for the primitives, by name.
+    wrap : callable
+        Applied to each copy, innermost first; functions of pmmkit that are called get copies too.
+    """
+    assert isinstance(function, FunctionType)
+    known = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        used = known.get(name)
+        if name in replaced and (used in _OWN or getattr(math, name, None) is used):
+            known[name] = replaced[name]
+        elif isinstance(used, FunctionType):
+            known[name] = rebound(used, replaced, wrap)
+    copied = FunctionType(
+        function.__code__, known, function.__name__, function.__defaults__, function.__closure__
+    )
+    copied.__kwdefaults__ = function.__kwdefaults__
+    return wrap(copied)
