@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.errors import UnknownNameError
@@ -20,6 +20,12 @@ _DIMENSIONS: Mapping[str, tuple[int, int, int]] = MappingProxyType(
         "m2": (2, 0, 0),
         "s": (0, 1, 0),
         "deg/s": (0, -1, 0),
+        "1/s": (0, -1, 0),
+        "m/s": (1, -1, 0),
+        "N": (1, -2, 1),
+        "N m": (2, -2, 1),
+        "W": (2, -3, 1),
+        "kg m2": (2, 0, 1),
         "N m s": (2, -1, 1),
         "N m s2": (2, 0, 1),
     }
@@ -45,6 +51,8 @@ class Parameter:
         Option and value with which the parameter is needed, e.g. ``("wake", "mmg")``.
     low, high : float
         Values outside are refused.
+    table : bool
+        Whether it holds a list of any length instead of one number.
     """
 
     name: str
@@ -54,6 +62,7 @@ class Parameter:
     form: tuple[str, str] | None = None
     low: float = -1e12
     high: float = 1e12
+    table: bool = False
 
     @property
     def scaling(self) -> float:
@@ -93,6 +102,15 @@ class Effect:
         What the state must hold: ``phi``, ``delta``, ``n`` …
     source : str
         Where the form comes from.
+    force : callable, optional
+        A function of plain floats, written in the words of `effects.primitives`. It is given each
+        of its arguments by name: motion, controls, particulars, conditions, signals of other
+        effects, its own parameters, and options as the index of the chosen word.
+    outputs : tuple of str
+        What `force` returns, in order: X, Y, N, K, signals for other effects, or the rates of
+        `states` as ``<state>_rate``.
+    states : tuple of str
+        States that the effect brings.
     """
 
     name: str
@@ -104,6 +122,9 @@ class Effect:
     derivatives: bool = False
     needs: tuple[str, ...] = ()
     source: str = ""
+    force: Callable[..., Any] | None = None
+    outputs: tuple[str, ...] = ()
+    states: tuple[str, ...] = ()
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of a name; None where the effect has none of it."""
