@@ -130,6 +130,11 @@ class Effect:
         """The parameter of a name; None where the effect has none of it."""
         return next((item for item in self.parameters if item.name == name), None)
 
+    @property
+    def tables(self) -> frozenset[str]:
+        """Names of the parameters that hold lists."""
+        return frozenset(item.name for item in self.parameters if item.table)
+
     def chosen(self, options: Mapping[str, str]) -> dict[str, str]:
         """The options with their defaults filled in."""
         return {name: options.get(name, words[0]) for name, words in self.options.items()}

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from functools import reduce
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -34,10 +33,10 @@ RUDDER_ABKOWITZ: Final = Effect(
 EFFECTS: Final = (HULL_POLYNOMIAL, RUDDER_ABKOWITZ)
 
 FACTOR_PLACES: Final = ("0", "u", "v", "r", "p", "phi", "d", "|u|", "|v|", "|r|", "|p|", "|d|")
-"""Where each factor stands in the list that `polynomial_forces` fills."""
+"""Factors in the order by which a `Monomial` counts them."""
 
-Monomial = tuple[tuple[int, ...], float, float, float, float]
-"""Places of the factors, and the coefficients of X, Y [N] and N, K [N m] at a speed of 1 m/s."""
+Monomial = tuple[tuple[int, ...], Mapping[str, Any]]
+"""Places of the factors, and by channel the coefficients of X, Y [N] and N, K [N m] at 1 m/s."""
 
 
 def regressors(
@@ -133,23 +132,24 @@ def in_channel(names: Sequence[str], channel: str) -> list[str]:
 
 
 def polynomial(
-    values: Mapping[str, float], *, ship: Ship, water: Water, convention: Convention
+    values: Mapping[str, Any], *, ship: Ship, water: Water, convention: Convention
 ) -> tuple[Monomial, ...]:
-    """A hull polynomial as monomials with dimensional coefficients, for `polynomial_forces`.
+    """A hull polynomial as monomials with dimensional coefficients.
 
     Parameters
     ----------
     values : mapping
-        Derivatives by canonical name, none of an acceleration or of the thrust.
+        Derivatives by canonical name, none of an acceleration or of the thrust; arrays where
+        ships differ.
     ship, water, convention
         The non-dimensional system.
 
     Returns
     -------
     tuple of Monomial
-        One entry per product of factors; all channels share it.
+        One entry per product of factors, in a fixed order whatever the order of the values.
     """
-    collected: dict[tuple[int, ...], list[float]] = {}
+    collected: dict[tuple[int, ...], dict[str, Any]] = {}
     for name, value in values.items():
         derivative = parse_derivative(name)
         products: tuple[tuple[str, ...], ...] = (derivative.factors,)
@@ -166,47 +166,11 @@ def polynomial(
         )  # fmt: skip
         for factors in products:
             places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
-            entry = collected.setdefault(places, [0.0] * len(CHANNELS))
-            entry[CHANNELS.index(derivative.channel)] += sign * unit * value
-    return tuple((places, *numbers) for places, numbers in collected.items())  # type: ignore[misc]
-
-
-def polynomial_forces(
-    u: float, v: float, r: float, p: float, phi: float, delta: float,
-    reference: float, square: float, loss_from: float, L: float, monomials: Sequence[Monomial],
-) -> tuple[float, float, float, float]:  # fmt: skip
-    """X, Y [N] and N, K [N m] of a hull polynomial at one instant, on plain floats.
-
-    The same sum as ``regressors(...) @ values``.
-
-    Parameters
-    ----------
-    u, v, r, p, phi, delta : float
-        Motion, SI.
-    reference : float
-        Speed that makes velocities non-dimensional [m/s].
-    square : float
-        Square of the speed in the unit of force [m²/s²]; 1 in the bis system.
-    loss_from : float
-        What is taken off u before it enters: the approach speed for ``surge = "delta-u"``, else 0.
-    L : float
-        Ship length [m].
-    monomials : sequence of Monomial
-        From `polynomial`.
-    """
-    yaw, roll = r * L / reference, p * L / reference
-    surge, sway = (u - loss_from) / reference, v / reference
-    factors = (
-        1.0, surge, sway, yaw, roll, phi, delta,
-        math.fabs(surge), math.fabs(sway), math.fabs(yaw), math.fabs(roll), math.fabs(delta),
-    )  # fmt: skip
-    X = Y = N = K = 0.0
-    for places, x, y, n, k in monomials:
-        product = square
-        for place in places:
-            product *= factors[place]
-        X += x * product
-        Y += y * product
-        N += n * product
-        K += k * product
-    return X, Y, N, K
+            entry = collected.setdefault(places, {})
+            coefficient = sign * unit * value
+            channel = derivative.channel
+            entry[channel] = entry[channel] + coefficient if channel in entry else coefficient
+    return tuple(
+        (places, {channel: entry[channel] for channel in CHANNELS if channel in entry})
+        for places, entry in sorted(collected.items())
+    )

@@ -1,13 +1,79 @@
-"""Propeller ahead: open-water polynomial, wake that changes in the turn, thrust deduction."""
+"""Propeller: thrust and torque by open-water characteristics, the wake in a turn."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from typing import Final, NamedTuple
+from collections.abc import Sequence
+from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.primitives import atan2, exp, fabs, interpolate, maximum, where
 
+
+def wake_inflow(
+    u: float, v: float, r: float, L: float, U: float, wake: int, wp: float, xp: float,
+    tau: float, cpv: float, cpr: float, C1: float, C2_positive: float, C2_negative: float,
+) -> float:  # fmt: skip
+    """Speed of the water into the propeller disc [m/s].
+
+    Parameters
+    ----------
+    u, v, r, U : float
+        Surge, sway velocity [m/s], yaw rate [rad/s] at midship, speed [m/s].
+    L : float
+        Ship length [m].
+    wake : int
+        0 constant, 1 Son and Nomoto, 2 MMG.
+    wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative : float
+        Parameters of the effect ``propeller``.
+
+    Notes
+    -----
+    Son and Nomoto (1981): u (1 - wp + τ[(v' + xp r')² + cpv v' + cpr r']). Yasukawa and Yoshimura
+    (2015): u (1 - wp)(1 + [1 - exp(-C1 |βP|)](C2 - 1)), βP = β - xp r'.
+
+    Examples
+    --------
+    >>> wake_inflow(10.0, -2.0, 0.02, 175.0, 10.2, 0, 0.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    8.0
+    """
+    if wake == 0:
+        return u * (1.0 - wp)
+    yaw = r * L / U
+    if wake == 1:
+        sway = v / U
+        cross = sway + xp * yaw
+        return u * (1.0 - wp + tau * (cross * cross + cpv * sway + cpr * yaw))
+    angle = atan2(-v, u) - xp * yaw
+    limit = where(angle > 0.0, C2_positive, C2_negative)
+    return u * (1.0 - wp) * (1.0 + (1.0 - exp(-C1 * fabs(angle))) * (limit - 1.0))
+
+
+def force(
+    u: float, v: float, r: float, n: float, L: float, U: float, rho: float,
+    D: float, t: float, wake: int, wp: float, xp: float, tau: float, cpv: float, cpr: float,
+    C1: float, C2_positive: float, C2_negative: float, open_water: int,
+    kt0: float, kt1: float, kt2: float, kq0: float, kq1: float, kq2: float,
+    J: Sequence[float], KT: Sequence[float], KQ: Sequence[float],
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """Surge force [N], inflow [m/s], thrust [N], torque [N m] and thrust over ρ D² [m²/s²].
+
+    Thrust is ρ n² D⁴ KT(J), written so that the polynomial holds at n = 0 too.
+    """
+    inflow = wake_inflow(u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative)
+    tip = n * D
+    if open_water == 0:
+        loading = kt0 * tip * fabs(tip) + kt1 * tip * inflow + kt2 * inflow * inflow
+        twist = kq0 * tip * fabs(tip) + kq1 * tip * inflow + kq2 * inflow * inflow
+    else:
+        advance = inflow * tip / maximum(tip * tip, 1e-12)
+        loading = tip * fabs(tip) * interpolate(advance, J, KT)
+        twist = tip * fabs(tip) * interpolate(advance, J, KQ)
+    thrust = rho * D * D * loading
+    return (1.0 - t) * thrust, inflow, thrust, rho * D * D * D * twist, loading
+
+
+_POLYNOMIAL: Final = ("open_water", "polynomial")
+_TABLE: Final = ("open_water", "table")
 PROPELLER: Final = Effect(
     name="propeller",
     family="propeller",
@@ -16,9 +82,17 @@ PROPELLER: Final = Effect(
     parameters=(
         Parameter(name="D", text="diameter", unit="m", low=1e-6),
         Parameter(name="t", text="thrust deduction fraction", low=-0.99, high=0.99),
-        Parameter(name="kt0", text="KT at J = 0"),
-        Parameter(name="kt1", text="coefficient of J in KT"),
-        Parameter(name="kt2", text="coefficient of J² in KT", default=0.0),
+        Parameter(name="kt0", text="KT at J = 0", form=_POLYNOMIAL),
+        Parameter(name="kt1", text="coefficient of J in KT", form=_POLYNOMIAL),
+        Parameter(name="kt2", text="coefficient of J² in KT", default=0.0, form=_POLYNOMIAL),
+        Parameter(name="kq0", text="KQ at J = 0", default=0.0, form=_POLYNOMIAL),
+        Parameter(name="kq1", text="coefficient of J in KQ", default=0.0, form=_POLYNOMIAL),
+        Parameter(name="kq2", text="coefficient of J² in KQ", default=0.0, form=_POLYNOMIAL),
+        Parameter(
+            name="J", text="advance ratios of the tables, ascending", form=_TABLE, table=True
+        ),
+        Parameter(name="KT", text="KT at each J", form=_TABLE, table=True),
+        Parameter(name="KQ", text="KQ at each J", form=_TABLE, table=True),
         Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
         Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
         Parameter(
@@ -30,135 +104,10 @@ PROPELLER: Final = Effect(
         Parameter(name="C2_positive", text="inflow at large positive drift", form=("wake", "mmg")),
         Parameter(name="C2_negative", text="inflow at large negative drift", form=("wake", "mmg")),
     ),
-    options={"wake": ("constant", "son-nomoto", "mmg")},
+    options={"wake": ("constant", "son-nomoto", "mmg"), "open_water": ("polynomial", "table")},
     needs=("n",),
+    force=force,
+    outputs=("X", "propeller_inflow", "thrust", "torque", "loading"),
     source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
 )
 EFFECTS: Final = (PROPELLER,)
-WAKES: Final = PROPELLER.options["wake"]
-
-
-class Propeller(NamedTuple):
-    """Values of a propeller, SI; `wake` counts the forms of `WAKES`."""
-
-    D: float
-    t: float
-    kt0: float
-    kt1: float
-    kt2: float
-    wp: float
-    xp: float
-    wake: int
-    tau: float
-    cpv: float
-    cpr: float
-    C1: float
-    C2_positive: float
-    C2_negative: float
-
-
-def resolve(values: Mapping[str, float], options: Mapping[str, str]) -> Propeller:
-    """The propeller from values with their defaults; those of other wake forms are zero."""
-    wake = WAKES.index(options["wake"])
-    given = {name: values.get(name, 0.0) for name in Propeller._fields if name != "wake"}
-    return Propeller(**given, wake=wake)
-
-
-def inflow(u: float, v: float, r: float, L: float, c: Propeller) -> float:
-    """Speed of the water into the propeller disc [m/s].
-
-    Parameters
-    ----------
-    u, v, r : float
-        Surge, sway velocity [m/s], yaw rate [rad/s] at midship.
-    L : float
-        Ship length [m].
-    c : Propeller
-        Values.
-
-    Notes
-    -----
-    Son and Nomoto (1981): u (1 - wp + τ[(v' + xp r')² + cpv v' + cpr r']). Yasukawa and Yoshimura
-    (2015): u (1 - wp)(1 + [1 - exp(-C1 |βP|)](C2 - 1)), βP = β - xp r'.
-
-    Examples
-    --------
-    >>> c = Propeller(D=6.5, t=.2, kt0=.5, kt1=-.4, kt2=0., wp=.2, xp=-.5, wake=0, tau=0.,
-    ...               cpv=0., cpr=0., C1=0., C2_positive=0., C2_negative=0.)
-    >>> inflow(10.0, -2.0, 0.02, 175.0, c)
-    8.0
-    """
-    if c.wake == 0:
-        return u * (1.0 - c.wp)
-    U = max(math.sqrt(u * u + v * v), 1e-9)
-    yaw = r * L / U
-    if c.wake == 1:
-        sway = v / U
-        cross = sway + c.xp * yaw
-        return u * (1.0 - c.wp + c.tau * (cross * cross + c.cpv * sway + c.cpr * yaw))
-    angle = math.atan2(-v, u) - c.xp * yaw
-    limit = c.C2_positive if angle > 0.0 else c.C2_negative
-    grown = 1.0 + (1.0 - math.exp(-c.C1 * abs(angle))) * (limit - 1.0)
-    return u * (1.0 - c.wp) * grown
-
-
-def thrust(inflow_speed: float, n: float, rho: float, c: Propeller) -> float:
-    """Thrust ρ n² D⁴ KT(J) [N], written so that it holds at n = 0 too.
-
-    Parameters
-    ----------
-    inflow_speed : float
-        From `inflow` [m/s].
-    n : float
-        Revolutions per second, ahead.
-    rho : float
-        Density [kg/m³].
-    c : Propeller
-        Values.
-    """
-    turned = n * c.D
-    return (
-        rho
-        * c.D**2
-        * (
-            c.kt0 * turned * abs(turned)
-            + c.kt1 * turned * inflow_speed
-            + c.kt2 * inflow_speed * inflow_speed
-        )
-    )
-
-
-def revolutions(force: float, inflow_speed: float, rho: float, c: Propeller) -> float:
-    """Revolutions per second at which the propeller gives a thrust.
-
-    Parameters
-    ----------
-    force : float
-        Thrust [N].
-    inflow_speed : float
-        Speed of the water into the disc [m/s].
-    rho : float
-        Density [kg/m³].
-    c : Propeller
-        Values.
-
-    Returns
-    -------
-    float
-        The larger root of the quadratic; NaN where no revolutions give that thrust.
-
-    Examples
-    --------
-    >>> c = Propeller(D=2.0, t=.2, kt0=.5, kt1=-.4, kt2=-.1, wp=.2, xp=-.5, wake=0, tau=0.,
-    ...               cpv=0., cpr=0., C1=0., C2_positive=0., C2_negative=0.)
-    >>> n = revolutions(1e4, 3.0, 1000.0, c)
-    >>> round(thrust(3.0, n, 1000.0, c), 6)
-    10000.0
-    """
-    b = c.kt1 * inflow_speed
-    rest = c.kt2 * inflow_speed**2 - force / (rho * c.D**2)
-    inside = b * b - 4.0 * c.kt0 * rest
-    if inside < 0.0 or c.kt0 <= 0.0:
-        return math.nan
-    turned = (-b + math.sqrt(inside)) / (2.0 * c.kt0)
-    return turned / c.D if turned > 0.0 else math.nan

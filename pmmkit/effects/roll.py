@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.ship import Ship, Water
+from pmmkit.effects.primitives import fabs, sin
+
+
+def force(
+    p: float, phi: float, rho: float, g: float, volume: float, GM: float, damping: float,
+    damping_quadratic: float, restoring: int,
+) -> tuple[float]:  # fmt: skip
+    """Roll moment [N m] at a roll rate [rad/s] and a heel [rad].
+
+    Examples
+    --------
+    >>> force(0.0, 0.1, 1000.0, 10.0, 100.0, 1.0, 0.0, 0.0, 0)
+    (-100000.0,)
+    """
+    heel = phi if restoring == 0 else sin(phi)
+    return (-rho * g * volume * GM * heel - (damping + damping_quadratic * fabs(p)) * p,)
+
 
 ROLL: Final = Effect(
     name="roll",
@@ -26,40 +40,8 @@ ROLL: Final = Effect(
     ),
     options={"restoring": ("linear", "sine")},
     needs=("phi", "p"),
+    force=force,
+    outputs=("K",),
     source="Son and Nomoto 1981",
 )
 EFFECTS: Final = (ROLL,)
-
-
-class Roll(NamedTuple):
-    """Values of the roll part, SI: `stiffness` is ρ g volume GM [N m]."""
-
-    stiffness: float
-    damping: float
-    damping_quadratic: float
-    sine: bool
-
-
-def resolve(
-    values: Mapping[str, float], options: Mapping[str, str], *, ship: Ship, water: Water
-) -> Roll:
-    """The roll part of a ship; it needs the ship's GM."""
-    assert ship.GM is not None
-    return Roll(
-        stiffness=water.rho * water.g * ship.volume * ship.GM,
-        damping=values["damping"],
-        damping_quadratic=values["damping_quadratic"],
-        sine=options["restoring"] == "sine",
-    )
-
-
-def moment(p: float, phi: float, c: Roll) -> float:
-    """Roll moment [N m] at a roll rate [rad/s] and a heel [rad].
-
-    Examples
-    --------
-    >>> moment(0.0, 0.1, Roll(stiffness=1e6, damping=0., damping_quadratic=0., sine=False))
-    -100000.0
-    """
-    heel = math.sin(phi) if c.sine else phi
-    return -c.stiffness * heel - (c.damping + c.damping_quadratic * abs(p)) * p

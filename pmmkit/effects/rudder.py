@@ -2,14 +2,102 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, sin, sqrt, where
 
-_SN = ("inflow", "son-nomoto")
-_MMG = ("inflow", "mmg")
+
+def rudder_flow(
+    u: float, v: float, r: float, L: float, U: float, propeller_inflow: float, loading: float,
+    inflow: int, epsilon: float, kappa: float, eta: float, gamma_positive: float,
+    gamma_negative: float, lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Water speed along and across the ship at the rudder [m/s].
+
+    Parameters
+    ----------
+    u, v, r, U : float
+        Surge, sway velocity [m/s], yaw rate [rad/s] at midship, speed [m/s].
+    L : float
+        Ship length [m].
+    propeller_inflow : float
+        Speed of the water into the propeller disc [m/s].
+    loading : float
+        Thrust over ρ D² [m²/s²]; KT/J² is this over the square of `propeller_inflow`.
+    inflow : int
+        0 Son and Nomoto, 1 MMG.
+    epsilon, kappa, eta, gamma_positive, gamma_negative, lR, gamma, cRr, cRrrr, cRrrv : float
+        Parameters of the effect ``rudder_mmg``.
+
+    Notes
+    -----
+    Son and Nomoto (1981): ε uP sqrt(1 + 8 κ KT/(π J²)) and γ v' + cRr r' + cRrrr r'³ +
+    cRrrv r'² v'. Yasukawa and Yoshimura (2015): ε uP sqrt(η [1 + κ (sqrt(1 + 8 KT/(π J²)) - 1)]²
+    + 1 - η) and -γR (β - lR r'), γR by the sign of the inflow angle.
+    """
+    yaw = r * L / U
+    jet = 8.0 * loading / pi
+    square = propeller_inflow * propeller_inflow
+    if inflow == 0:
+        along = epsilon * sqrt(maximum(square + kappa * jet, 0.0))
+        sway = v / U
+        across = gamma * sway + yaw * (cRr + yaw * (cRrrr * yaw + cRrrv * sway))
+        return along, across * U
+    behind = sqrt(maximum(square + jet, 0.0))
+    mixed = propeller_inflow + kappa * (behind - propeller_inflow)
+    along = epsilon * sqrt(maximum(eta * mixed * mixed + (1.0 - eta) * square, 0.0))
+    angle = atan2(-v, u) - lR * yaw
+    straightening = where(angle > 0.0, gamma_positive, gamma_negative)
+    return along, -straightening * angle * U
+
+
+def normal_force(
+    along: float, across: float, delta: float, rho: float, area: float, lift_slope: float,
+    stall_deg: float, stall_loss: float,
+) -> float:  # fmt: skip
+    """Normal force of the rudder [N], negative when the rudder turns the ship to starboard.
+
+    -½ρ A fα V² sin α with α = δ + atan(across/along); beyond the stall angle it falls, smoothly
+    over 10°, by the share that is lost.
+
+    Examples
+    --------
+    >>> from math import radians
+    >>> round(normal_force(3.0, 0.0, radians(30), 1000.0, 2.0, 2.5, 90.0, 0.0))
+    -11250
+    """
+    angle = delta + atan2(across, along)
+    beyond = minimum(maximum((fabs(angle) * 180.0 / pi - stall_deg) / 10.0, 0.0), 1.0)
+    kept = 1.0 - stall_loss * beyond * beyond * (3.0 - 2.0 * beyond)
+    return -0.5 * rho * area * lift_slope * (along * along + across * across) * sin(angle) * kept
+
+
+def force(
+    u: float, v: float, r: float, delta: float, L: float, U: float, rho: float,
+    propeller_inflow: float, loading: float, inflow: int, area: float, lift_slope: float,
+    epsilon: float, kappa: float, eta: float, gamma_positive: float, gamma_negative: float,
+    lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float, tR: float, aH: float,
+    xH: float, xR: float, zR: float, stall_deg: float, stall_loss: float,
+) -> tuple[float, float, float, float, float]:  # fmt: skip
+    """X, Y [N], N, K [N m] on the ship, hull's share included, and the rudder's normal force [N]."""
+    along, across = rudder_flow(
+        u, v, r, L, U, propeller_inflow, loading, inflow, epsilon, kappa, eta, gamma_positive,
+        gamma_negative, lR, gamma, cRr, cRrrr, cRrrv,
+    )  # fmt: skip
+    normal = normal_force(along, across, delta, rho, area, lift_slope, stall_deg, stall_loss)
+    side = normal * cos(delta)
+    return (
+        (1.0 - tR) * normal * sin(delta),
+        (1.0 + aH) * side,
+        (xR + aH * xH) * L * side,
+        -(1.0 + aH) * zR * L * side,
+        normal,
+    )
+
+
+_SN: Final = ("inflow", "son-nomoto")
+_MMG: Final = ("inflow", "mmg")
 RUDDER_MMG: Final = Effect(
     name="rudder_mmg",
     family="rudder",
@@ -37,110 +125,27 @@ RUDDER_MMG: Final = Effect(
         Parameter(name="xH", text="point of the hull force forward of midship over L"),
         Parameter(name="xR", text="rudder forward of midship over L", default=-0.5),
         Parameter(name="zR", text="rudder force below the origin over L", default=0.0),
+        Parameter(
+            name="stall_deg",
+            text="angle of attack at which the rudder begins to stall",
+            unit="deg",
+            default=90.0,
+            low=1.0,
+        ),
+        Parameter(
+            name="stall_loss",
+            text="share of the normal force lost 10 degrees beyond that angle",
+            default=0.0,
+            low=0.0,
+            high=1.0,
+        ),
         Parameter(name="rate_deg_s", text="rate of the steering gear", unit="deg/s", low=1e-6),
         Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
     ),
     options={"inflow": ("son-nomoto", "mmg")},
     needs=("delta", "n"),
+    force=force,
+    outputs=("X", "Y", "N", "K", "rudder_force"),
     source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
 )
 EFFECTS: Final = (RUDDER_MMG,)
-INFLOWS: Final = RUDDER_MMG.options["inflow"]
-
-
-class Rudder(NamedTuple):
-    """Values of a rudder, SI; `inflow` counts the forms of `INFLOWS`."""
-
-    area: float
-    lift_slope: float
-    epsilon: float
-    kappa: float
-    eta: float
-    gamma_positive: float
-    gamma_negative: float
-    lR: float
-    gamma: float
-    cRr: float
-    cRrrr: float
-    cRrrv: float
-    tR: float
-    aH: float
-    xH: float
-    xR: float
-    zR: float
-    inflow: int
-
-
-def resolve(values: Mapping[str, float], options: Mapping[str, str]) -> Rudder:
-    """The rudder from values with their defaults; those of other inflow forms are zero."""
-    inflow = INFLOWS.index(options["inflow"])
-    given = {name: values.get(name, 0.0) for name in Rudder._fields if name != "inflow"}
-    return Rudder(**given, inflow=inflow)
-
-
-def flow(
-    u: float, v: float, r: float, L: float, propeller_flow: float, loading: float, c: Rudder
-) -> tuple[float, float]:
-    """Water speed along and across the ship at the rudder [m/s].
-
-    Parameters
-    ----------
-    u, v, r : float
-        Surge, sway velocity [m/s], yaw rate [rad/s] at midship.
-    L : float
-        Ship length [m].
-    propeller_flow : float
-        Speed of the water into the propeller disc [m/s].
-    loading : float
-        Thrust over ρ D² [m²/s²]; KT/J² is this over the square of `propeller_flow`.
-    c : Rudder
-        Values.
-
-    Notes
-    -----
-    Son and Nomoto (1981): ε uP sqrt(1 + 8 κ KT/(π J²)) and γ v' + cRr r' + cRrrr r'³ +
-    cRrrv r'² v'. Yasukawa and Yoshimura (2015): ε uP sqrt(η [1 + κ (sqrt(1 + 8 KT/(π J²)) - 1)]²
-    + 1 - η) and -γR (β - lR r'), γR by the sign of the inflow angle.
-    """
-    U = max(math.sqrt(u * u + v * v), 1e-9)
-    yaw = r * L / U
-    jet = 8.0 * loading / math.pi
-    square = propeller_flow * propeller_flow
-    if c.inflow == 0:
-        along = c.epsilon * math.sqrt(max(square + c.kappa * jet, 0.0))
-        sway = v / U
-        across = c.gamma * sway + yaw * (c.cRr + yaw * (c.cRrrr * yaw + c.cRrrv * sway))
-        return along, across * U
-    behind = math.sqrt(max(square + jet, 0.0))
-    mixed = propeller_flow + c.kappa * (behind - propeller_flow)
-    along = c.epsilon * math.sqrt(max(c.eta * mixed * mixed + (1.0 - c.eta) * square, 0.0))
-    angle = math.atan2(-v, u) - c.lR * yaw
-    straightening = c.gamma_positive if angle > 0.0 else c.gamma_negative
-    return along, -straightening * angle * U
-
-
-def normal_force(along: float, across: float, delta: float, rho: float, c: Rudder) -> float:
-    """Normal force of the rudder [N], negative when the rudder turns the ship to starboard.
-
-    -½ρ A fα V² sin(δ + atan(across/along)).
-
-    Examples
-    --------
-    >>> zeros = dict.fromkeys(Rudder._fields, 0.0)
-    >>> c = Rudder(**{**zeros, "area": 2.0, "lift_slope": 2.5, "inflow": 0})
-    >>> round(normal_force(3.0, 0.0, math.pi / 6, 1000.0, c))
-    -11250
-    """
-    angle = delta + math.atan2(across, along)
-    return -0.5 * rho * c.area * c.lift_slope * (along * along + across * across) * math.sin(angle)
-
-
-def forces(normal: float, delta: float, L: float, c: Rudder) -> tuple[float, float, float, float]:
-    """X, Y [N] and N, K [N m] on the ship by the rudder's normal force, hull's share included."""
-    side = normal * math.cos(delta)
-    return (
-        (1.0 - c.tR) * normal * math.sin(delta),
-        (1.0 + c.aH) * side,
-        (c.xR + c.aH * c.xH) * L * side,
-        -(1.0 + c.aH) * c.zR * L * side,
-    )

@@ -129,7 +129,7 @@ class Model:
 
     def values(
         self, effect: str, Fn: float | None = None, *, extrapolate: bool = False
-    ) -> dict[str, float]:
+    ) -> dict[str, Any]:
         """The values of one part at a Froude number, defaults filled in.
 
         Parameters
@@ -144,7 +144,7 @@ class Model:
         Returns
         -------
         dict
-            Values between two Froude numbers are interpolated linearly.
+            Values between two Froude numbers are interpolated linearly; tables stay as they are.
 
         Raises
         ------
@@ -155,10 +155,11 @@ class Model:
         known = catalogue()[effect]
         filled = {item.name: item.default for item in known.parameters if item.default is not None}
         weights = self._weights(Fn, extrapolate) if self.Fn else ()
+        tables = known.tables
         for name, value in part.values.items():
             filled[name] = (
                 sum(weight * item for weight, item in zip(weights, value, strict=True))
-                if isinstance(value, tuple)
+                if isinstance(value, tuple) and name not in tables
                 else value
             )
         return filled
@@ -230,7 +231,10 @@ def _part_problems(part: Part, rows: int) -> list[str]:
     for name, value in part.values.items():
         place = f"{part.effect}.{name}"
         numbers = value if isinstance(value, tuple) else (value,)
-        if isinstance(value, tuple) and len(value) != rows:
+        if name in known.tables:
+            if len(numbers) < 2:
+                found.append(f"{place} must be a list of two numbers or more.")
+        elif isinstance(value, tuple) and len(value) != rows:
             found.append(f"{place} has {len(value)} values for {rows} Froude numbers.")
         if not all(math.isfinite(x) for x in numbers):
             found.append(f"{place} must be finite: {value}.")

@@ -1,8 +1,9 @@
 """Simulation: manoeuvres of a model, their numbers, sweeps and criteria."""
 
 from pmmkit.simulation.imo import Verdict, imo_turning
+from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.simulate import simulate
 from pmmkit.simulation.sweeps import froude_sweep
 from pmmkit.simulation.track import Track
 
-__all__ = ["Track", "Verdict", "froude_sweep", "imo_turning", "simulate"]
+__all__ = ["MANOEUVRES", "Track", "Verdict", "froude_sweep", "imo_turning", "simulate"]

@@ -2,69 +2,84 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Final
+from types import MappingProxyType
+from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit import kernel
 from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
+from pmmkit.kernel import Conditions, Prepared, prepare
 from pmmkit.model import Model, load_model
-from pmmkit.simulation.integrate import Solution, integrate
-from pmmkit.simulation.metrics import steady_turn, turning_metrics
-from pmmkit.simulation.steering import RudderLaw, RudderOrder
+from pmmkit.simulation.manoeuvres import MANOEUVRES
+from pmmkit.simulation.plan import Plan
+from pmmkit.simulation.run import INSTANT, Gear, History, run_plan
 from pmmkit.simulation.track import Track
 
-MANOEUVRES: Final = ("turning",)
-HEADING: Final = 3 * math.pi
-"""A turning circle ends after this change of heading (540°) …"""
-LONGEST: Final = 2000.0
-"""… or after this time in ship lengths over the approach speed,"""
-MORE_TURNS: Final = 6
-"""and goes on for so many turns at most until it is steady."""
-LONGEST_STEP: Final = 0.5
-"""Longest step of the integration in ship lengths over the approach speed."""
-_FASTEST: Final = 10.0
+RudderLaw = Literal["ramp", "lag"]
+RTOL: Final = 1e-8
+REVERSAL: Final = 2.0
+"""Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
+without a shaft."""
 
 
 def simulate(
     model: Model | str | Path,
     manoeuvre: str = "turning",
     *,
-    rudder_deg: float = 35.0,
     speed: float,
-    duration: float | None = None,
     rudder_rate_deg: float | None = None,
     rudder_law: RudderLaw = "ramp",
     rudder_lag: float = 1.0,
+    wind_speed: float = 0.0,
+    wind_direction_deg: float = 0.0,
+    current_speed: float = 0.0,
+    current_direction_deg: float = 0.0,
+    depth: float | None = None,
+    revolutions: float | None = None,
     dt: float | None = None,
-    rtol: float = 1e-8,
+    rtol: float = RTOL,
     extrapolate: bool = False,
+    compiled: bool = True,
+    **settings: Any,
 ) -> Track:
     """Simulate a manoeuvre from steady running straight ahead.
 
-    The rudder is ordered at t = 0; the propeller keeps the revolutions of self-propulsion at the
-    approach speed; the derivatives are those of the approach Froude number throughout.
+    The first order is given at t = 0; the propeller keeps the revolutions of self-propulsion at
+    the approach speed where the manoeuvre does not change them; the derivatives are those of the
+    approach Froude number throughout.
 
     Parameters
     ----------
     model : Model, str or path
         A model, a library name or a file.
-    manoeuvre : {"turning"}
-        Turning circle.
-    rudder_deg : float
-        Ordered rudder angle [deg], positive to starboard.
+    manoeuvre : str
+        ``turning`` (`rudder_deg`, `duration`), ``initial_turning`` (`rudder_deg`,
+        `heading_deg`), ``zigzag`` (`rudder_deg`, `switch_deg`, `executes`), ``spiral``
+        (`rudder_deg`, `step_deg`), ``pull_out`` (`rudder_deg`), ``stopping`` (`turns`, ordered
+        revolutions over those of the approach; `rudder_deg`), ``accelerating`` (`turns`),
+        ``course_change`` (`rudder_deg`, `heading_deg`, `counter_deg`), ``williamson``
+        (`rudder_deg`, `shift_deg`, `ease_deg`).
     speed : float
-        Approach speed [m/s] at the scale of the model.
-    duration : float, optional
-        Length of the track [s]; by default until 540° of heading and the turn is steady.
+        Approach speed through the water [m/s] at the scale of the model.
     rudder_rate_deg : float, optional
         Rate of the steering gear [deg/s]; by default that of the model's rudder.
     rudder_law : {"ramp", "lag"}
         At the rate until the order is reached, or with a first-order lag at most at the rate.
     rudder_lag : float
         Time constant of the lag law [s].
+    wind_speed, wind_direction_deg : float
+        True wind [m/s], direction it comes from, from the heading of the approach, positive to
+        starboard [deg]. It acts on models with a part ``wind``, from t = 0 on.
+    current_speed, current_direction_deg : float
+        Uniform current [m/s] and the direction it flows to, as above [deg].
+    depth : float, optional
+        Depth of the water [m], for models with a part ``shallow_water``.
+    revolutions : float, optional
+        Of the approach [1/s]; by default those of self-propulsion.
     dt : float, optional
         Interval of the samples [s]; by default about a twentieth of L/speed. The metrics do not
         depend on it.
@@ -72,6 +87,11 @@ def simulate(
         Relative tolerance of the integration.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
+    compiled : bool
+        Run compiled code; the first run of a new structure of model takes some seconds to
+        compile it, once. Interpreted code gives the same numbers, slower.
+    **settings
+        Of the manoeuvre, as above.
 
     Returns
     -------
@@ -89,107 +109,183 @@ def simulate(
     Examples
     --------
     >>> track = simulate("s175-3dof", "turning", rudder_deg=35, speed=6.0)
-    >>> round(track.metrics["tactical_diameter_L"], 2)
+    >>> round(float(track.metrics["tactical_diameter_L"]), 2)
     4.35
+    >>> track = simulate("kvlcc2-l7", "zigzag", rudder_deg=10, switch_deg=10, speed=1.179)
+    >>> round(float(track.metrics["overshoot_1_deg"]), 1)
+    5.0
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    found = _problems(speed, rudder_rate_deg, rudder_law, rudder_lag, dt, rtol, depth, revolutions)
+    found += _setting_problems(manoeuvre, settings)
+    if found:
+        raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
+    conditions = Conditions(
+        wind_speed=wind_speed, wind_direction_deg=wind_direction_deg, current_speed=current_speed,
+        current_direction_deg=current_direction_deg, depth=depth,
+    )  # fmt: skip
+    ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
+    plan = plan_of(manoeuvre, ready, wind=wind_speed > 0.0, **settings)
+    gear = gear_of(loaded, plan, ready, rudder_rate_deg, rudder_lag if rudder_law == "lag" else 0.0)
+    history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
+    return track_of(loaded, history, dt, settings)
+
+
+def plan_of(manoeuvre: str, ready: Prepared, *, wind: bool = False, **settings: Any) -> Plan:
+    """The plan of a manoeuvre for a ship at its approach speed.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such manoeuvre.
+    """
     if manoeuvre not in MANOEUVRES:
         raise UnknownNameError(
-            f"There is no manoeuvre {manoeuvre!r}; there is: {', '.join(MANOEUVRES)}."
+            f"There is no manoeuvre {manoeuvre!r}; there are: {', '.join(MANOEUVRES)}."
         )
-    _check(rudder_deg, speed, duration, rudder_rate_deg, rudder_law, rudder_lag, dt, rtol)
-    c = kernel.prepare(loaded, speed, extrapolate=extrapolate)
-    n = kernel.self_propulsion(c, speed)
-    gear = RudderOrder(
-        order=math.radians(rudder_deg),
-        rate=math.radians(_rate(loaded, rudder_deg, rudder_rate_deg)),
-        law=rudder_law,
-        lag=rudder_lag,
+    if wind and manoeuvre == "turning":
+        settings = {**settings, "wind": True}
+    return MANOEUVRES[manoeuvre](ready.speed / ready.L, **settings)
+
+
+def gear_of(model: Model, plan: Plan, ready: Prepared, rate_deg: float | None, lag: float) -> Gear:
+    """How the controls of a model follow their orders.
+
+    Raises
+    ------
+    SimulationError
+        If more rudder is ordered than the ship has.
+    DataError
+        If neither the model nor `rate_deg` states a rate where the rudder is used.
+    """
+    limits = {
+        name: float(value)
+        for part in model.parts
+        if "rate_deg_s" in (values := steering(model, part))
+        for name, value in values.items()
+    }
+    largest = limits.get("max_deg", 90.0)
+    most = max((abs(p.rudder) for p in plan.phases if p.rudder == p.rudder), default=0.0)
+    if math.degrees(most) > largest * (1 + 1e-12):
+        raise SimulationError(
+            f"The rudder of {model.name!r} goes to {largest:g}°; {math.degrees(most):g}° were "
+            f"ordered. Order less, or change max_deg in the model."
+        )
+    rate = rate_deg if rate_deg is not None else limits.get("rate_deg_s")
+    if rate is None and most > 0.0:
+        raise DataError(
+            f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
+        )
+    turned = any(phase.turns == phase.turns for phase in plan.phases)
+    revolutions = ready.self_propulsion() if turned and ready.structure.turns else 1.0
+    return Gear(
+        rudder_rate=math.radians(rate) if rate is not None else INSTANT,
+        rudder_lag=lag,
+        turns_rate=max(revolutions, 1e-9) * ready.speed / (REVERSAL * ready.L),
+        bucket_rate=ready.speed / (REVERSAL * ready.L),
     )
-    turn = _Turn(c, n, gear, speed, rtol)
-    solution, notes = turn.run(duration)
-    steady = steady_turn(c, solution(solution.end), gear.angle(solution.end), n, speed)
-    if steady is None and duration is None:
-        notes.append("The turn does not become steady: no steady diameter, drift or speed.")
-    t = _samples(solution.end, dt or _interval(loaded.ship.L / speed))
-    states = solution(t)
+
+
+def steering(model: Model, part: str) -> Mapping[str, Any]:
+    """Rate and largest angle of a part that steers; empty for others."""
+    if not any(item.name == "rate_deg_s" for item in _known_parameters(part)):
+        return {}
+    values = model.values(part, model.Fn[0] if model.Fn else None)
+    return {name: values[name] for name in ("rate_deg_s", "max_deg") if name in values}
+
+
+def _known_parameters(part: str) -> tuple[Any, ...]:
+    from pmmkit.effects.catalogue import catalogue
+
+    return catalogue()[part].parameters
+
+
+def track_of(
+    model: Model, history: History, dt: float | None, settings: Mapping[str, Any]
+) -> Track:
+    """The track of a history: samples, metrics and notes."""
+    ready, plan = history.ready, history.plan
+    t = samples(history.end, dt or interval(ready.L / ready.speed))
+    rows = history.sampled(t)
+    states = ready.structure.states
+    channels = dict(zip(states, rows, strict=False))
     still = np.zeros(len(t))
+    metrics = {name: float(value) for name, value in plan.measure(history.answers()).items()}
     return Track(
-        t=t, x=states[0], y=states[1], psi=states[2], u=states[3], v=states[4], r=states[5],
-        p=states[6] if loaded.rolls else still,
-        phi=states[7] if loaded.rolls else still,
-        delta=np.array([gear.angle(x) for x in t.tolist()]),
-        n=np.full(len(t), n),
-        name=loaded.name, manoeuvre=manoeuvre, L=loaded.ship.L, speed=speed,
-        Fn=loaded.ship.froude(speed, loaded.water.g), rudder_deg=float(rudder_deg),
-        metrics=turning_metrics(solution, steady, rudder=gear.order, speed=speed, L=loaded.ship.L),
-        scale=loaded.scale, notes=tuple(notes),
+        t=t, x=rows[0], y=rows[1], psi=rows[2], u=rows[3], v=rows[4], r=rows[5],
+        p=channels.get("p", still), phi=channels.get("phi", still), delta=rows[len(states)],
+        n=channels.get("n", rows[len(states) + 1]), name=model.name, manoeuvre=plan.name,
+        L=ready.L, speed=ready.speed, Fn=model.ship.froude(ready.speed, model.water.g),
+        rudder_deg=math.degrees(plan.rudder), metrics=MappingProxyType(metrics),
+        scale=model.scale, notes=tuple(_notes(history)), orders=history.begins,
+        settings=MappingProxyType(dict(settings)),
     )  # fmt: skip
 
 
-class _Turn:
-    """The initial value problem of a turn."""
-
-    def __init__(
-        self, c: kernel.Constants, n: float, gear: RudderOrder, speed: float, rtol: float
-    ) -> None:
-        self.c, self.n, self.gear, self.rtol = c, n, gear, rtol
-        self.rolls = c.roll is not None
-        self.unit = c.L / speed
-        scale = [c.L, c.L, 1.0, speed, speed, speed / c.L, speed / c.L, 1.0]
-        self.scale = scale if self.rolls else scale[:6]
-        self.start = [0.0, 0.0, 0.0, speed, 0.0, 0.0, 0.0, 0.0][: len(self.scale)]
-        self.fastest = _FASTEST * speed
-
-    def rhs(self, t: float, y: list[float]) -> tuple[float, ...]:
-        return kernel.rates(tuple(y), self.gear.angle(t), self.n, self.c)
-
-    def limit(self, y: list[float]) -> float:
-        inside = self.fastest - math.hypot(y[3], y[4])
-        return min(inside / self.fastest, 1.0 - abs(y[7]) / (math.pi / 2)) if self.rolls else inside
-
-    def go(self, state: list[float], begin: float, end: float, heading: float | None) -> Solution:
-        corners = [x for x in self.gear.corners if begin < x < end]
-        return integrate(
-            self.rhs, state, times=[begin, *corners, end], scale=self.scale, rtol=self.rtol,
-            stop=None if heading is None else lambda y: abs(y[2]) - heading,
-            limit=self.limit, max_step=LONGEST_STEP * self.unit,
-        )  # fmt: skip
-
-    def run(self, duration: float | None) -> tuple[Solution, list[str]]:
-        if duration is not None:
-            return self.go(self.start, 0.0, duration, None), []
-        longest = LONGEST * self.unit
-        solution = self.go(self.start, 0.0, longest, HEADING)
-        for turns in range(1, MORE_TURNS + 1):
-            if solution.end >= longest or self.settled(solution):
-                break
-            state = solution(solution.end).tolist()
-            heading = HEADING + turns * 2 * math.pi
-            solution = solution.joined(self.go(state, solution.end, longest, heading))
-        if solution.end >= longest:
-            turned = math.degrees(abs(solution(solution.end)[2]))
-            return solution, [
-                f"The heading changed by {turned:.3g}° only within {LONGEST:g} ship lengths."
-            ]
-        return solution, []
-
-    def settled(self, solution: Solution) -> bool:
-        t = solution.end
-        near = steady_turn(self.c, solution(t), self.gear.angle(t), self.n, self.c.L / self.unit)
-        return near is not None
+def _notes(history: History) -> list[str]:
+    plan, notes = history.plan, []
+    for phase, ended in zip(plan.phases, history.finished, strict=True):
+        if phase.until in ("heading", "yaw rate", "steady turn", "surge") and not ended:
+            waited = {
+                "heading": f"the heading does not reach {math.degrees(phase.level):g}°",
+                "steady turn": f"the heading does not reach {math.degrees(phase.level):g}°",
+                "yaw rate": "the ship does not stop turning",
+                "surge": "the ship does not stop",
+            }[phase.until]
+            notes.append(f"Within {phase.longest:.4g} s {waited}.")
+            break
+        if phase.until == "steady" and not ended:
+            notes.append(f"The motion is not steady within {phase.longest:.4g} s.")
+            break
+    if plan.settles and not notes:
+        answers = history.answers()
+        if math.isnan(answers.t("steady")):
+            notes.append("The turn does not become steady: no steady diameter, drift or speed.")
+    astern = any(phase.turns < 0.0 for phase in plan.phases)
+    if astern and any(item.effect == "propeller" for item in history.ready.structure.used):
+        notes.append(
+            "The propeller astern is carried on from its open-water characteristics ahead; the "
+            "effect four_quadrant_propeller describes it."
+        )
+    return notes
 
 
-def _check(
-    rudder_deg: float, speed: float, duration: float | None, rate: float | None, law: str,
-    lag: float, dt: float | None, rtol: float,
-) -> None:  # fmt: skip
+def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
+    if manoeuvre not in MANOEUVRES:
+        return [f"There is no manoeuvre {manoeuvre!r}; there are: {', '.join(MANOEUVRES)}."]
+    known = inspect.signature(MANOEUVRES[manoeuvre]).parameters
+    own = [name for name in known if name not in ("pace", "wind")]
     found = []
-    if not (math.isfinite(rudder_deg) and 0 < abs(rudder_deg) <= 90):
-        found.append(f"rudder_deg = {rudder_deg} must be an angle up to 90° to either side, not 0.")
+    for name, value in settings.items():
+        if name not in own:
+            found.append(f"{manoeuvre} has no {name}; it has {', '.join(own)}.")
+        elif value is None:
+            continue
+        elif isinstance(value, bool) or not isinstance(value, (int, float)):
+            found.append(f"{name} = {value!r} must be a number.")
+        elif name == "rudder_deg":
+            if not (math.isfinite(value) and abs(value) <= 90) or (
+                value == 0 and manoeuvre != "stopping"
+            ):
+                found.append(
+                    f"rudder_deg = {value} must be an angle up to 90° to either side, not 0."
+                )
+        elif name == "turns":
+            if not math.isfinite(value):
+                found.append(f"turns = {value} must be a finite share of the revolutions.")
+        elif not (math.isfinite(value) and value > 0):
+            found.append(f"{name} = {value} must be positive.")
+    return found
+
+
+def _problems(
+    speed: float, rate: float | None, law: str, lag: float, dt: float | None, rtol: float,
+    depth: float | None, revolutions: float | None,
+) -> list[str]:  # fmt: skip
+    found = []
     for name, value in (
-        ("speed", speed), ("duration", duration), ("rudder_rate_deg", rate), ("rudder_lag", lag),
-        ("dt", dt),
+        ("speed", speed), ("rudder_rate_deg", rate), ("rudder_lag", lag), ("dt", dt),
+        ("depth", depth), ("revolutions", revolutions),
     ):  # fmt: skip
         if value is not None and not (math.isfinite(value) and value > 0):
             found.append(f"{name} = {value} must be positive.")
@@ -197,40 +293,25 @@ def _check(
         found.append(f"rudder_law = {law!r} is not known: ramp, lag.")
     if not 1e-13 < rtol < 0.1:
         found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
-    if dt and duration and math.isfinite(duration / dt) and duration / dt > 1e7:
-        found.append(f"dt = {dt:g} s over {duration:g} s are more than ten million samples.")
-    if found:
-        raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
+    return found
 
 
-def _rate(model: Model, rudder_deg: float, given: float | None) -> float:
-    values = (
-        model.values("rudder_mmg", model.Fn[0] if model.Fn else None)
-        if ("rudder_mmg" in model.parts)
-        else {}
-    )
-    largest = values.get("max_deg", 90.0)
-    if abs(rudder_deg) > largest:
-        raise SimulationError(
-            f"The rudder of {model.name!r} goes to {largest:g}°; {rudder_deg:g}° were ordered. "
-            f"Order less, or change max_deg in the model."
-        )
-    if given is not None:
-        return given
-    if "rate_deg_s" not in values:
-        raise DataError(
-            f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
-        )
-    return values["rate_deg_s"]
-
-
-def _interval(unit: float) -> float:
+def interval(unit: float) -> float:
     """The 1, 2 or 5 times a power of ten next below a twentieth of a time."""
     target = unit / 20
     power = 10.0 ** math.floor(math.log10(target))
     return max(x * power for x in (1.0, 2.0, 5.0) if x * power <= target * (1 + 1e-12))
 
 
-def _samples(end: float, dt: float) -> np.ndarray:
+def samples(end: float, dt: float) -> np.ndarray:
+    """Instants from 0 to the end, the last one included.
+
+    Raises
+    ------
+    DataError
+        If they are more than ten million.
+    """
+    if end / dt > 1e7:
+        raise DataError(f"dt = {dt:g} s over {end:g} s are more than ten million samples.")
     t = np.arange(math.floor(end / dt * (1 + 1e-12)) + 1) * dt
     return t if end - t[-1] < 1e-9 * max(end, 1.0) else np.append(t, end)

@@ -58,6 +58,10 @@ class Track:
         At which scale and propulsion point the track is.
     notes : tuple of str
         What a reader must know.
+    orders : tuple of float
+        Instants of the orders [s].
+    settings : mapping
+        Of the manoeuvre, as they were given.
     """
 
     t: Array
@@ -80,6 +84,8 @@ class Track:
     metrics: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     scale: str = ""
     notes: tuple[str, ...] = ()
+    orders: tuple[float, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def __len__(self) -> int:
         return len(self.t)

@@ -1,0 +1,106 @@
+"""Turning the text of a structure into functions: interpreted, or compiled and kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import inspect
+import os
+import sys
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from pmmkit import __version__
+from pmmkit.effects import primitives
+from pmmkit.files import atomic_path
+from pmmkit.kernel.generate import module_text
+from pmmkit.kernel.structure import Structure
+
+
+def cache_folder() -> Path:
+    """Where compiled equations are kept: ``PMMKIT_CACHE``, or the user's folder for such things."""
+    if given := os.environ.get("PMMKIT_CACHE"):
+        return Path(given)
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Caches"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return base / "pmmkit"
+
+
+@cache
+def interpreted(structure: Structure) -> ModuleType:
+    """The functions of a structure, run by Python itself; lists stand for their arrays."""
+    module = ModuleType("pmmkit_equations")
+    module.__dict__.update(entry=_same, inner=_same, use=_same, vector=lambda size: [0.0] * size)
+    exec(compile(module_text(structure), "<equations of a model>", "exec"), module.__dict__)
+    return module
+
+
+@cache
+def compiled(structure: Structure) -> ModuleType:
+    """The functions of a structure, compiled; the second session finds them on disk.
+
+    The text is written to `cache_folder` under its hash and imported from there. Where that
+    folder cannot be written the functions are compiled in each session.
+    """
+    text = _HEAD + module_text(structure)
+    name = f"pmmkit_equations_{_fingerprint(structure, text)}"
+    path = cache_folder() / f"v{__version__}" / f"{name}.py"
+    try:
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with atomic_path(path) as part:
+                part.write_text(text, encoding="utf-8", newline="\n")
+    except OSError:
+        module = ModuleType(name)
+        exec(compile(text.replace("cache=True", "cache=False"), name, "exec"), module.__dict__)
+        return module
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _same(function: Any) -> Any:
+    return function
+
+
+def _fingerprint(structure: Structure, text: str) -> str:
+    """Hash of all that the compiled code depends on."""
+    digest = hashlib.sha256(text.encode())
+    modules = {inspect.getmodule(item.known.force) for item in structure.used}
+    files = sorted(str(module.__file__) for module in {*modules, primitives} if module)
+    for file in files:
+        digest.update(Path(file).read_bytes())
+    return digest.hexdigest()[:20]
+
+
+_HEAD = '''"""Equations of motion of one structure of model, written by pmmkit."""
+
+import numba
+import numpy
+
+from pmmkit.kernel.numba_mode import use
+
+
+def entry(function):
+    return numba.njit(function, cache=True, nogil=True, error_model="numpy")
+
+
+def inner(function):
+    return numba.njit(function, nogil=True, error_model="numpy")
+
+
+@inner
+def vector(size):
+    return numpy.zeros(size)
+
+
+'''

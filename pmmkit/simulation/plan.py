@@ -1,0 +1,171 @@
+"""A manoeuvre as data: orders with what ends them, and what is asked of the history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+End = Literal["time", "heading", "yaw rate", "surge", "steady turn", "steady"]
+ENDS: Final[tuple[End, ...]] = ("time", "heading", "yaw rate", "surge", "steady turn", "steady")
+Ask = Literal["crossing", "extreme", "end", "begin", "path", "steady", "reached"]
+ASKS: Final[tuple[Ask, ...]] = (
+    "crossing", "extreme", "end", "begin", "path", "steady", "reached",
+)  # fmt: skip
+STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phase:
+    """Orders, held until something happens.
+
+    Parameters
+    ----------
+    rudder : float
+        Ordered angle [rad]; NaN leaves the order as it is.
+    turns : float
+        Ordered revolutions over those of the approach; NaN as above.
+    bucket : float
+        Ordered bucket of a waterjet, 0 ahead to 1 astern; NaN as above.
+    until : str
+        ``time``; ``heading`` [rad], ``yaw rate`` [rad/s] or ``surge`` [m/s] pass `level` in the
+        direction `side`; ``steady turn``: the heading passes `level` and the turn is steady, or
+        will be after more circles; ``steady``: accelerations over U²/L and (U/L)² below `level`.
+    level, side : float
+        See above.
+    shortest, longest : float
+        Least and greatest length of the phase [s].
+    """
+
+    rudder: float = math.nan
+    turns: float = math.nan
+    bucket: float = math.nan
+    until: End = "time"
+    level: float = 0.0
+    side: float = 1.0
+    shortest: float = 0.0
+    longest: float
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As the engine takes it."""
+        return (
+            self.rudder, self.turns, self.bucket, float(ENDS.index(self.until)), self.level,
+            self.side, self.shortest, self.longest,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probe:
+    """A question to a history, answered by an instant and the states at it.
+
+    Parameters
+    ----------
+    ask : str
+        ``crossing``: first passage of a state through `level` in the direction `side`;
+        ``extreme``: where a state is largest (`side` 1) or least (-1); ``begin`` and ``end`` of
+        the phases; ``reached``: the end of a phase that came to what it waited for; ``path``: its
+        length, in place of the instant [m]; ``steady``: the motion
+        without accelerations next to the end, NaN if there is none.
+    state : str
+        Of `STATES`.
+    level, side : float
+        See above.
+    first, last : int
+        Phases in which it is looked for.
+    """
+
+    ask: Ask
+    state: str = "x"
+    level: float = 0.0
+    side: float = 1.0
+    first: int = 0
+    last: int = 0
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As the engine takes it."""
+        return (
+            float(ASKS.index(self.ask)), float(STATES.index(self.state)), self.level, self.side,
+            float(self.first), float(self.last),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answers:
+    """What the probes of a plan found for one ship, or for many at once.
+
+    Parameters
+    ----------
+    places : mapping of str to int
+        Place of each probe.
+    states : tuple of str
+        States in their order.
+    values : array (probes, 1 + states) or (probes, 1 + states, ships)
+        Instants and states.
+    speed, L : float
+        Approach speed [m/s] and ship length [m].
+    """
+
+    places: Mapping[str, int]
+    states: tuple[str, ...]
+    values: Any
+    speed: float
+    L: float
+
+    def t(self, probe: str) -> Any:
+        """Instant [s] (or length of the path [m])."""
+        return self.values[self.places[probe]][0]
+
+    def at(self, probe: str, state: str) -> Any:
+        """A state."""
+        return self.values[self.places[probe]][1 + self.states.index(state)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A manoeuvre.
+
+    Parameters
+    ----------
+    name : str
+        Of the manoeuvre.
+    phases : tuple of Phase
+        Orders one after another.
+    probes : mapping of str to Probe
+        What is asked.
+    measure : callable
+        From the answers to metrics by name.
+    rudder : float
+        Largest ordered angle with its sign [rad].
+    settles : bool
+        Whether the end is to be steady.
+    """
+
+    name: str
+    phases: tuple[Phase, ...]
+    probes: Mapping[str, Probe]
+    measure: Callable[[Answers], dict[str, Any]]
+    rudder: float = 0.0
+    settles: bool = False
+
+    @cached_property
+    def orders(self) -> list[float]:
+        """The phases as the engine takes them."""
+        return [number for phase in self.phases for number in phase.numbers]
+
+    @cached_property
+    def questions(self) -> list[float]:
+        """The probes as the engine takes them."""
+        return [number for probe in self.probes.values() for number in probe.numbers]
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """Place of each probe."""
+        return {name: place for place, name in enumerate(self.probes)}

@@ -1,0 +1,298 @@
+"""Running a plan: one ship with its history, or many ships with their metrics."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import ModelError, SimulationError
+from pmmkit.kernel import Prepared, mass_problem, propulsion_problem
+from pmmkit.kernel.layout import PLACE
+from pmmkit.kernel.structure import Structure
+from pmmkit.simulation.plan import Answers, Plan
+
+Array = NDArray[np.float64]
+LONGEST_STEP: Final = 1.0
+"""Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
+alone lets the steps grow to the limit of stability, where the dense output loses digits."""
+FASTEST: Final = 10.0
+"""A ship beyond so many times its approach speed has left what the model describes."""
+ROOM: Final = 400
+"""Steps for which there is room at first."""
+INSTANT: Final = 1e9
+"""Rate of a control that follows its order at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Gear:
+    """How the controls follow their orders.
+
+    Parameters
+    ----------
+    rudder_rate : float
+        [rad/s]
+    rudder_lag : float
+        Time constant near the order [s]; 0 goes at the rate to the end.
+    turns_rate : float
+        Rate of the revolutions where no effect ``shaft`` moves them [1/s²].
+    bucket_rate : float
+        [1/s]
+    """
+
+    rudder_rate: float
+    rudder_lag: float = 0.0
+    turns_rate: float = INSTANT
+    bucket_rate: float = INSTANT
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class History:
+    """An integrated manoeuvre with its dense output.
+
+    Parameters
+    ----------
+    ready : Prepared
+        The model.
+    plan : Plan
+        The manoeuvre.
+    steps, events, settings : list or array
+        As the engine fills them.
+    kept : int
+        Number of steps.
+    n0 : float
+        Revolutions of the approach [1/s].
+    fast : bool
+        Whether compiled functions made it.
+    """
+
+    ready: Prepared
+    plan: Plan
+    steps: Any
+    events: Any
+    settings: Any
+    kept: int
+    n0: float
+    fast: bool
+
+    @property
+    def end(self) -> float:
+        """Last instant [s]."""
+        return float(self.events[9 * len(self.plan.phases)])
+
+    @property
+    def begins(self) -> tuple[float, ...]:
+        """Instants at which the phases begin [s]."""
+        return tuple(float(self.events[9 * i]) for i in range(len(self.plan.phases)))
+
+    @property
+    def finished(self) -> tuple[bool, ...]:
+        """Whether each phase was ended by what it waited for."""
+        return tuple(bool(self.events[9 * i + 8]) for i in range(len(self.plan.phases)))
+
+    def answers(self) -> Answers:
+        """What the probes of the plan find."""
+        states = self.ready.structure.states
+        width, count = 1 + len(states), len(self.plan.probes)
+        functions = self.ready.functions(fast=self.fast)
+        found = self.room(width * count)
+        functions.probe(
+            self.steps, self.events, self.listed(self.plan.questions), count, self.n0,
+            self.settings, self.constants, found,
+        )  # fmt: skip
+        flat = found.tolist() if self.fast else found
+        values = [flat[i * width : (i + 1) * width] for i in range(count)]
+        return Answers(
+            places=self.plan.places, states=states, values=values, speed=self.ready.speed,
+            L=self.ready.L,
+        )  # fmt: skip
+
+    def sampled(self, t: Array) -> Array:
+        """States and the three controls at ascending instants, a row each."""
+        rows = len(self.ready.structure.states) + 3
+        functions = self.ready.functions(fast=self.fast)
+        times = t if self.fast else t.tolist()
+        out = self.room(rows * len(t))
+        functions.sample(
+            self.steps, self.kept, self.events, len(self.plan.phases), self.settings, times,
+            len(t), out,
+        )  # fmt: skip
+        return np.asarray(out).reshape(rows, len(t))
+
+    @property
+    def constants(self) -> Any:
+        """The constants with the inverse of the mass matrix, as the functions take them."""
+        return self.listed(self.ready.constants)
+
+    def room(self, size: int) -> Any:
+        """Room for numbers, as the functions take it."""
+        return np.empty(size) if self.fast else [0.0] * size
+
+    def listed(self, numbers: list[float]) -> Any:
+        """Numbers as the functions take them."""
+        return np.array(numbers) if self.fast else numbers
+
+
+def settings_of(
+    ready: Prepared, gear: Gear, rtol: float, revolutions: float | None = None
+) -> list[float]:
+    """Settings of the engine: tolerance, longest step, speed, gears, revolutions, limit."""
+    shaft = "n" in ready.structure.states
+    return [
+        rtol, LONGEST_STEP * ready.L / ready.speed, ready.speed, gear.rudder_rate,
+        gear.rudder_lag, INSTANT if shaft else gear.turns_rate, 0.0, gear.bucket_rate, 0.0,
+        revolutions or 0.0, FASTEST * ready.speed,
+    ]  # fmt: skip
+
+
+def run_plan(
+    ready: Prepared, plan: Plan, gear: Gear, *, rtol: float, fast: bool,
+    revolutions: float | None = None,
+) -> History:  # fmt: skip
+    """Integrate one ship through a plan.
+
+    Parameters
+    ----------
+    ready : Prepared
+        The model at its approach speed.
+    plan : Plan
+        The manoeuvre.
+    gear : Gear
+        How the controls follow.
+    rtol : float
+        Relative tolerance of a step.
+    fast : bool
+        Compiled, or interpreted.
+    revolutions : float, optional
+        Of the approach [1/s]; by default those of self-propulsion.
+
+    Returns
+    -------
+    History
+
+    Raises
+    ------
+    SimulationError
+        If the motion grows without bound.
+    ModelError
+        If the mass matrix is not positive or no revolutions hold the speed.
+    """
+    functions = ready.functions(fast=fast)
+    settings: Any = settings_of(ready, gear, rtol, revolutions)
+    orders: Any = plan.orders
+    count = len(plan.phases)
+    events: Any = [0.0] * (9 * (count + 1))
+    if fast:
+        settings, orders, events = np.array(settings), np.array(orders), np.zeros(len(events))
+    stride = 2 + 5 * len(ready.structure.states)
+    room = ROOM
+    while True:
+        steps: Any = np.empty(stride * room) if fast else [0.0] * (stride * room)
+        k: Any = ready.array.copy() if fast else list(ready.k)
+        try:
+            status, kept, n0 = functions.run(
+                k, orders, count, settings, steps, stride * room, events
+            )
+        except (OverflowError, ZeroDivisionError, ValueError):
+            status, kept, n0 = 2, 0, math.nan
+        if status != 4:
+            break
+        room *= 4
+    if status:
+        last = steps[stride * (kept - 1)] if kept else 0.0
+        raise problem(status, ready, float(last))
+    return History(
+        ready=ready, plan=plan, steps=steps, events=events, settings=settings, kept=kept,
+        n0=float(n0), fast=fast,
+    )  # fmt: skip
+
+
+def problem(status: int, ready: Prepared, t: float) -> SimulationError | ModelError:
+    """The error that a status of the engine stands for."""
+    if status == 1:
+        return ModelError(mass_problem(ready.name))
+    if status == 5:
+        return ModelError(propulsion_problem(ready.name, ready.speed))
+    return SimulationError(
+        f"The motion leaves what the model describes at t = {t:.4g} s (it grows without bound or "
+        f"the ship capsizes). Check the model's derivatives at this speed, or use less rudder."
+    )
+
+
+CHUNK: Final = 250
+"""Ships that one thread takes at a time."""
+BATCH_ROOM: Final = 4000
+"""Steps for which each thread has room."""
+
+
+def run_ships(
+    structure: Structure, ships: Array, plan: Plan, settings: list[float], *,
+    jobs: int | None = None, advance: Callable[[int], object] | None = None,
+) -> tuple[Answers, Array]:  # fmt: skip
+    """Run many ships of one structure through a plan.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of all ships.
+    ships : array (ships, constants)
+        A row of constants for each, from `pmmkit.kernel.stacked`.
+    plan : Plan
+        The manoeuvre.
+    settings : list of float
+        From `settings_of`.
+    jobs : int, optional
+        Threads; by default as many as the machine has processors.
+    advance : callable, optional
+        Called with the number of ships done since the last call.
+
+    Returns
+    -------
+    answers : Answers
+        With a value per ship.
+    status : array (ships,)
+        0 where the ship was simulated, else as in `problem`.
+
+    Notes
+    -----
+    Each ship is integrated on its own, by the code that also runs a single one: the results are
+    the same bit for bit whatever the number of threads.
+    """
+    from pmmkit.kernel.loading import compiled
+
+    functions = compiled(structure)
+    number, width = ships.shape
+    asked, states = len(plan.probes), structure.states
+    results = np.empty(number * asked * (1 + len(states)))
+    state = np.empty(2 * number)
+    flat = np.ascontiguousarray(ships).reshape(-1)
+    orders, questions, given = np.array(plan.orders), np.array(plan.questions), np.array(settings)
+    room = BATCH_ROOM * (2 + 5 * len(states))
+
+    def work(first: int) -> int:
+        last: int = min(first + CHUNK, number)
+        functions.run_many(
+            flat, first, last, width, orders, len(plan.phases), given, questions, asked, room,
+            results, state,
+        )  # fmt: skip
+        return last - first
+
+    starts = range(0, number, CHUNK)
+    threads = min(jobs or os.cpu_count() or 1, len(starts))
+    with ThreadPoolExecutor(max(threads, 1)) as pool:
+        done: Iterator[int] = pool.map(work, starts) if threads > 1 else map(work, starts)
+        for size in done:
+            if advance is not None:
+                advance(size)
+    values = results.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
+    answers = Answers(
+        places=plan.places, states=states, values=values, speed=settings[2],
+        L=float(ships[0, PLACE["L"]]),
+    )  # fmt: skip
+    return answers, state.reshape(-1, 2)[:, 0]
