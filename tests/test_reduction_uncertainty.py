@@ -30,7 +30,7 @@ def autocorrelated(channel, speed, n, seed, rho=0.8):
 
 def test_small_coverage_study():
     """Pooled coverage of the 95 % intervals over replicates of the S175 programme with biases,
-    transients and autocorrelated noise (scripts/coverage.py is the large study)."""
+    transients and autocorrelated noise (scripts/interval_coverage.py is the large study)."""
     truth = load_truth()
     hits = []
     for seed in range(8):

@@ -241,10 +241,14 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
 
 @cache
 def _engine() -> str:
-    """The functions of `engine.py`, decorated."""
-    text = Path(__file__).with_name("engine.py").read_text(encoding="utf-8")
+    """The functions of `engine.py` and `asking.py`, decorated."""
+    nodes = [
+        node
+        for name in ("engine.py", "asking.py")
+        for node in ast.parse(Path(__file__).with_name(name).read_text(encoding="utf-8")).body
+    ]
     parts = []
-    for node in ast.parse(text).body:
+    for node in nodes:
         if isinstance(node, ast.FunctionDef) and node.name != "rates":
             for argument in node.args.args:
                 argument.annotation = None

@@ -1,6 +1,6 @@
 """How often the 95 % intervals hold the truth: replicates of the S175 programme.
 
-    python scripts/coverage.py [--replicates 1000] [--jobs 4] [--unbiased]
+    python scripts/interval_coverage.py [--replicates 1000] [--jobs 4] [--unbiased]
 
 Each replicate draws new noise, new gauge and setting errors (as stated in the campaign) and goes
 through the whole reduction, steady windows and cycle tests included. The truth is that of
