@@ -116,7 +116,7 @@ def probe(
 
 def sample(
     steps: list[float], kept: int, events: list[float], count: int, settings: list[float],
-    times: list[float], size: int, out: list[float],
+    times: list[float], size: int, n0: float, out: list[float],
 ) -> None:  # fmt: skip
     """States and controls at ascending instants: NS + 3 rows of `size` numbers."""
     place, phase = 0, 0
@@ -134,6 +134,8 @@ def sample(
         for c in range(3):
             start, order = events[9 * phase + 1 + c], events[9 * phase + 4 + c]
             rate, lag = settings[3 + 2 * c], settings[4 + 2 * c]
+            if c == 1:
+                rate *= max(n0, 1e-9)
             out[(NS + c) * size + j] = control(t, begin, start, order, rate, lag)
 
 

@@ -394,7 +394,7 @@ def run(
         y[N_AT], size[N_AT] = n0, n0
     for i in range(3):
         gear[5 * i + 3], gear[5 * i + 4] = settings[3 + 2 * i], settings[4 + 2 * i]
-    gear[6], gear[7] = n0, n0
+    gear[6], gear[7], gear[8] = n0, n0, settings[5] * max(n0, 1e-9)
     t, h, kept = 0.0, 0.05 / pace, 0
     before, lost = 1e-4, 0
     for p in range(count):

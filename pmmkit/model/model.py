@@ -154,7 +154,7 @@ class Model:
         part = self.part(effect)
         known = catalogue()[effect]
         filled = {item.name: item.default for item in known.parameters if item.default is not None}
-        weights = self._weights(Fn, extrapolate) if self.Fn else ()
+        weights = self.weights(Fn, extrapolate=extrapolate) if self.Fn else ()
         tables = known.tables
         for name, value in part.values.items():
             filled[name] = (
@@ -164,7 +164,14 @@ class Model:
             )
         return filled
 
-    def _weights(self, Fn: float | None, extrapolate: bool) -> tuple[float, ...]:
+    def weights(self, Fn: float | None, *, extrapolate: bool = False) -> tuple[float, ...]:
+        """Share of each of the model's Froude numbers in the values at another one.
+
+        Raises
+        ------
+        ExtrapolationError
+            If `Fn` is outside the range and `extrapolate` is not set.
+        """
         if Fn is None:
             raise ModelError(
                 f"Model {self.name!r} has values at {len(self.Fn)} Froude numbers: say which."

@@ -41,7 +41,8 @@ class Gear:
     rudder_lag : float
         Time constant near the order [s]; 0 goes at the rate to the end.
     turns_rate : float
-        Rate of the revolutions where no effect ``shaft`` moves them [1/s²].
+        Rate of the revolutions, over those of the approach, where no effect ``shaft`` moves
+        them [1/s].
     bucket_rate : float
         [1/s]
     """
@@ -121,7 +122,7 @@ class History:
         out = self.room(rows * len(t))
         functions.sample(
             self.steps, self.kept, self.events, len(self.plan.phases), self.settings, times,
-            len(t), out,
+            len(t), self.n0, out,
         )  # fmt: skip
         return np.asarray(out).reshape(rows, len(t))
 
@@ -139,15 +140,16 @@ class History:
         return np.array(numbers) if self.fast else numbers
 
 
-def settings_of(
-    ready: Prepared, gear: Gear, rtol: float, revolutions: float | None = None
-) -> list[float]:
+def settings_for(
+    structure: Structure, L: float, speed: float, gear: Gear, rtol: float,
+    revolutions: float | None = None,
+) -> list[float]:  # fmt: skip
     """Settings of the engine: tolerance, longest step, speed, gears, revolutions, limit."""
-    shaft = "n" in ready.structure.states
+    shaft = "n" in structure.states
     return [
-        rtol, LONGEST_STEP * ready.L / ready.speed, ready.speed, gear.rudder_rate,
-        gear.rudder_lag, INSTANT if shaft else gear.turns_rate, 0.0, gear.bucket_rate, 0.0,
-        revolutions or 0.0, FASTEST * ready.speed,
+        rtol, LONGEST_STEP * L / speed, speed, gear.rudder_rate, gear.rudder_lag,
+        INSTANT if shaft else gear.turns_rate, 0.0, gear.bucket_rate, 0.0, revolutions or 0.0,
+        FASTEST * speed,
     ]  # fmt: skip
 
 
@@ -184,7 +186,7 @@ def run_plan(
         If the mass matrix is not positive or no revolutions hold the speed.
     """
     functions = ready.functions(fast=fast)
-    settings: Any = settings_of(ready, gear, rtol, revolutions)
+    settings: Any = settings_for(ready.structure, ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders
     count = len(plan.phases)
     events: Any = [0.0] * (9 * (count + 1))
@@ -246,7 +248,7 @@ def run_ships(
     plan : Plan
         The manoeuvre.
     settings : list of float
-        From `settings_of`.
+        From `settings_for`.
     jobs : int, optional
         Threads; by default as many as the machine has processors.
     advance : callable, optional

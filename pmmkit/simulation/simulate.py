@@ -12,7 +12,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
-from pmmkit.kernel import Conditions, Prepared, prepare
+from pmmkit.kernel import Conditions, prepare
 from pmmkit.model import Model, load_model
 from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.plan import Plan
@@ -125,13 +125,14 @@ def simulate(
         current_direction_deg=current_direction_deg, depth=depth,
     )  # fmt: skip
     ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
-    plan = plan_of(manoeuvre, ready, wind=wind_speed > 0.0, **settings)
-    gear = gear_of(loaded, plan, ready, rudder_rate_deg, rudder_lag if rudder_law == "lag" else 0.0)
+    plan = plan_for(manoeuvre, speed / ready.L, wind=wind_speed > 0.0, **settings)
+    lag = rudder_lag if rudder_law == "lag" else 0.0
+    gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     return track_of(loaded, history, dt, settings)
 
 
-def plan_of(manoeuvre: str, ready: Prepared, *, wind: bool = False, **settings: Any) -> Plan:
+def plan_for(manoeuvre: str, pace: float, *, wind: bool = False, **settings: Any) -> Plan:
     """The plan of a manoeuvre for a ship at its approach speed.
 
     Raises
@@ -145,10 +146,10 @@ def plan_of(manoeuvre: str, ready: Prepared, *, wind: bool = False, **settings: 
         )
     if wind and manoeuvre == "turning":
         settings = {**settings, "wind": True}
-    return MANOEUVRES[manoeuvre](ready.speed / ready.L, **settings)
+    return MANOEUVRES[manoeuvre](pace, **settings)
 
 
-def gear_of(model: Model, plan: Plan, ready: Prepared, rate_deg: float | None, lag: float) -> Gear:
+def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: float) -> Gear:
     """How the controls of a model follow their orders.
 
     Raises
@@ -176,13 +177,11 @@ def gear_of(model: Model, plan: Plan, ready: Prepared, rate_deg: float | None, l
         raise DataError(
             f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
         )
-    turned = any(phase.turns == phase.turns for phase in plan.phases)
-    revolutions = ready.self_propulsion() if turned and ready.structure.turns else 1.0
     return Gear(
         rudder_rate=math.radians(rate) if rate is not None else INSTANT,
         rudder_lag=lag,
-        turns_rate=max(revolutions, 1e-9) * ready.speed / (REVERSAL * ready.L),
-        bucket_rate=ready.speed / (REVERSAL * ready.L),
+        turns_rate=pace / REVERSAL,
+        bucket_rate=pace / REVERSAL,
     )
 
 

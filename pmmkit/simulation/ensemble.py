@@ -1,0 +1,359 @@
+"""Many ships at once: what the uncertainty of the derivatives does to a manoeuvre."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError, ModelError
+from pmmkit.kernel import CALM, Conditions, packed, stacked, values_at
+from pmmkit.model import Model, load_model
+from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.progress import Progress
+from pmmkit.simulation.plan import Plan
+from pmmkit.simulation.run import Gear, run_ships, settings_for
+from pmmkit.simulation.simulate import RTOL, gear_of, plan_for
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+CHUNK: Final = 10_000
+"""Ships whose constants are held at a time."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ensemble:
+    """A manoeuvre of many ships that differ in their derivatives.
+
+    Parameters
+    ----------
+    metrics : mapping of str to array (n,)
+        As of a Track; NaN where a ship does not come that far or cannot be simulated.
+    nominal : mapping of str to float
+        The same for the model as it stands.
+    names : tuple of str
+        Derivatives that differ.
+    failed : int
+        Ships whose motion grows without bound or whose mass matrix is not positive.
+    speed, Fn : float
+        Approach speed [m/s] and its Froude number.
+    seed : int
+        Of the draws.
+    origin : str
+        Where the differences come from.
+    name, manoeuvre, scale : str
+        Of the model and the manoeuvre.
+    """
+
+    metrics: Mapping[str, Array]
+    nominal: Mapping[str, float]
+    names: tuple[str, ...]
+    failed: int
+    speed: float
+    Fn: float
+    seed: int
+    origin: str
+    name: str
+    manoeuvre: str
+    scale: str
+
+    def __len__(self) -> int:
+        return len(next(iter(self.metrics.values())))
+
+    def interval(self, metric: str, level: float = 0.95) -> tuple[float, float]:
+        """Central interval of a metric, by quantiles of the ships that have it."""
+        values = self.metrics[metric][np.isfinite(self.metrics[metric])]
+        if not len(values):
+            return np.nan, np.nan
+        low, high = np.quantile(values, [0.5 - level / 2, 0.5 + level / 2])
+        return float(low), float(high)
+
+    def probability(self, metric: str, limit: float) -> float:
+        """Share of ships whose metric is at most a limit; ships without it count as above."""
+        return float(np.mean(self.metrics[metric] <= limit))
+
+    def summary(self, level: float = 0.95) -> pd.DataFrame:
+        """Nominal value, mean, standard deviation, interval and count of each metric."""
+        import pandas as pd
+
+        rows = []
+        for name, values in self.metrics.items():
+            there = values[np.isfinite(values)]
+            low, high = self.interval(name, level)
+            rows.append(
+                {
+                    "metric": name, "nominal": self.nominal[name],
+                    "mean": float(there.mean()) if len(there) else np.nan,
+                    "std": float(there.std(ddof=1)) if len(there) > 1 else np.nan,
+                    "low": low, "high": high, "ships": len(there),
+                }
+            )  # fmt: skip
+        return pd.DataFrame(rows).set_index("metric")
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per ship, a column per metric."""
+        import pandas as pd
+
+        return pd.DataFrame(dict(self.metrics))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """Values that differ between ships: a mean and a root of their covariance, at one speed.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives.
+    mean : array (m,)
+        Their values.
+    root : array (m, q)
+        ``root @ root.T`` is the covariance.
+    origin : str
+        Where it comes from, in words.
+    """
+
+    names: tuple[str, ...]
+    mean: Array
+    root: Array
+    origin: str
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (m, m)."""
+        product: Array = self.root @ self.root.T
+        return product
+
+    def draw(self, seed: int, first: int, count: int) -> Array:
+        """Values (count, m) of the ships from number `first` on; the same whatever the chunks."""
+        blocks = []
+        for block in range(first // CHUNK, (first + count - 1) // CHUNK + 1):
+            generator = np.random.default_rng([seed, block])
+            blocks.append(generator.standard_normal((CHUNK, self.root.shape[1])))
+        start = first - first // CHUNK * CHUNK
+        normal = np.concatenate(blocks)[start : start + count]
+        drawn: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
+        return drawn
+
+
+def spread_of(
+    model: Model, speed: float, spread: float | None = None, *, extrapolate: bool = False
+) -> Spread:
+    """How the derivatives of a model differ between ships at a speed.
+
+    Parameters
+    ----------
+    model : Model
+        With a covariance, or without.
+    speed : float
+        Approach speed [m/s].
+    spread : float, optional
+        Relative standard deviation of each derivative of hull and added mass, independent; by
+        default the covariance of the model counts.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Spread
+
+    Raises
+    ------
+    ModelError
+        If the model has no covariance and `spread` is not given.
+    """
+    values = values_at(model, speed, extrapolate=extrapolate)
+    given = {
+        name: value
+        for effect in DERIVATIVE_PARTS
+        for name, value in values.get(effect, {}).items()
+        if effect != "added_mass" or name != "lx"
+    }
+    if spread is not None:
+        if not 0.0 < spread < 1.0:
+            raise DataError(f"spread = {spread} must lie between 0 and 1.")
+        names = tuple(given)
+        mean = np.array([given[name] for name in names])
+        return Spread(
+            names=names, mean=mean, root=np.diag(spread * np.abs(mean)),
+            origin=f"{100 * spread:g} % of each derivative, independent",
+        )  # fmt: skip
+    if model.covariance is None:
+        raise ModelError(
+            f"Model {model.name!r} carries no covariance: give spread, the relative standard "
+            f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
+        )
+    froude = model.ship.froude(speed, model.water.g)
+    weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
+    size = len(model.covariance_names)
+    full = model.covariance.reshape(len(weights), size, len(weights), size)
+    covariance = np.einsum("a,aibj,b->ij", weights, np.nan_to_num(full), weights)
+    known = np.isfinite(np.einsum("aiai->ai", full)).all(axis=0) & (np.diagonal(covariance) > 0)
+    names = tuple(name for name, there in zip(model.covariance_names, known, strict=True) if there)
+    chosen = covariance[np.ix_(known, known)]
+    scale = np.sqrt(np.diagonal(chosen))
+    eigenvalues, vectors = np.linalg.eigh(chosen / np.outer(scale, scale))
+    root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
+    unknown = size - len(names)
+    return Spread(
+        names=names, mean=np.array([given[name] for name in names]), root=root,
+        origin="the covariance of the tests"
+        + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Batch:
+    """One manoeuvre of one model, to be run with other values of its derivatives.
+
+    Parameters
+    ----------
+    model : Model
+        Everything that does not differ.
+    plan : Plan
+        The manoeuvre.
+    gear : Gear
+        How the controls follow.
+    speed, rtol : float
+        Approach speed [m/s], relative tolerance.
+    conditions : Conditions
+        Wind, current, depth.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    """
+
+    model: Model
+    plan: Plan
+    gear: Gear
+    speed: float
+    rtol: float = RTOL
+    conditions: Conditions = CALM
+    extrapolate: bool = False
+
+    def run(
+        self, names: Sequence[str], values: Array, *, jobs: int | None = None,
+        advance: Callable[[int], object] | None = None,
+    ) -> tuple[dict[str, Array], Array]:  # fmt: skip
+        """Metrics (n,) by name, and the status of each ship, for values (n, len(names))."""
+        given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
+        for column, name in enumerate(names):
+            for effect in DERIVATIVE_PARTS:
+                if name in given.get(effect, {}):
+                    given[effect][name] = values[:, column]
+                    break
+        structure, k = packed(self.model, given, self.speed, self.conditions)
+        settings = settings_for(structure, self.model.ship.L, self.speed, self.gear, self.rtol)
+        answers, status = run_ships(
+            structure, stacked(k, len(values)), self.plan, settings, jobs=jobs, advance=advance
+        )
+        with np.errstate(all="ignore"):
+            metrics = {name: np.asarray(x) for name, x in self.plan.measure(answers).items()}
+        return metrics, status
+
+
+def batch_of(
+    model: Model | str | Path, manoeuvre: str, *, speed: float, rtol: float = RTOL,
+    conditions: Conditions = CALM, rudder_rate_deg: float | None = None,
+    extrapolate: bool = False, **settings: Any,
+) -> Batch:  # fmt: skip
+    """A batch of a manoeuvre; arguments as for `simulate`."""
+    loaded = model if isinstance(model, Model) else load_model(model)
+    pace = speed / loaded.ship.L
+    plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
+    return Batch(
+        model=loaded, plan=plan, gear=gear_of(loaded, plan, pace, rudder_rate_deg, 0.0),
+        speed=speed, rtol=rtol, conditions=conditions, extrapolate=extrapolate,
+    )  # fmt: skip
+
+
+def monte_carlo(
+    model: Model | str | Path,
+    manoeuvre: str = "turning",
+    *,
+    speed: float,
+    n: int = 10_000,
+    spread: float | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Ensemble:
+    """A manoeuvre with derivatives drawn from their covariance.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        A model, a library name or a file.
+    manoeuvre : str
+        As for `simulate`.
+    speed : float
+        Approach speed [m/s].
+    n : int
+        Number of ships.
+    spread : float, optional
+        Relative standard deviation of each derivative where the model has no covariance, or in
+        its place.
+    seed : int
+        Of the draws: the same seed gives the same ships, bit for bit.
+    jobs : int, optional
+        Threads; by default as many as there are processors. The results do not depend on it.
+    progress : Progress, optional
+        Is told how many ships are done.
+    **settings
+        Of the manoeuvre, and `rtol`, `rudder_rate_deg`, `extrapolate`, `conditions`.
+
+    Returns
+    -------
+    Ensemble
+
+    Raises
+    ------
+    ModelError
+        If the model has no covariance and `spread` is not given.
+    DataError
+        If an argument makes no sense.
+
+    Examples
+    --------
+    >>> many = monte_carlo("kvlcc2", "turning", rudder_deg=35, speed=7.97, n=200, spread=0.05)
+    >>> low, high = many.interval("tactical_diameter_L")
+    >>> low < many.nominal["tactical_diameter_L"] < high
+    True
+    """
+    if not (isinstance(n, int) and n > 0):
+        raise DataError(f"n = {n} must be a positive whole number.")
+    batch = batch_of(model, manoeuvre, speed=speed, **settings)
+    loaded = batch.model
+    drawn = spread_of(loaded, speed, spread, extrapolate=batch.extrapolate)
+    nominal, _ = batch.run(drawn.names, drawn.mean[None], jobs=1)
+    found = {name: np.empty(n) for name in nominal}
+    failed, done = 0, 0
+
+    def advance(size: int) -> None:
+        nonlocal done
+        done += size
+        if progress is not None:
+            progress(done, n, f"{manoeuvre}, {loaded.name}")
+
+    for first in range(0, n, CHUNK):
+        count = min(CHUNK, n - first)
+        metrics, status = batch.run(
+            drawn.names, drawn.draw(seed, first, count), jobs=jobs, advance=advance
+        )
+        failed += int(np.count_nonzero(status))
+        for name, values in metrics.items():
+            found[name][first : first + count] = values
+    return Ensemble(
+        metrics=MappingProxyType(found),
+        nominal=MappingProxyType({name: float(x[0]) for name, x in nominal.items()}),
+        names=drawn.names, failed=failed, speed=speed,
+        Fn=loaded.ship.froude(speed, loaded.water.g), seed=seed, origin=drawn.origin,
+        name=loaded.name, manoeuvre=manoeuvre, scale=loaded.scale,
+    )  # fmt: skip
