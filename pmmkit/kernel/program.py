@@ -104,7 +104,15 @@ class Prepared:
 
     def functions(self, *, fast: bool = False) -> ModuleType:
         """The functions of the structure, interpreted or compiled."""
-        return compiled(self.structure) if fast else interpreted(self.structure)
+        return self._compiled if fast else self._interpreted
+
+    @cached_property
+    def _compiled(self) -> ModuleType:
+        return compiled(self.structure)
+
+    @cached_property
+    def _interpreted(self) -> ModuleType:
+        return interpreted(self.structure)
 
     @cached_property
     def array(self) -> Array:

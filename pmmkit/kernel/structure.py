@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from inspect import signature
 from typing import Final
 
@@ -66,13 +67,13 @@ class Structure:
     used: tuple[Used, ...]
     rolls: bool
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states, those of the effects last."""
         ship = STATES + (ROLLING if self.rolls else ())
         return ship + tuple(state for item in self.used for state in item.known.states)
 
-    @property
+    @cached_property
     def turns(self) -> bool:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)

@@ -161,9 +161,24 @@ class Plan:
         return [number for phase in self.phases for number in phase.numbers]
 
     @cached_property
+    def orders_array(self) -> Array:
+        """The phases as the compiled engine takes them."""
+        return np.array(self.orders)
+
+    @cached_property
+    def questions_array(self) -> Array:
+        """The probes as the compiled engine takes them."""
+        return np.array(self.questions)
+
+    @cached_property
     def questions(self) -> list[float]:
         """The probes as the engine takes them."""
         return [number for probe in self.probes.values() for number in probe.numbers]
+
+    @cached_property
+    def most_rudder(self) -> float:
+        """Largest rudder angle that is ordered to either side [rad]."""
+        return max((abs(p.rudder) for p in self.phases if not math.isnan(p.rudder)), default=0.0)
 
     @cached_property
     def places(self) -> dict[str, int]:

@@ -7,6 +7,7 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -65,6 +66,8 @@ class History:
         The manoeuvre.
     steps, events, settings : list or array
         As the engine fills them.
+    constants : list or array
+        With the inverse of the mass matrix, as the functions take them.
     kept : int
         Number of steps.
     n0 : float
@@ -78,6 +81,7 @@ class History:
     steps: Any
     events: Any
     settings: Any
+    constants: Any
     kept: int
     n0: float
     fast: bool
@@ -97,6 +101,7 @@ class History:
         """Whether each phase was ended by what it waited for."""
         return tuple(bool(self.events[9 * i + 8]) for i in range(len(self.plan.phases)))
 
+    @cached_property
     def answers(self) -> Answers:
         """What the probes of the plan find."""
         states = self.ready.structure.states
@@ -104,8 +109,8 @@ class History:
         functions = self.ready.functions(fast=self.fast)
         found = self.room(width * count)
         functions.probe(
-            self.steps, self.events, self.listed(self.plan.questions), count, self.n0,
-            self.settings, self.constants, found,
+            self.steps, self.events, self._questions, count, self.n0, self.settings,
+            self.constants, found,
         )  # fmt: skip
         flat = found.tolist() if self.fast else found
         values = [flat[i * width : (i + 1) * width] for i in range(count)]
@@ -127,17 +132,12 @@ class History:
         return np.asarray(out).reshape(rows, len(t))
 
     @property
-    def constants(self) -> Any:
-        """The constants with the inverse of the mass matrix, as the functions take them."""
-        return self.listed(self.ready.constants)
+    def _questions(self) -> Any:
+        return self.plan.questions_array if self.fast else self.plan.questions
 
     def room(self, size: int) -> Any:
         """Room for numbers, as the functions take it."""
         return np.empty(size) if self.fast else [0.0] * size
-
-    def listed(self, numbers: list[float]) -> Any:
-        """Numbers as the functions take them."""
-        return np.array(numbers) if self.fast else numbers
 
 
 def settings_for(
@@ -210,7 +210,8 @@ def run_plan(
         last = steps[stride * (kept - 1)] if kept else 0.0
         raise problem(status, ready, float(last))
     return History(
-        ready=ready, plan=plan, steps=steps, events=events, settings=settings, kept=kept,
+        ready=ready, plan=plan, steps=steps, events=events, settings=settings, constants=k,
+        kept=kept,
         n0=float(n0), fast=fast,
     )  # fmt: skip
 
@@ -274,7 +275,7 @@ def run_ships(
     results = np.empty(number * asked * (1 + len(states)))
     state = np.empty(2 * number)
     flat = np.ascontiguousarray(ships).reshape(-1)
-    orders, questions, given = np.array(plan.orders), np.array(plan.questions), np.array(settings)
+    orders, questions, given = plan.orders_array, plan.questions_array, np.array(settings)
     room = BATCH_ROOM * (2 + 5 * len(states))
 
     def work(first: int) -> int:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
+from functools import cache, lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
 from pmmkit.kernel import Conditions, prepare
 from pmmkit.model import Model, load_model
@@ -113,7 +115,7 @@ def simulate(
     4.35
     >>> track = simulate("kvlcc2-l7", "zigzag", rudder_deg=10, switch_deg=10, speed=1.179)
     >>> round(float(track.metrics["overshoot_1_deg"]), 1)
-    5.0
+    4.9
     """
     loaded = model if isinstance(model, Model) else load_model(model)
     found = _problems(speed, rudder_rate_deg, rudder_law, rudder_lag, dt, rtol, depth, revolutions)
@@ -146,7 +148,12 @@ def plan_for(manoeuvre: str, pace: float, *, wind: bool = False, **settings: Any
         )
     if wind and manoeuvre == "turning":
         settings = {**settings, "wind": True}
-    return MANOEUVRES[manoeuvre](pace, **settings)
+    return _planned(manoeuvre, pace, tuple(settings.items()))
+
+
+@lru_cache(maxsize=256)
+def _planned(manoeuvre: str, pace: float, settings: tuple[tuple[str, Any], ...]) -> Plan:
+    return MANOEUVRES[manoeuvre](pace, **dict(settings))
 
 
 def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: float) -> Gear:
@@ -159,14 +166,9 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
     DataError
         If neither the model nor `rate_deg` states a rate where the rudder is used.
     """
-    limits = {
-        name: float(value)
-        for part in model.parts
-        if "rate_deg_s" in (values := steering(model, part))
-        for name, value in values.items()
-    }
+    limits = steering(model)
     largest = limits.get("max_deg", 90.0)
-    most = max((abs(p.rudder) for p in plan.phases if p.rudder == p.rudder), default=0.0)
+    most = plan.most_rudder
     if math.degrees(most) > largest * (1 + 1e-12):
         raise SimulationError(
             f"The rudder of {model.name!r} goes to {largest:g}°; {math.degrees(most):g}° were "
@@ -185,18 +187,15 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
     )
 
 
-def steering(model: Model, part: str) -> Mapping[str, Any]:
-    """Rate and largest angle of a part that steers; empty for others."""
-    if not any(item.name == "rate_deg_s" for item in _known_parameters(part)):
-        return {}
-    values = model.values(part, model.Fn[0] if model.Fn else None)
-    return {name: values[name] for name in ("rate_deg_s", "max_deg") if name in values}
-
-
-def _known_parameters(part: str) -> tuple[Any, ...]:
-    from pmmkit.effects.catalogue import catalogue
-
-    return catalogue()[part].parameters
+@lru_cache(maxsize=64)
+def steering(model: Model) -> Mapping[str, float]:
+    """Rate [deg/s] and largest angle [deg] of what steers a model, where it states them."""
+    found: dict[str, float] = {}
+    for part in model.parts:
+        if catalogue()[part].parameter("rate_deg_s") is not None:
+            values = model.values(part, model.Fn[0] if model.Fn else None)
+            found |= {name: values[name] for name in ("rate_deg_s", "max_deg") if name in values}
+    return found
 
 
 def track_of(
@@ -209,7 +208,7 @@ def track_of(
     states = ready.structure.states
     channels = dict(zip(states, rows, strict=False))
     still = np.zeros(len(t))
-    metrics = {name: float(value) for name, value in plan.measure(history.answers()).items()}
+    metrics = {name: float(value) for name, value in plan.measure(history.answers).items()}
     return Track(
         t=t, x=rows[0], y=rows[1], psi=rows[2], u=rows[3], v=rows[4], r=rows[5],
         p=channels.get("p", still), phi=channels.get("phi", still), delta=rows[len(states)],
@@ -237,7 +236,7 @@ def _notes(history: History) -> list[str]:
             notes.append(f"The motion is not steady within {phase.longest:.4g} s.")
             break
     if plan.settles and not notes:
-        answers = history.answers()
+        answers = history.answers
         if math.isnan(answers.t("steady")):
             notes.append("The turn does not become steady: no steady diameter, drift or speed.")
     astern = any(phase.turns < 0.0 for phase in plan.phases)
@@ -249,11 +248,17 @@ def _notes(history: History) -> list[str]:
     return notes
 
 
+@cache
+def settings_of(manoeuvre: str) -> tuple[str, ...]:
+    """Names of the settings of a manoeuvre."""
+    known = inspect.signature(MANOEUVRES[manoeuvre]).parameters
+    return tuple(name for name in known if name not in ("pace", "wind"))
+
+
 def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
     if manoeuvre not in MANOEUVRES:
         return [f"There is no manoeuvre {manoeuvre!r}; there are: {', '.join(MANOEUVRES)}."]
-    known = inspect.signature(MANOEUVRES[manoeuvre]).parameters
-    own = [name for name in known if name not in ("pace", "wind")]
+    own = settings_of(manoeuvre)
     found = []
     for name, value in settings.items():
         if name not in own:
