@@ -130,22 +130,63 @@ def check(campaign: Campaign, data: Data = None, out: Out = None, json: Json = F
 def simulate(
     model: Model,
     speed: Annotated[float, typer.Option(help="Approach speed in m/s at the model's scale.")],
-    manoeuvre: Annotated[str, typer.Option(help="turning")] = "turning",
-    rudder_deg: RudderDeg = 35.0,
-    duration: Annotated[
-        float | None, typer.Option(help="Seconds; until the turn is steady if absent.")
+    manoeuvre: Annotated[
+        str,
+        typer.Option(
+            help="turning, initial_turning, zigzag, spiral, pull_out, stopping, accelerating, "
+            "course_change or williamson."
+        ),
+    ] = "turning",
+    rudder_deg: Annotated[
+        float | None,
+        typer.Option("--rudder-deg", help="Rudder, positive to starboard; 35 in a turn, 10 in a "
+                     "zigzag, else as usual in that manoeuvre."),
     ] = None,
+    switch_deg: Annotated[float | None, typer.Option(help="Heading of a zigzag's order.")] = None,
+    heading_deg: Annotated[
+        float | None, typer.Option(help="Change of heading of a course change or initial turn.")
+    ] = None,
+    step_deg: Annotated[float | None, typer.Option(help="Rudder step of a spiral.")] = None,
+    turns: Annotated[
+        float | None,
+        typer.Option(help="Revolutions over those of the approach: stopping, accelerating."),
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Seconds of a turn; until it is steady if absent.")
+    ] = None,
+    rudder_rate_deg: Annotated[
+        float | None, typer.Option(help="Rate of the steering gear in deg/s; the ship's if absent.")
+    ] = None,
+    wind_speed: Annotated[float, typer.Option(help="True wind in m/s.")] = 0.0,
+    wind_direction_deg: Annotated[
+        float, typer.Option(help="Where it comes from, from the bow of the approach.")
+    ] = 0.0,
+    current_speed: Annotated[float, typer.Option(help="Current in m/s.")] = 0.0,
+    current_direction_deg: Annotated[
+        float, typer.Option(help="Where it flows to, from the bow of the approach.")
+    ] = 0.0,
+    depth: Annotated[float | None, typer.Option(help="Depth of the water in m.")] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow a speed outside the tested range.")
+    ] = False,
     out: Out = None,
     json: Json = False,
-) -> None:
+) -> None:  # fmt: skip
     """Simulate a manoeuvre: track, metrics and figures."""
     from pmmkit.cli import tasks
 
     folder = out or Path(f"{_stem(Path(model))}-{manoeuvre}")
+    own = {
+        "rudder_deg": rudder_deg, "switch_deg": switch_deg, "heading_deg": heading_deg,
+        "step_deg": step_deg, "turns": turns, "duration": duration,
+    }  # fmt: skip
+    given = {name: value for name, value in own.items() if value is not None}
     _finish(
         tasks.simulate_manoeuvre(
-            model, folder, manoeuvre=manoeuvre, rudder_deg=rudder_deg, speed=speed,
-            duration=duration,
+            model, folder, manoeuvre=manoeuvre, speed=speed, rudder_rate_deg=rudder_rate_deg,
+            wind_speed=wind_speed, wind_direction_deg=wind_direction_deg,
+            current_speed=current_speed, current_direction_deg=current_direction_deg, depth=depth,
+            extrapolate=extrapolate, **given,
         ),
         json,
     )  # fmt: skip

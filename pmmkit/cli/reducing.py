@@ -158,12 +158,16 @@ def _turns(
     speeds = [model.ship.speed(number, model.water.g) for number in tested]
     sweeps = {}
     try:
-        tracks = [simulate(model, rudder_deg=RUDDER_DEG, speed=speed) for speed in speeds]
-        sweeps["these derivatives"] = froude_sweep(model, Fn=along, rudder_deg=RUDDER_DEG)
+        tracks = [
+            simulate(model, rudder_deg=RUDDER_DEG, speed=speed, compiled=False) for speed in speeds
+        ]
+        sweeps["these derivatives"] = froude_sweep(
+            model, Fn=along, rudder_deg=RUDDER_DEG, compiled=False
+        )
     except SimulationError as error:
         return None, [f"No turning circle: {error}"]
     if given and beside and not _is_table(given):
-        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG)
+        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG, compiled=False)
     return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes), []
 
 

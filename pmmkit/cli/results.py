@@ -130,8 +130,8 @@ def write_track(track: Track, out: Path) -> list[str]:
     """
     with atomic_folder(out) as folder:
         _write_track(track, folder, "")
-        figures.save(figures.trajectory([track]), folder / "trajectory.svg")
-        figures.save(figures.turn_histories([track]), folder / "histories.svg")
+        for name, figure in figures.manoeuvre(track).items():
+            figures.save(figure, folder / f"{name}.svg")
         return sorted(file.name for file in folder.iterdir())
 
 
@@ -159,7 +159,9 @@ def metrics_of(track: Track) -> dict[str, Any]:
         "L": track.L,
         "scale": track.scale,
         "notes": list(track.notes),
-        "imo": [asdict(verdict) for verdict in imo_turning(track)],
+        "imo": [asdict(verdict) for verdict in imo_turning(track)]
+        if track.manoeuvre == "turning"
+        else [],
     }
 
 

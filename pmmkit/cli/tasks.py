@@ -71,18 +71,19 @@ def simulate_manoeuvre(model: str, out: Path, **settings: Any) -> Outcome:
         With the metrics.
     """
     check_folder(out)
-    track = simulate(model, **settings)
+    track = simulate(model, compiled=False, **settings)
     files = write_track(track, out)
     metrics = metrics_of(track)
     rows = [[name, f"{value:.4g}"] for name, value in track.metrics.items() if not np.isnan(value)]
+    verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     limits = [
         f"IMO {item.criterion.replace('_', ' ')}: {item.value:.2f} L, limit {item.limit:g} L, "
         f"{'met' if item.passed else 'not reached' if item.passed is None else 'NOT met'}"
-        for item in imo_turning(track)
+        for item in verdicts
     ]
     lines = [
-        f"{track.name}, {track.manoeuvre}, {track.rudder_deg:+g}° of rudder, {track.speed:g} m/s "
-        f"(Fn {track.Fn:.3f})",
+        f"{track.name}, {track.manoeuvre.replace('_', ' ')}, {track.rudder_deg:+g}° of rudder, "
+        f"{track.speed:g} m/s (Fn {track.Fn:.3f})",
         f"Scale: {track.scale}",
         aligned(["metric", "value"], rows),
         *limits,
@@ -113,7 +114,7 @@ def sweep(model: str, out: Path, *, speeds: Sequence[float] | None, rudder_deg: 
     """
     check_folder(out)
     loaded = load_model(model)
-    found = froude_sweep(loaded, speeds, rudder_deg=rudder_deg)
+    found = froude_sweep(loaded, speeds, rudder_deg=rudder_deg, compiled=False)
     files = write_sweep({loaded.name: found}, out)
     rows = sweep_rows(found)
     names = ["Fn", "speed", "advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L"]

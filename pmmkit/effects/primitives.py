@@ -74,7 +74,8 @@ def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
         "sqrt": np.sqrt, "tanh": np.tanh, "where": np.where, "maximum": np.maximum,
         "minimum": np.minimum, "interpolate": np.interp,
     }  # fmt: skip
-    return rebound(function, arrays, lambda made: made)
+    made: Callable[..., Any] = rebound(function, arrays, lambda copy: copy)
+    return made
 
 
 _OWN: Final = {where, maximum, minimum, interpolate}
@@ -84,7 +85,7 @@ def rebound(
     function: Callable[..., Any],
     replaced: Mapping[str, Any],
     wrap: Callable[[Any], Any],
-) -> Callable[..., Any]:
+) -> Any:
     """A copy of a function in which the functions it calls are others.
 
     Parameters

@@ -80,7 +80,7 @@ def force(
     lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float, tR: float, aH: float,
     xH: float, xR: float, zR: float, stall_deg: float, stall_loss: float,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
-    """X, Y [N], N, K [N m] on the ship, hull's share included, and the rudder's normal force [N]."""
+    """X, Y [N], N, K [N m] on the ship with the hull's share, and the rudder's normal force [N]."""
     along, across = rudder_flow(
         u, v, r, L, U, propeller_inflow, loading, inflow, epsilon, kappa, eta, gamma_positive,
         gamma_negative, lR, gamma, cRr, cRrrr, cRrrv,

@@ -2,6 +2,15 @@
 
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
+from pmmkit.figures.manoeuvres import (
+    distributions,
+    histories,
+    importance,
+    manoeuvre,
+    path,
+    spiral,
+    zigzag,
+)
 from pmmkit.figures.style import save, svg
 from pmmkit.figures.turns import measures_over_froude, trajectory, turn_histories
 
@@ -10,11 +19,18 @@ __all__ = [
     "DriftPoints",
     "beside_reference",
     "derivatives_over_froude",
+    "distributions",
     "forces_over_drift",
+    "histories",
+    "importance",
+    "manoeuvre",
     "measures_over_froude",
     "over_a_cycle",
+    "path",
     "save",
+    "spiral",
     "svg",
     "trajectory",
     "turn_histories",
+    "zigzag",
 ]

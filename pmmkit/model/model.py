@@ -153,7 +153,9 @@ class Model:
         """
         part = self.part(effect)
         known = catalogue()[effect]
-        filled = {item.name: item.default for item in known.parameters if item.default is not None}
+        filled: dict[str, Any] = {
+            item.name: item.default for item in known.parameters if item.default is not None
+        }
         weights = self.weights(Fn, extrapolate=extrapolate) if self.Fn else ()
         tables = known.tables
         for name, value in part.values.items():

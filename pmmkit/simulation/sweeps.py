@@ -1,8 +1,8 @@
-"""Sweeps: the metrics of a manoeuvre over the Froude number."""
+"""Sweeps: the metrics of a manoeuvre over speed, rudder angle, depth, loading …"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.model import Model, load_model
+from pmmkit.simulation.ensemble import monte_carlo
 from pmmkit.simulation.simulate import simulate
 
 if TYPE_CHECKING:
@@ -23,9 +24,12 @@ def froude_sweep(
     *,
     Fn: Sequence[float] | None = None,
     rudder_deg: float = 35.0,
+    n: int = 0,
+    spread: float | None = None,
+    seed: int = 0,
     **settings: Any,
 ) -> xr.Dataset:
-    """Metrics of a manoeuvre over the approach speed.
+    """Metrics of a manoeuvre over the approach speed, with intervals if asked for.
 
     Parameters
     ----------
@@ -40,13 +44,18 @@ def froude_sweep(
         Froude numbers instead of `speeds`.
     rudder_deg : float
         Rudder angle [deg].
+    n : int
+        Ships drawn at each speed for 95 % intervals; 0 for none.
+    spread, seed
+        As for `monte_carlo`.
     **settings
         Handed on to `simulate`.
 
     Returns
     -------
     xarray.Dataset
-        A variable per metric over ``Fn``, with ``speed`` [m/s] beside it.
+        A variable per metric over ``Fn``, with ``speed`` [m/s] beside it; with `n` also
+        ``<metric>_low`` and ``<metric>_high``.
 
     Raises
     ------
@@ -55,8 +64,8 @@ def froude_sweep(
 
     Examples
     --------
-    >>> sweep = froude_sweep("s175-3dof", [6.0, 12.0])
-    >>> sweep.steady_diameter_L.round(3).values
+    >>> found = froude_sweep("s175-3dof", [6.0, 12.0])
+    >>> found.steady_diameter_L.round(3).values
     array([3.534, 3.534])
     """
     import xarray as xr
@@ -70,38 +79,137 @@ def froude_sweep(
         raise DataError(
             f"Model {loaded.name!r} has one set of values for all speeds: say which speeds."
         )
-    tracks = [
-        simulate(loaded, manoeuvre, rudder_deg=rudder_deg, speed=float(speed), **settings)
+    steered = {"rudder_deg": rudder_deg} if manoeuvre != "accelerating" else {}
+    rows = [
+        _row(loaded, manoeuvre, {"speed": float(speed), **steered, **settings}, n, spread, seed)
         for speed in asked
     ]
-    names = list(tracks[0].metrics)
+    numbers = [loaded.ship.froude(float(speed), loaded.water.g) for speed in asked]
     return xr.Dataset(
-        {
-            name: (
-                "Fn",
-                np.array([track.metrics[name] for track in tracks]),
-                {"units": _unit(name)},
-            )
-            for name in names
-        },
+        _variables("Fn", rows),
         coords={
-            "Fn": ("Fn", np.array([track.Fn for track in tracks])),
-            "speed": ("Fn", np.array([track.speed for track in tracks]), {"units": "m/s"}),
+            "Fn": ("Fn", np.array(numbers)),
+            "speed": ("Fn", np.array([float(speed) for speed in asked]), {"units": "m/s"}),
         },
         attrs={
-            "name": loaded.name,
-            "manoeuvre": manoeuvre,
-            "rudder_deg": float(rudder_deg),
+            "name": loaded.name, "manoeuvre": manoeuvre, "rudder_deg": float(rudder_deg),
             "scale": loaded.scale,
+        },
+    )  # fmt: skip
+
+
+def sweep(
+    model: Model | str | Path | Mapping[str, Model | str | Path],
+    over: str,
+    values: Sequence[float] | None = None,
+    manoeuvre: str = "turning",
+    *,
+    n: int = 0,
+    spread: float | None = None,
+    seed: int = 0,
+    **settings: Any,
+) -> xr.Dataset:
+    """Metrics of a manoeuvre over any of its settings, or over several models.
+
+    Parameters
+    ----------
+    model : Model, str, path, or a mapping of them
+        A mapping, e.g. of loading conditions, with ``over="model"``.
+    over : str
+        A setting of `simulate` or of the manoeuvre: ``rudder_deg``, ``depth``, ``wind_speed``,
+        ``switch_deg``, ``speed`` …, or ``model``.
+    values : sequence of float, optional
+        Values of that setting.
+    manoeuvre : str
+        As for `simulate`.
+    n, spread, seed
+        As for `froude_sweep`.
+    **settings
+        Handed on to `simulate`.
+
+    Returns
+    -------
+    xarray.Dataset
+        A variable per metric over the setting.
+
+    Raises
+    ------
+    DataError
+        If there is nothing to sweep over.
+
+    Examples
+    --------
+    >>> found = sweep("s175-3dof", "rudder_deg", [10, 20, 35], speed=9.0)
+    >>> found.tactical_diameter_L.round(2).values
+    array([7.8 , 5.33, 4.35])
+    """
+    import xarray as xr
+
+    if isinstance(model, Mapping):
+        if over != "model" or not model:
+            raise DataError('Several models are swept with over="model".')
+        cases: list[tuple[Any, Any, dict[str, Any]]] = [
+            (label, item, dict(settings)) for label, item in model.items()
+        ]
+    else:
+        if not values:
+            raise DataError(f"Give the values of {over}.")
+        cases = [(float(x), model, {**settings, over: float(x)}) for x in values]
+    rows, loaded = [], []
+    for _, item, given in cases:
+        loaded.append(item if isinstance(item, Model) else load_model(item))
+        rows.append(_row(loaded[-1], manoeuvre, given, n, spread, seed))
+    return xr.Dataset(
+        _variables(over, rows),
+        coords={over: (over, np.array([label for label, _, _ in cases]), _with_unit(over))},
+        attrs={
+            "name": ", ".join(dict.fromkeys(item.name for item in loaded)),
+            "manoeuvre": manoeuvre,
+            "scale": "; ".join(dict.fromkeys(item.scale for item in loaded)),
         },
     )
 
 
-def _unit(metric: str) -> str:
-    if metric.endswith("_L") or metric == "speed_ratio":
+def _row(
+    model: Model, manoeuvre: str, given: dict[str, Any], n: int, spread: float | None, seed: int
+) -> dict[str, float]:
+    row = dict(simulate(model, manoeuvre, **given).metrics)
+    if n:
+        plain = {name: x for name, x in given.items() if name not in ("compiled", "dt")}
+        many = monte_carlo(model, manoeuvre, n=n, spread=spread, seed=seed, **plain)
+        for name in tuple(row):
+            row[f"{name}_low"], row[f"{name}_high"] = many.interval(name)
+    return row
+
+
+def _variables(over: str, rows: Sequence[Mapping[str, float]]) -> dict[str, Any]:
+    return {
+        name: (over, np.array([row[name] for row in rows]), {"units": metric_unit(name)})
+        for name in rows[0]
+    }
+
+
+def _with_unit(over: str) -> dict[str, str]:
+    if over == "model":
+        return {}
+    return {"units": {"depth": "m"}.get(over, "m/s" if "speed" in over else metric_unit(over))}
+
+
+def metric_unit(metric: str) -> str:
+    """Unit of a metric by its name.
+
+    Examples
+    --------
+    >>> metric_unit("advance"), metric_unit("advance_L"), metric_unit("overshoot_1_deg_low")
+    ('m', '-', 'deg')
+    """
+    name = metric.removesuffix("_low").removesuffix("_high")
+    if name.endswith("_L") or "ratio" in name or "share" in name:
         return "-"
-    if metric.endswith("_deg_s"):
+    if "_deg_s" in name:
         return "deg/s"
-    if metric.endswith("_deg"):
+    if name.endswith("_deg"):
         return "deg"
-    return "s" if metric.startswith("time") else "m"
+    if name == "final_speed":
+        return "m/s"
+    return "s" if "time" in name or name in ("reach", "period") else "m"
