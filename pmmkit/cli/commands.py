@@ -169,11 +169,14 @@ def simulate(
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Allow a speed outside the tested range.")
     ] = False,
+    figures: Annotated[
+        bool, typer.Option(help="Draw figures, which takes most of the time.")
+    ] = True,
     out: Out = None,
     json: Json = False,
 ) -> None:  # fmt: skip
     """Simulate a manoeuvre: track, metrics and figures."""
-    from pmmkit.cli import tasks
+    from pmmkit.cli import simulating
 
     folder = out or Path(f"{_stem(Path(model))}-{manoeuvre}")
     own = {
@@ -182,11 +185,11 @@ def simulate(
     }  # fmt: skip
     given = {name: value for name, value in own.items() if value is not None}
     _finish(
-        tasks.simulate_manoeuvre(
+        simulating.simulate_manoeuvre(
             model, folder, manoeuvre=manoeuvre, speed=speed, rudder_rate_deg=rudder_rate_deg,
             wind_speed=wind_speed, wind_direction_deg=wind_direction_deg,
             current_speed=current_speed, current_direction_deg=current_direction_deg, depth=depth,
-            extrapolate=extrapolate, **given,
+            extrapolate=extrapolate, drawn=figures, **given,
         ),
         json,
     )  # fmt: skip
@@ -204,10 +207,10 @@ def sweep(
     json: Json = False,
 ) -> None:
     """Measures of the turning circle over the approach speed."""
-    from pmmkit.cli import tasks
+    from pmmkit.cli import simulating
 
     folder = out or Path(f"{_stem(Path(model))}-sweep")
-    _finish(tasks.sweep(model, folder, speeds=_numbers(speeds), rudder_deg=rudder_deg), json)
+    _finish(simulating.sweep(model, folder, speeds=_numbers(speeds), rudder_deg=rudder_deg), json)
 
 
 @app.command()

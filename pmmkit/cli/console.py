@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from pmmkit.checks.finding import CheckFinding, name_runs
 from pmmkit.errors import DataError
 
 
@@ -78,35 +77,6 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
             }
         )
     say(f"pmmkit: {text or type(error).__name__}")
-
-
-def findings_of(findings: Iterable[CheckFinding]) -> list[dict[str, Any]]:
-    """Findings of the checks for JSON."""
-    return [
-        {
-            "check": item.check,
-            "severity": item.severity,
-            "message": item.message,
-            "runs": list(item.runs),
-            "remedy": item.remedy,
-            "numbers": dict(item.numbers),
-        }
-        for item in findings
-    ]
-
-
-def findings_text(findings: Sequence[CheckFinding]) -> str:
-    """Findings of the checks for people."""
-    if not findings:
-        return "The checks found nothing to say."
-    blocks = []
-    for item in findings:
-        where = f" ({name_runs(item.runs)})" if item.runs else ""
-        lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
-        if item.remedy:
-            lines.append(f"  {item.remedy}")
-        blocks.append("\n".join(lines))
-    return "\n".join(blocks)
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Final, Literal
 import numpy as np
 
 from pmmkit.api import hull_table, model_of
-from pmmkit.cli.console import Outcome, aligned, findings_of, say
-from pmmkit.cli.results import check_folder, write_reduction
+from pmmkit.cli.console import Outcome, aligned, say
+from pmmkit.cli.findings import findings_of
+from pmmkit.cli.results import write_reduction
+from pmmkit.cli.tracks import check_folder
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import MissingPartError, ModelError, SimulationError
 from pmmkit.files import datasets_folder

@@ -113,8 +113,16 @@ class Track:
 
         return pd.DataFrame({"t": self.t, **{name: getattr(self, name) for name in CHANNELS}})
 
+    def to_csv(self) -> str:
+        """The channels in columns, t first, with the fewest digits that give the same floats."""
+        columns = [self.t.tolist(), *(getattr(self, name).tolist() for name in CHANNELS)]
+        head = ",".join(["t", *CHANNELS])
+        lines = [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
+        return "\n".join([head, *lines]) + "\n"
+
     def plot(self) -> Any:
-        """The trajectory as a figure."""
+        """The first of the figures that show the manoeuvre."""
         import importlib
 
-        return importlib.import_module("pmmkit.figures").trajectory([self])
+        drawn = importlib.import_module("pmmkit.figures").manoeuvre(self)
+        return next(iter(drawn.values()))
