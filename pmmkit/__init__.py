@@ -17,14 +17,23 @@ if TYPE_CHECKING:
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.errors import PmmkitError
     from pmmkit.model import Model, load_model, save_model, scaled, to_model
-    from pmmkit.reduction import Reduction, reduce_campaign
+    from pmmkit.reduction import Reduction, contributions, reduce_campaign
     from pmmkit.report import write_report
     from pmmkit.runs.campaign_file import open_campaign
     from pmmkit.runs.run import Campaign, Run
     from pmmkit.runs.store import load_campaign, save_campaign
     from pmmkit.ship import Ship, Water
     from pmmkit.ship_library import load_ship, ships
-    from pmmkit.simulation import Track, froude_sweep, imo_turning
+    from pmmkit.simulation import (
+        Ensemble,
+        Track,
+        froude_sweep,
+        imo_turning,
+        monte_carlo,
+        sensitivities,
+        sobol,
+        sweep,
+    )
     from pmmkit.simulation.simulate import simulate
     from pmmkit.tables import DerivativeTable, converted, from_values, interpolate, read_table
     from pmmkit.tables import write as write_table
@@ -32,6 +41,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Campaign",
     "DerivativeTable",
+    "Ensemble",
     "Model",
     "PmmkitError",
     "Reduction",
@@ -41,6 +51,7 @@ __all__ = [
     "Water",
     "__version__",
     "catalogue",
+    "contributions",
     "converted",
     "examine",
     "from_values",
@@ -52,6 +63,7 @@ __all__ = [
     "load_model",
     "load_ship",
     "model_of",
+    "monte_carlo",
     "open_campaign",
     "read_table",
     "reduce",
@@ -60,8 +72,11 @@ __all__ = [
     "save_campaign",
     "save_model",
     "scaled",
+    "sensitivities",
     "ships",
     "simulate",
+    "sobol",
+    "sweep",
     "to_model",
     "write_report",
     "write_table",
@@ -73,14 +88,24 @@ _HOMES: Final = {
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "model": ("Model", "load_model", "save_model", "scaled", "to_model"),
-    "reduction": ("Reduction", "reduce_campaign"),
+    "reduction": ("Reduction", "contributions", "reduce_campaign"),
     "report": ("write_report",),
     "runs.campaign_file": ("open_campaign",),
     "runs.run": ("Campaign", "Run"),
     "runs.store": ("load_campaign", "save_campaign"),
     "ship": ("Ship", "Water"),
     "ship_library": ("load_ship", "ships"),
-    "simulation": ("Track", "froude_sweep", "imo_turning", "simulate"),
+    "simulation": (
+        "Ensemble",
+        "Track",
+        "froude_sweep",
+        "imo_turning",
+        "monte_carlo",
+        "sensitivities",
+        "simulate",
+        "sobol",
+        "sweep",
+    ),  # fmt: skip
     "tables": ("DerivativeTable", "converted", "from_values", "interpolate", "read_table"),
 }
 _RENAMED: Final = {"write_table": ("tables", "write")}

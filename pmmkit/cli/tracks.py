@@ -68,6 +68,7 @@ def write_track(track: Track, out: Path, *, drawn: bool = True) -> list[str]:
 
 
 def put_track(track: Track, folder: Path, ending: str) -> None:
+    """Write the samples and the metrics of a track into a folder that is there."""
     (folder / f"track{ending}.csv").write_text(track.to_csv(), encoding="utf-8", newline="")
     text = json_text(metrics_of(track)) + "\n"
     (folder / f"metrics{ending}.json").write_text(text, encoding="utf-8")
@@ -120,6 +121,7 @@ def write_sweep(sweeps: Mapping[str, xr.Dataset], out: Path) -> list[str]:
 
 
 def sweep_frame(sweep: xr.Dataset) -> pd.DataFrame:
+    """A sweep as a table, a row per case."""
     return sweep.to_dataframe().reset_index()
 
 

@@ -1,18 +1,5 @@
 """From a model to the right-hand side of its equations of motion."""
 
-from pmmkit.kernel.program import (
-    CALM,
-    Conditions,
-    Prepared,
-    mass_problem,
-    packed,
-    prepare,
-    propulsion_problem,
-    stacked,
-    values_at,
-)
+from pmmkit.kernel.program import CALM, Conditions, Prepared, prepare
 
-__all__ = [
-    "CALM", "Conditions", "Prepared", "mass_problem", "packed", "prepare", "propulsion_problem",
-    "stacked", "values_at",
-]  # fmt: skip
+__all__ = ["CALM", "Conditions", "Prepared", "prepare"]

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError, ModelError
-from pmmkit.kernel import CALM, Conditions, packed, stacked, values_at
+from pmmkit.kernel import CALM, Conditions
+from pmmkit.kernel.program import packed, stacked, values_at
 from pmmkit.model import Model, load_model
 from pmmkit.model.model import DERIVATIVE_PARTS
 from pmmkit.progress import Progress

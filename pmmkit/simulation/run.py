@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import ModelError, SimulationError
-from pmmkit.kernel import Prepared, mass_problem, propulsion_problem
+from pmmkit.kernel import Prepared
 from pmmkit.kernel.layout import PLACE
+from pmmkit.kernel.program import mass_problem, propulsion_problem
 from pmmkit.kernel.structure import Structure
 from pmmkit.simulation.plan import Answers, Plan
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.kernel import values_at
+from pmmkit.kernel.program import values_at
 from pmmkit.model import Model
 from pmmkit.model.model import DERIVATIVE_PARTS
 from pmmkit.simulation.ensemble import batch_of, spread_of

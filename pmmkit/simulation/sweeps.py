@@ -141,7 +141,7 @@ def sweep(
     --------
     >>> found = sweep("s175-3dof", "rudder_deg", [10, 20, 35], speed=9.0)
     >>> found.tactical_diameter_L.round(2).values
-    array([7.8 , 5.33, 4.35])
+    array([9.06, 6.14, 4.35])
     """
     import xarray as xr
 
