@@ -105,7 +105,7 @@ _HOMES: Final = {
         "simulate",
         "sobol",
         "sweep",
-    ),  # fmt: skip
+    ),
     "tables": ("DerivativeTable", "converted", "from_values", "interpolate", "read_table"),
 }
 _RENAMED: Final = {"write_table": ("tables", "write")}

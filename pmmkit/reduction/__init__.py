@@ -1,6 +1,6 @@
 """From forces to derivatives: means, harmonics, balance, regression, uncertainty."""
 
-from pmmkit.reduction.contributions import contributions
+from pmmkit.reduction.shares import contributions
 from pmmkit.reduction.monte_carlo import monte_carlo
 from pmmkit.reduction.prepare import RunResult, prepare
 from pmmkit.reduction.reduce import Reduction, reduce_campaign

@@ -91,7 +91,8 @@ def contributions(
     if not total > 0.0:
         raise DataError("None of these derivatives was determined with an uncertainty.")
     rows = [
-        {"source": test, "runs": len(runs_of[test]), "std": variance**0.5, "share": variance / total}
+        {"source": test, "runs": len(runs_of[test]), "std": variance**0.5,
+         "share": variance / total}
         for test, variance in by_test.items()
     ] + [
         {"source": name, "runs": len(reduction.rows), "std": variance**0.5,
