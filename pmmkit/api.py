@@ -164,7 +164,7 @@ def _part(effect: str, given: Mapping[str, Any]) -> tuple[Part | None, list[str]
         for parameter in known.parameters
         if parameter.name not in values
         and parameter.default is None
-        and (parameter.form is None or options[parameter.form[0]] == parameter.form[1])
+        and (parameter.form is None or options[parameter.form[0]] in parameter.form[1:])
     ]
     if lacking:
         return None, lacking

@@ -47,8 +47,8 @@ class Parameter:
         Unit of the value, ``-`` for a plain number.
     default : float or None
         Value where a model gives none; None if it must be given.
-    form : tuple of (str, str), optional
-        Option and value with which the parameter is needed, e.g. ``("wake", "mmg")``.
+    form : tuple of str, optional
+        Option and the words with which the parameter is needed, e.g. ``("wake", "mmg")``.
     low, high : float
         Values outside are refused.
     table : bool
@@ -59,7 +59,7 @@ class Parameter:
     text: str
     unit: str = "-"
     default: float | None = None
-    form: tuple[str, str] | None = None
+    form: tuple[str, ...] | None = None
     low: float = -1e12
     high: float = 1e12
     table: bool = False
@@ -159,7 +159,7 @@ class Effect:
         return tuple(
             item.name
             for item in self.parameters
-            if item.default is None and (item.form is None or chosen[item.form[0]] == item.form[1])
+            if item.default is None and (item.form is None or chosen[item.form[0]] in item.form[1:])
         )
 
     def problems(self, values: Mapping[str, object], options: Mapping[str, str]) -> list[str]:

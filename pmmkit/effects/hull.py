@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.conventions import CHANNELS, Convention, force_unit, parse_derivative, speed_unit
-from pmmkit.effects.effect import Effect
+from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.state import Array, State
 from pmmkit.ship import Ship, Water
 
@@ -26,6 +26,16 @@ RUDDER_ABKOWITZ: Final = Effect(
     family="hull",
     kind="force",
     summary="Rudder forces as a polynomial in the rudder angle and the motion.",
+    parameters=(
+        Parameter(
+            name="rate_deg_s",
+            text="rate of the steering gear (by default the least that SOLAS allows)",
+            unit="deg/s",
+            default=2.32,
+            low=1e-6,
+        ),
+        Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
+    ),
     derivatives=True,
     needs=("delta",),
     source="Abkowitz 1964",

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import atan2, exp, fabs, interpolate, maximum, where
+from pmmkit.effects.primitives import atan2, exp, fabs, interpolate, maximum, minimum, where
 
 
 def wake_inflow(
     u: float, v: float, r: float, L: float, U: float, wake: int, wp: float, xp: float,
     tau: float, cpv: float, cpr: float, C1: float, C2_positive: float, C2_negative: float,
+    cp: float,
 ) -> float:  # fmt: skip
     """Speed of the water into the propeller disc [m/s].
 
@@ -22,18 +23,20 @@ def wake_inflow(
     L : float
         Ship length [m].
     wake : int
-        0 constant, 1 Son and Nomoto, 2 MMG.
-    wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative : float
+        0 constant, 1 Son and Nomoto, 2 MMG, 3 Kose.
+    wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp : float
         Parameters of the effect ``propeller``.
 
     Notes
     -----
     Son and Nomoto (1981): u (1 - wp + τ[(v' + xp r')² + cpv v' + cpr r']). Yasukawa and Yoshimura
-    (2015): u (1 - wp)(1 + [1 - exp(-C1 |βP|)](C2 - 1)), βP = β - xp r'.
+    (2015): u (1 - wp)(1 + [1 - exp(-C1 |βP|)](C2 - 1)), βP = β - xp r'. Kose (1982), at low speed:
+    u (1 - wp + τ |v' + xp r'| + cp (v' + xp r')²), at most u.
 
     Examples
     --------
-    >>> wake_inflow(10.0, -2.0, 0.02, 175.0, 10.2, 0, 0.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    >>> wake_inflow(10.0, -2.0, 0.02, 175.0, 10.2, 0, 0.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    ...              0.0)
     8.0
     """
     if wake == 0:
@@ -43,6 +46,9 @@ def wake_inflow(
         sway = v / U
         cross = sway + xp * yaw
         return u * (1.0 - wp + tau * (cross * cross + cpv * sway + cpr * yaw))
+    if wake == 3:
+        turned = fabs(v / U + xp * yaw)
+        return u * minimum(1.0 - wp + turned * (tau + cp * turned), 1.0)
     angle = atan2(-v, u) - xp * yaw
     limit = where(angle > 0.0, C2_positive, C2_negative)
     return u * (1.0 - wp) * (1.0 + (1.0 - exp(-C1 * fabs(angle))) * (limit - 1.0))
@@ -51,19 +57,20 @@ def wake_inflow(
 def force(
     u: float, v: float, r: float, n: float, L: float, U: float, rho: float,
     D: float, t: float, wake: int, wp: float, xp: float, tau: float, cpv: float, cpr: float,
-    C1: float, C2_positive: float, C2_negative: float, open_water: int,
+    C1: float, C2_positive: float, C2_negative: float, cp: float, open_water: int,
     kt0: float, kt1: float, kt2: float, kq0: float, kq1: float, kq2: float,
     J: Sequence[float], KT: Sequence[float], KQ: Sequence[float],
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
     """Surge force [N], inflow [m/s], thrust [N], torque [N m] and thrust over ρ D² [m²/s²].
 
-    Thrust is ρ n² D⁴ KT(J), written so that the polynomial holds at n = 0 too.
+    Thrust is ρ n|n| D⁴ KT(J), written so that the polynomial holds at n = 0 too; astern, with J
+    negative, that is the bilinear form of n|n| and |n| VA.
     """
     inflow = wake_inflow(u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative)
     tip = n * D
     if open_water == 0:
-        loading = kt0 * tip * fabs(tip) + kt1 * tip * inflow + kt2 * inflow * inflow
-        twist = kq0 * tip * fabs(tip) + kq1 * tip * inflow + kq2 * inflow * inflow
+        loading = kt0 * tip * fabs(tip) + kt1 * fabs(tip) * inflow + kt2 * inflow * inflow
+        twist = kq0 * tip * fabs(tip) + kq1 * fabs(tip) * inflow + kq2 * inflow * inflow
     else:
         advance = inflow * tip / maximum(tip * tip, 1e-12)
         loading = tip * fabs(tip) * interpolate(advance, J, KT)
@@ -96,15 +103,21 @@ PROPELLER: Final = Effect(
         Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
         Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
         Parameter(
-            name="tau", text="growth of the inflow with (v' + xp r')²", form=("wake", "son-nomoto")
+            name="tau",
+            text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
+            form=("wake", "son-nomoto", "kose"),
         ),
         Parameter(name="cpv", text="inflow per v'", default=0.0, form=("wake", "son-nomoto")),
         Parameter(name="cpr", text="inflow per r'", default=0.0, form=("wake", "son-nomoto")),
+        Parameter(name="cp", text="growth with (v' + xp r')²", default=0.0, form=("wake", "kose")),
         Parameter(name="C1", text="how fast the wake fades with drift", form=("wake", "mmg")),
         Parameter(name="C2_positive", text="inflow at large positive drift", form=("wake", "mmg")),
         Parameter(name="C2_negative", text="inflow at large negative drift", form=("wake", "mmg")),
     ),
-    options={"wake": ("constant", "son-nomoto", "mmg"), "open_water": ("polynomial", "table")},
+    options={
+        "wake": ("constant", "son-nomoto", "mmg", "kose"),
+        "open_water": ("polynomial", "table"),
+    },
     needs=("n",),
     force=force,
     outputs=("X", "propeller_inflow", "thrust", "torque", "loading"),

@@ -271,8 +271,10 @@ def packed(
     added = added_mass.resolve(values["added_mass"], ship=ship, water=water, convention=convention)
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
+        known = catalogue()[effect]
         for name, value in values.get(effect, {}).items():
-            terms[name] = terms.get(name, 0.0) + value
+            if known.parameter(name) is None:
+                terms[name] = terms.get(name, 0.0) + value
     monomials = polynomial(terms, ship=ship, water=water, convention=convention)
     structure = structure_of(model, values, None if generic else monomials)
     bis = convention.system == "bis"
@@ -343,11 +345,11 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
 def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
     if "shallow_water" not in model.parts or math.isinf(depth):
         return values
-    from pmmkit.effects import shallow_water
+    from pmmkit.effects.shallow_water import apply
 
     found = dict(values)
     for effect in ("hull_polynomial", "added_mass"):
-        found[effect] = shallow_water.apply(
+        found[effect] = apply(
             values[effect], ship=model.ship, depth=depth, **values["shallow_water"]
         )
     return found

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, ModelError
 from pmmkit.kernel import CALM, Conditions
 from pmmkit.kernel.program import packed, stacked, values_at
@@ -175,7 +176,7 @@ def spread_of(
         name: value
         for effect in DERIVATIVE_PARTS
         for name, value in values.get(effect, {}).items()
-        if effect != "added_mass" or name != "lx"
+        if catalogue()[effect].parameter(name) is None
     }
     if spread is not None:
         if not 0.0 < spread < 1.0:
