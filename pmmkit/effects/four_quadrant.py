@@ -19,7 +19,9 @@ def force(
     Np0: float, Np1: float,
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
     """X, Y [N], N [N m], inflow [m/s], thrust [N], torque [N m], thrust over ρ D² [m²/s²]."""
-    ahead = wake_inflow(u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative)
+    ahead = wake_inflow(
+        u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
+    )
     inflow = where(u >= 0.0, ahead, u)
     tip = n * D
     if characteristics == 0:
@@ -49,7 +51,6 @@ _POLYNOMIAL: Final = ("characteristics", "polynomial")
 _TABLE: Final = ("characteristics", "table")
 _SN: Final = ("wake", "son-nomoto")
 _TAU: Final = ("wake", "son-nomoto", "kose")
-_KOSE: Final = ("wake", "kose")
 _KOSE: Final = ("wake", "kose")
 _MMG: Final = ("wake", "mmg")
 FOUR_QUADRANT_PROPELLER: Final = Effect(
@@ -93,7 +94,10 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         Parameter(name="Np1", text="its growth with J = u/(|n|D)", default=0.0),
         Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
         Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
-        Parameter(name="tau", text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|", form=_TAU),
+        Parameter(
+            name="tau", text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
+            form=_TAU,
+        ),
         Parameter(name="cpv", text="inflow per v'", default=0.0, form=_SN),
         Parameter(name="cpr", text="inflow per r'", default=0.0, form=_SN),
         Parameter(name="cp", text="growth with (v' + xp r')²", default=0.0, form=_KOSE),
@@ -102,7 +106,8 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         Parameter(name="C2_negative", text="inflow at large negative drift", form=_MMG),
     ),
     options={
-        "wake": ("constant", "son-nomoto", "mmg", "kose"), "characteristics": ("polynomial", "table"),
+        "wake": ("constant", "son-nomoto", "mmg", "kose"),
+        "characteristics": ("polynomial", "table"),
     },
     needs=("n",),
     force=force,

@@ -66,7 +66,9 @@ def force(
     Thrust is ρ n|n| D⁴ KT(J), written so that the polynomial holds at n = 0 too; astern, with J
     negative, that is the bilinear form of n|n| and |n| VA.
     """
-    inflow = wake_inflow(u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative)
+    inflow = wake_inflow(
+        u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
+    )
     tip = n * D
     if open_water == 0:
         loading = kt0 * tip * fabs(tip) + kt1 * fabs(tip) * inflow + kt2 * inflow * inflow
