@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from polynomials import polynomial_forces
 
 from pmmkit.conventions import (
     CHANNELS,
@@ -19,7 +20,7 @@ from pmmkit.conventions import (
     speed_unit,
     unit_factor,
 )
-from pmmkit.effects.hull import in_channel, polynomial, polynomial_forces, regressors
+from pmmkit.effects.hull import in_channel, regressors
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.ship import Ship, Water
@@ -184,19 +185,16 @@ class TestHullPolynomial:
     @pytest.mark.parametrize("surge", ["u", "constant"])
     @pytest.mark.parametrize("sway", ["v", "beta"])
     @pytest.mark.parametrize("rudder", ["starboard", "port"])
-    def test_the_compiled_sum_is_the_sum_over_the_columns(self, system, surge, sway, rudder):
+    def test_the_sum_over_monomials_is_the_sum_over_the_columns(self, system, surge, sway, rudder):
         convention = Convention(system=system, surge=surge, sway=sway, rudder_positive=rudder)
         names = ["Xuu", "Xvv", "Xvr", "Yv", "Yv|v|", "Yvvr", "Yd", "Nr", "Nvvd", "N0", "Kphi"]
         values = dict(zip(names, np.linspace(-1, 1.3, len(names)), strict=True))
         s = self.state
-        U = math.hypot(1.9, 0.3)
-        bis = system == "bis"
-        compiled = polynomial_forces(
-            1.9, 0.3, 0.1, 0.2, 0.05, 0.2, math.sqrt(9.81 * 4) if bis else U,
-            1.0 if bis else U**2, 0.0, SHIP.L,
-            polynomial(values, ship=SHIP, water=WATER, convention=convention),
+        summed = polynomial_forces(
+            values, (1.9, 0.3, 0.1, 0.2, 0.05, 0.2), ship=SHIP, water=WATER,
+            convention=convention, approach=2.0,
         )  # fmt: skip
-        for force, channel in zip(compiled, CHANNELS, strict=True):
+        for force, channel in zip(summed, CHANNELS, strict=True):
             chosen = in_channel(names, channel)
             columns = regressors(
                 chosen, s, ship=SHIP, water=WATER, convention=convention, approach_speed=2.0

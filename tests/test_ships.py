@@ -22,8 +22,8 @@ def test_every_library_ship_is_a_model_and_can_be_simulated(name):
     assert ship_file(name).read_text(encoding="utf-8").startswith("#")
     speed = model.ship.speed(0.15)
     c = kernel.prepare(model, speed)
-    n = kernel.self_propulsion(c, speed)
-    udot = kernel.accelerations(speed, 0.0, 0.0, 0.0, 0.0, 0.0, n, c)[0]
+    n = c.self_propulsion()
+    udot = c.accelerations(speed, 0.0, 0.0, n=n)[0]
     assert udot == pytest.approx(0.0, abs=1e-9)
 
 
@@ -62,8 +62,7 @@ def test_the_two_s175_share_every_value_that_does_not_need_roll():
 )
 def test_s175_self_propulsion(speed, rpm):
     """Values computed from the public MSS model (J .785 at every speed)."""
-    c = kernel.prepare(load_model("s175"), speed)
-    n = kernel.self_propulsion(c, speed)
+    n = kernel.prepare(load_model("s175"), speed).self_propulsion()
     assert 60 * n == pytest.approx(rpm, abs=0.006)
     assert 0.816 * speed / (n * 6.533) == pytest.approx(0.785, abs=5e-4)
 

@@ -21,11 +21,12 @@ from pmmkit.errors import (
     SimulationError,
     UnknownNameError,
 )
+from pmmkit.kernel.engine import control, corner
 from pmmkit.model import load_model, scaled, to_model
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
-from pmmkit.simulation.integrate import integrate
-from pmmkit.simulation.metrics import SteadyTurn, turning_metrics
-from pmmkit.simulation.steering import RudderOrder
+from pmmkit.simulation.manoeuvres import turning
+from pmmkit.simulation.plan import Answers
+from pmmkit.simulation.run import Gear, run_plan
 from pmmkit.tables import from_values
 
 THREE, FOUR = load_model("s175-3dof"), load_model("s175")
@@ -98,7 +99,7 @@ def son_nomoto(u, v, r, p, phi, delta, n):
 @given(state=STATE)
 def test_four_degrees_of_freedom_are_son_and_nomoto_as_printed(state):
     c = kernel.prepare(FOUR, 6.0)
-    ours, printed = kernel.accelerations(*state, c), son_nomoto(*state)
+    ours, printed = c.accelerations(*state), son_nomoto(*state)
     for mine, theirs, size in zip(ours, printed, (0.2, 0.2, 1e-3, 1e-2), strict=True):
         assert mine == pytest.approx(theirs, rel=1e-10, abs=1e-12 * size)
 
@@ -125,8 +126,8 @@ def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
             ),
         },
     )
-    c = kernel.prepare(ideal, 6.0)._replace(propeller=None, rudder=None)
-    udot, vdot, rdot, _ = kernel.accelerations(u, v, r, 0.0, 0.0, 0.0, 0.0, c)
+    idle = ideal.with_values("propeller", D=1e-6).with_values("rudder_mmg", lift_slope=0.0)
+    udot, vdot, rdot, _ = kernel.prepare(idle, 6.0).accelerations(u, v, r)
     unit = 0.5 * 1025.0 * 175.0**3
     m, Izz = ideal.ship.mass, ideal.ship.Izz
     power = [
@@ -143,8 +144,8 @@ def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
 def test_port_and_starboard_are_mirror_images(model, state):
     c = kernel.prepare(model, 6.0)
     u, v, r, p, phi, delta, n = state
-    one = kernel.accelerations(u, v, r, p, phi, delta, n, c)
-    other = kernel.accelerations(u, -v, -r, -p, -phi, -delta, n, c)
+    one = c.accelerations(u, v, r, p, phi, delta, n)
+    other = c.accelerations(u, -v, -r, -p, -phi, -delta, n)
     mirrored = (other[0], -other[1], -other[2], -other[3])
     for mine, theirs, size in zip(one, mirrored, (0.2, 0.2, 1e-3, 1e-2), strict=True):
         assert mine == pytest.approx(theirs, rel=1e-11, abs=1e-13 * size)
@@ -187,8 +188,8 @@ def test_coriolis_terms_inside_or_apart_are_the_same_physics():
 @given(U=st.floats(1.0, 15.0))
 def test_straight_running_stays_straight(U):
     c = kernel.prepare(FOUR, U)
-    n = kernel.self_propulsion(c, U)
-    rates = kernel.rates((0.0, 0.0, 0.0, U, 0.0, 0.0, 0.0, 0.0), 0.0, n, c)
+    n = c.self_propulsion()
+    rates = c.rates((0.0, 0.0, 0.0, U, 0.0, 0.0, 0.0, 0.0), 0.0, n)
     assert rates[0] == U
     assert rates[1:] == pytest.approx([0.0] * 7, abs=1e-12)
 
@@ -204,64 +205,73 @@ def test_straight_running_stays_straight(U):
     t=st.floats(0.0, 40.0),
 )
 def test_the_lag_law_solves_its_differential_equation(order, rate, lag, t):
-    gear = RudderOrder(order=order, rate=rate, law="lag", lag=lag)
-    h = 1e-6
-    if any(abs(t - corner) < 2 * h for corner in gear.corners) or t < h:
+    gear = [0.0, 0.0, order, rate, lag]
+    h, bend = 1e-6, corner(gear, 0)
+    if abs(t - bend) < 2 * h or t < h:
         return
-    slope = (gear.angle(t + h) - gear.angle(t - h)) / (2 * h)
-    asked = (order - gear.angle(t)) / lag
+    slope = (control(t + h, *gear) - control(t - h, *gear)) / (2 * h)
+    asked = (order - control(t, *gear)) / lag
     assert slope == pytest.approx(max(-rate, min(rate, asked)), abs=1e-8)
-    assert gear.angle(0.0) == 0.0
-    for corner in gear.corners:
-        assert gear.angle(corner * (1 - 1e-12)) == pytest.approx(gear.angle(corner * (1 + 1e-12)))
+    assert control(0.0, *gear) == 0.0
+    if bend > 0.0:
+        assert control(bend * (1 - 1e-12), *gear) == pytest.approx(
+            control(bend * (1 + 1e-12), *gear)
+        )
 
 
 def test_the_ramp_reaches_the_order_at_its_corner():
-    gear = RudderOrder(order=math.radians(-35), rate=math.radians(5))
-    assert gear.corners == pytest.approx((7.0,))
-    assert gear.angle(3.5) == pytest.approx(math.radians(-17.5))
-    assert gear.angle(7.0) == gear.angle(100.0) == math.radians(-35)
+    gear = [0.0, 0.0, math.radians(-35), math.radians(5), 0.0]
+    assert corner(gear, 0) == pytest.approx(7.0)
+    assert control(3.5, *gear) == pytest.approx(math.radians(-17.5))
+    assert control(7.0, *gear) == control(100.0, *gear) == math.radians(-35)
 
 
 # Numbers of the turn
 
 
-def circle(side=1.0, speed=8.0, turn=0.02, drift=0.2):
-    """A motion that is a circle from the start, of radius speed/turn."""
-    u, v = speed * math.cos(drift), -side * speed * math.sin(drift)
-    start = [0.0, 0.0, side * drift, u, v, side * turn]
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_metrics_of_a_true_circle(monkeypatch, side):
+    """Path of radius R with the drift angle d: its direction is the heading less d.
 
-    def rhs(_, y):
-        return (
-            y[3] * math.cos(y[2]) - y[4] * math.sin(y[2]),
-            y[3] * math.sin(y[2]) + y[4] * math.cos(y[2]),
-            y[5], 0.0, 0.0, 0.0,
-        )  # fmt: skip
+    x = R (sin(ψ - d) + sin d), y = R (cos d - cos(ψ - d)).
+    """
+    speed, turn, drift = 8.0, 0.02, 0.2
+    ready = kernel.prepare(THREE, speed)
 
-    end = 3 * math.pi / turn
-    scale = [100.0, 100.0, 1.0, speed, speed, turn]
-    solution = integrate(
-        rhs, start, times=[0.0, 10.0, end], scale=scale, rtol=1e-11, max_step=end / 50
+    def rates(y, delta, n, bucket, k, out):
+        way = y[2] - side * drift
+        out[:] = [speed * math.cos(way), speed * math.sin(way), side * turn, 0.0, 0.0, 0.0]
+
+    monkeypatch.setattr(ready.functions(), "rates", rates)
+    plan = turning(speed / ready.L, rudder_deg=side * 35.0)
+    found = plan.measure(
+        run_plan(
+            ready, plan, Gear(rudder_rate=0.1), rtol=1e-11, fast=False, revolutions=1.0
+        ).answers
     )
-    return solution, SteadyTurn(u=u, v=v, r=side * turn, phi=0.0)
+    R = speed / turn
+    assert found["advance"] == pytest.approx(R * (math.cos(drift) + math.sin(drift)), rel=1e-9)
+    assert found["transfer"] == pytest.approx(R * (math.cos(drift) - math.sin(drift)), rel=1e-9)
+    assert found["tactical_diameter"] == pytest.approx(2 * R * math.cos(drift), rel=1e-9)
+    assert found["time_90"] == pytest.approx(math.pi / 2 / turn, rel=1e-9)
+    assert found["time_180"] == pytest.approx(math.pi / turn, rel=1e-9)
+    assert found["advance_L"] == pytest.approx(found["advance"] / 175.0)
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_metrics_of_a_true_circle(side):
-    """Path x = R sin(θ), y = R (1 - cos θ); the heading is θ plus the drift angle."""
-    R, drift = 8.0 / 0.02, 0.2
-    solution, steady = circle(side)
-    found = turning_metrics(solution, steady, rudder=side * 0.6, speed=10.0, L=100.0)
-    at_90, at_180 = math.pi / 2 - drift, math.pi - drift
-    assert found["advance"] == pytest.approx(R * math.sin(at_90), rel=1e-9)
-    assert found["transfer"] == pytest.approx(R * (1 - math.cos(at_90)), rel=1e-9)
-    assert found["tactical_diameter"] == pytest.approx(R * (1 - math.cos(at_180)), rel=1e-9)
-    assert found["steady_diameter"] == pytest.approx(2 * R, rel=1e-12)
+def test_metrics_of_a_steady_turn(side):
+    drift, turn = 0.2, 0.02
+    plan = turning(0.05, rudder_deg=side * 35.0)
+    state = [0.0, 0.0, 0.0, 8 * math.cos(drift), -side * 8 * math.sin(drift), side * turn]
+    answers = Answers(
+        places=plan.places, states=("x", "y", "psi", "u", "v", "r"),
+        values=[[1.0, *state] for _ in plan.probes], speed=10.0, L=100.0,
+    )  # fmt: skip
+    found = plan.measure(answers)
+    assert found["steady_diameter"] == pytest.approx(2 * 8.0 / turn, rel=1e-12)
     assert found["steady_drift_deg"] == pytest.approx(math.degrees(drift), rel=1e-12)
     assert found["speed_ratio"] == pytest.approx(0.8, rel=1e-12)
-    assert found["steady_yaw_rate_deg_s"] == pytest.approx(math.degrees(0.02), rel=1e-12)
-    assert found["time_90"] == pytest.approx(at_90 / 0.02, rel=1e-9)
-    assert found["advance_L"] == pytest.approx(found["advance"] / 100.0)
+    assert found["steady_yaw_rate_deg_s"] == pytest.approx(math.degrees(turn), rel=1e-12)
 
 
 def test_metrics_do_not_depend_on_the_samples_or_the_tolerance():

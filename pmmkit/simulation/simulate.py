@@ -118,6 +118,7 @@ def simulate(
     4.9
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    known_manoeuvre(manoeuvre)
     found = _problems(speed, rudder_rate_deg, rudder_law, rudder_lag, dt, rtol, depth, revolutions)
     found += _setting_problems(manoeuvre, settings)
     if found:
@@ -134,6 +135,20 @@ def simulate(
     return track_of(loaded, history, dt, settings)
 
 
+def known_manoeuvre(name: str) -> None:
+    """Refuse a manoeuvre that there is not.
+
+    Raises
+    ------
+    UnknownNameError
+        With the names there are.
+    """
+    if name not in MANOEUVRES:
+        raise UnknownNameError(
+            f"There is no manoeuvre {name!r}; there are: {', '.join(MANOEUVRES)}."
+        )
+
+
 def plan_for(manoeuvre: str, pace: float, *, wind: bool = False, **settings: Any) -> Plan:
     """The plan of a manoeuvre for a ship at its approach speed.
 
@@ -142,10 +157,7 @@ def plan_for(manoeuvre: str, pace: float, *, wind: bool = False, **settings: Any
     UnknownNameError
         If there is no such manoeuvre.
     """
-    if manoeuvre not in MANOEUVRES:
-        raise UnknownNameError(
-            f"There is no manoeuvre {manoeuvre!r}; there are: {', '.join(MANOEUVRES)}."
-        )
+    known_manoeuvre(manoeuvre)
     if wind and manoeuvre == "turning":
         settings = {**settings, "wind": True}
     return _planned(manoeuvre, pace, tuple(settings.items()))
@@ -256,8 +268,6 @@ def settings_of(manoeuvre: str) -> tuple[str, ...]:
 
 
 def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
-    if manoeuvre not in MANOEUVRES:
-        return [f"There is no manoeuvre {manoeuvre!r}; there are: {', '.join(MANOEUVRES)}."]
     own = settings_of(manoeuvre)
     found = []
     for name, value in settings.items():
