@@ -110,7 +110,8 @@ def screw(u=9.0, v=0.0, r=0.0, n=1.4, L=175.0, **changes):
     zeros = ("tau", "cpv", "cpr", "C1", "C2_positive", "C2_negative", "cp", "kt2", "kq0", "kq1",
              "kq2")  # fmt: skip
     words = dict.fromkeys(zeros, 0.0) | given | changes
-    return propeller.force(u=u, v=v, r=r, n=n, L=L, U=math.hypot(u, v), rho=1025.0, **words)
+    U, beta = math.hypot(u, v), math.atan2(-v, u)
+    return propeller.force(u=u, v=v, r=r, beta=beta, n=n, L=L, U=U, rho=1025.0, **words)
 
 
 def test_thrust_is_rho_n2_d4_kt():
@@ -164,12 +165,13 @@ def blade(u=9.0, v=0.0, r=0.0, delta=0.0, L=175.0, inflow=0, uP=5.0, loading=0.0
     """X, Y, N, K and the normal force of a rudder like that of the S175."""
     given = {
         "area": 33.0, "lift_slope": 2.743, "epsilon": 0.92, "kappa": 0.63, "xR": -0.5,
-        "tR": 0.29, "aH": 0.237, "xH": -0.48, "zR": 0.033, "stall_deg": 90.0,
+        "tR": 0.29, "aH": 0.237, "xH": -0.48, "zR": 0.033, "stall": 0,
     }  # fmt: skip
     zeros = ("eta", "gamma_positive", "gamma_negative", "lR", "gamma", "cRr", "cRrrr", "cRrrv",
-             "stall_loss")  # fmt: skip
+             "stall_deg", "stall_loss")  # fmt: skip
     return rudder.force(
-        u=u, v=v, r=r, delta=delta, L=L, U=math.hypot(u, v), rho=1025.0, propeller_inflow=uP,
+        v=v, r=r, beta=math.atan2(-v, u), delta=delta, L=L, U=math.hypot(u, v), rho=1025.0,
+        propeller_inflow=uP,
         loading=loading, inflow=inflow, **(dict.fromkeys(zeros, 0.0) | given | changes),
     )  # fmt: skip
 
@@ -179,7 +181,15 @@ def flow(u, v, r, L, uP, loading, inflow=0, **changes):
         ("eta", "gamma_positive", "gamma_negative", "lR", "gamma", "cRr", "cRrrr", "cRrrv"), 0.0
     ) | {"epsilon": 0.92, "kappa": 0.63}
     return rudder.rudder_flow(
-        u, v, r, L, math.hypot(u, v), uP, loading, inflow=inflow, **(given | changes)
+        v,
+        r,
+        math.atan2(-v, u),
+        L,
+        math.hypot(u, v),
+        uP,
+        loading,
+        inflow=inflow,
+        **(given | changes),
     )
 
 
@@ -214,18 +224,18 @@ def test_a_positive_rudder_turns_to_starboard_and_brakes():
 
 
 def test_a_rudder_along_the_flow_has_no_force():
-    normal = rudder.normal_force(6.0, -2.0, math.atan(2.0 / 6.0), 1025.0, 33.0, 2.743, 90.0, 0.0)
+    normal = rudder.normal_force(6.0, -2.0, math.atan(2.0 / 6.0), 1025.0, 33.0, 2.743, 0, 0.0, 0.0)
     assert normal == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_stalled_rudder_loses_its_share_and_no_more():
     full, stalled = (
-        rudder.normal_force(6.0, 0.0, math.radians(45), 1025.0, 33.0, 2.743, 30.0, loss)
+        rudder.normal_force(6.0, 0.0, math.radians(45), 1025.0, 33.0, 2.743, 1, 30.0, loss)
         for loss in (0.0, 0.3)
     )
     assert stalled == pytest.approx(0.7 * full)
     before = [
-        rudder.normal_force(6.0, 0.0, math.radians(29), 1025.0, 33.0, 2.743, 30.0, loss)
+        rudder.normal_force(6.0, 0.0, math.radians(29), 1025.0, 33.0, 2.743, 1, 30.0, loss)
         for loss in (0.0, 0.3)
     ]
     assert before[0] == before[1]

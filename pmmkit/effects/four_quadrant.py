@@ -11,7 +11,8 @@ from pmmkit.effects.propeller import wake_inflow
 
 
 def force(
-    u: float, v: float, r: float, n: float, L: float, U: float, rho: float, D: float, t: float,
+    u: float, v: float, r: float, beta: float, n: float, L: float, U: float, rho: float,
+    D: float, t: float,
     t_astern: float, wake: int, wp: float, xp: float, tau: float, cpv: float, cpr: float,
     C1: float, C2_positive: float, C2_negative: float, cp: float, characteristics: int, kt0: float,
     kt1: float, kt2: float, kq0: float, kq1: float, kq2: float, astern: float,
@@ -20,7 +21,7 @@ def force(
 ) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
     """X, Y [N], N [N m], inflow [m/s], thrust [N], torque [N m], thrust over ρ D² [m²/s²]."""
     ahead = wake_inflow(
-        u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
+        u, v, r, beta, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
     )
     inflow = where(u >= 0.0, ahead, u)
     tip = n * D

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import atan2, exp, fabs, interpolate, maximum, minimum, where
+from pmmkit.effects.primitives import exp, fabs, interpolate, maximum, minimum, where
 
 
 def wake_inflow(
-    u: float, v: float, r: float, L: float, U: float, wake: int, wp: float, xp: float,
+    u: float, v: float, r: float, beta: float, L: float, U: float, wake: int, wp: float, xp: float,
     tau: float, cpv: float, cpr: float, C1: float, C2_positive: float, C2_negative: float,
     cp: float,
 ) -> float:  # fmt: skip
@@ -18,8 +18,8 @@ def wake_inflow(
 
     Parameters
     ----------
-    u, v, r, U : float
-        Surge, sway velocity [m/s], yaw rate [rad/s] at midship, speed [m/s].
+    u, v, r, beta, U : float
+        Surge, sway velocity [m/s], yaw rate [rad/s], drift angle [rad] at midship, speed [m/s].
     L : float
         Ship length [m].
     wake : int
@@ -35,7 +35,7 @@ def wake_inflow(
 
     Examples
     --------
-    >>> wake_inflow(10.0, -2.0, 0.02, 175.0, 10.2, 0, 0.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+    >>> wake_inflow(10.0, -2.0, 0.02, 0.2, 175.0, 10.2, 0, 0.2, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
     ...              0.0)
     8.0
     """
@@ -49,13 +49,13 @@ def wake_inflow(
     if wake == 3:
         turned = fabs(v / U + xp * yaw)
         return u * minimum(1.0 - wp + turned * (tau + cp * turned), 1.0)
-    angle = atan2(-v, u) - xp * yaw
+    angle = beta - xp * yaw
     limit = where(angle > 0.0, C2_positive, C2_negative)
     return u * (1.0 - wp) * (1.0 + (1.0 - exp(-C1 * fabs(angle))) * (limit - 1.0))
 
 
 def force(
-    u: float, v: float, r: float, n: float, L: float, U: float, rho: float,
+    u: float, v: float, r: float, beta: float, n: float, L: float, U: float, rho: float,
     D: float, t: float, wake: int, wp: float, xp: float, tau: float, cpv: float, cpr: float,
     C1: float, C2_positive: float, C2_negative: float, cp: float, open_water: int,
     kt0: float, kt1: float, kt2: float, kq0: float, kq1: float, kq2: float,
@@ -67,7 +67,7 @@ def force(
     negative, that is the bilinear form of n|n| and |n| VA.
     """
     inflow = wake_inflow(
-        u, v, r, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
+        u, v, r, beta, L, U, wake, wp, xp, tau, cpv, cpr, C1, C2_positive, C2_negative, cp
     )
     tip = n * D
     if open_water == 0:

@@ -9,7 +9,7 @@ from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, si
 
 
 def rudder_flow(
-    u: float, v: float, r: float, L: float, U: float, propeller_inflow: float, loading: float,
+    v: float, r: float, beta: float, L: float, U: float, propeller_inflow: float, loading: float,
     inflow: int, epsilon: float, kappa: float, eta: float, gamma_positive: float,
     gamma_negative: float, lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float,
 ) -> tuple[float, float]:  # fmt: skip
@@ -17,8 +17,8 @@ def rudder_flow(
 
     Parameters
     ----------
-    u, v, r, U : float
-        Surge, sway velocity [m/s], yaw rate [rad/s] at midship, speed [m/s].
+    v, r, beta, U : float
+        Sway velocity [m/s], yaw rate [rad/s], drift angle [rad] at midship, speed [m/s].
     L : float
         Ship length [m].
     propeller_inflow : float
@@ -47,45 +47,48 @@ def rudder_flow(
     behind = sqrt(maximum(square + jet, 0.0))
     mixed = propeller_inflow + kappa * (behind - propeller_inflow)
     along = epsilon * sqrt(maximum(eta * mixed * mixed + (1.0 - eta) * square, 0.0))
-    angle = atan2(-v, u) - lR * yaw
+    angle = beta - lR * yaw
     straightening = where(angle > 0.0, gamma_positive, gamma_negative)
     return along, -straightening * angle * U
 
 
 def normal_force(
     along: float, across: float, delta: float, rho: float, area: float, lift_slope: float,
-    stall_deg: float, stall_loss: float,
+    stall: int, stall_deg: float, stall_loss: float,
 ) -> float:  # fmt: skip
     """Normal force of the rudder [N], negative when the rudder turns the ship to starboard.
 
-    -½ρ A fα V² sin α with α = δ + atan(across/along); beyond the stall angle it falls, smoothly
-    over 10°, by the share that is lost.
+    -½ρ A fα V² sin α with α = δ + atan(across/along), written by sums of angles. With `stall` the
+    force falls beyond the stall angle, smoothly over 10°, by the share that is lost.
 
     Examples
     --------
     >>> from math import radians
-    >>> round(normal_force(3.0, 0.0, radians(30), 1000.0, 2.0, 2.5, 90.0, 0.0))
+    >>> round(normal_force(3.0, 0.0, radians(30), 1000.0, 2.0, 2.5, 0, 0.0, 0.0))
     -11250
     """
-    angle = delta + atan2(across, along)
-    beyond = minimum(maximum((fabs(angle) * 180.0 / pi - stall_deg) / 10.0, 0.0), 1.0)
-    kept = 1.0 - stall_loss * beyond * beyond * (3.0 - 2.0 * beyond)
-    return -0.5 * rho * area * lift_slope * (along * along + across * across) * sin(angle) * kept
+    flow = sqrt(along * along + across * across)
+    force = -0.5 * rho * area * lift_slope * flow * (along * sin(delta) + across * cos(delta))
+    if stall == 0:
+        return force
+    angle = fabs(delta + atan2(across, along)) * 180.0 / pi
+    beyond = minimum(maximum((angle - stall_deg) / 10.0, 0.0), 1.0)
+    return force * (1.0 - stall_loss * beyond * beyond * (3.0 - 2.0 * beyond))
 
 
 def force(
-    u: float, v: float, r: float, delta: float, L: float, U: float, rho: float,
+    v: float, r: float, beta: float, delta: float, L: float, U: float, rho: float,
     propeller_inflow: float, loading: float, inflow: int, area: float, lift_slope: float,
     epsilon: float, kappa: float, eta: float, gamma_positive: float, gamma_negative: float,
     lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float, tR: float, aH: float,
-    xH: float, xR: float, zR: float, stall_deg: float, stall_loss: float,
+    xH: float, xR: float, zR: float, stall: int, stall_deg: float, stall_loss: float,
 ) -> tuple[float, float, float, float, float]:  # fmt: skip
     """X, Y [N], N, K [N m] on the ship with the hull's share, and the rudder's normal force [N]."""
     along, across = rudder_flow(
-        u, v, r, L, U, propeller_inflow, loading, inflow, epsilon, kappa, eta, gamma_positive,
+        v, r, beta, L, U, propeller_inflow, loading, inflow, epsilon, kappa, eta, gamma_positive,
         gamma_negative, lR, gamma, cRr, cRrrr, cRrrv,
     )  # fmt: skip
-    normal = normal_force(along, across, delta, rho, area, lift_slope, stall_deg, stall_loss)
+    normal = normal_force(along, across, delta, rho, area, lift_slope, stall, stall_deg, stall_loss)
     side = normal * cos(delta)
     return (
         (1.0 - tR) * normal * sin(delta),
@@ -98,6 +101,7 @@ def force(
 
 _SN: Final = ("inflow", "son-nomoto")
 _MMG: Final = ("inflow", "mmg")
+_STALL: Final = ("stall", "smooth")
 RUDDER_MMG: Final = Effect(
     name="rudder_mmg",
     family="rudder",
@@ -129,20 +133,20 @@ RUDDER_MMG: Final = Effect(
             name="stall_deg",
             text="angle of attack at which the rudder begins to stall",
             unit="deg",
-            default=90.0,
+            form=_STALL,
             low=1.0,
         ),
         Parameter(
             name="stall_loss",
             text="share of the normal force lost 10 degrees beyond that angle",
-            default=0.0,
+            form=_STALL,
             low=0.0,
             high=1.0,
         ),
         Parameter(name="rate_deg_s", text="rate of the steering gear", unit="deg/s", low=1e-6),
         Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
     ),
-    options={"inflow": ("son-nomoto", "mmg")},
+    options={"inflow": ("son-nomoto", "mmg"), "stall": ("none", "smooth")},
     needs=("delta", "n"),
     force=force,
     outputs=("X", "Y", "N", "K", "rudder_force"),

@@ -11,7 +11,7 @@ from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.kernel.layout import FIRST, PLACE, STATES
 from pmmkit.kernel.structure import ACCELERATIONS, FORCES, Structure, Used
 
-MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U")
+MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
 PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
 CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
@@ -43,7 +43,7 @@ def module_text(structure: Structure) -> str:
         A module in which ``entry`` and ``inner`` decorate the functions and ``use`` takes in those
         of the effects; the loader supplies all three.
     """
-    lines = ["import math", "from math import cos, fabs, sin, sqrt"]
+    lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
         function = item.known.force
         assert function is not None
@@ -85,6 +85,8 @@ def _rates(structure: Structure) -> list[str]:
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
     body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = turn")
     body += ["n_order = turn", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    if any("beta" in item.arguments for item in structure.used):
+        body.append("beta = atan2(-v, u)")
     body += [f"{name} = k[{PLACE[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     body += ["X, Y, N, K = 0.0, 0.0, 0.0, 0.0"]
     body += _polynomial(structure)
