@@ -41,8 +41,10 @@ def vector(size: int) -> list[float]:
 
 def control(t: float, since: float, start: float, order: float, rate: float, lag: float) -> float:
     """A steering gear in closed form: at most at its rate, with a first-order lag at the end."""
-    gone = t - since
     error = order - start
+    if error == 0.0:
+        return order
+    gone = t - since
     size = math.fabs(error)
     side = 1.0 if error >= 0.0 else -1.0
     straight = (size - rate * lag) / rate
@@ -120,7 +122,7 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
     if not f_low < 0.0:
         return math.nan
     for _ in range(100):
-        high = 1.25 * high
+        high = 1.5 * high
         f_high = surge_rate(high, speed, k, y, out)
         if f_high >= 0.0:
             break

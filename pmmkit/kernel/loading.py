@@ -95,7 +95,7 @@ def entry(function):
 
 
 def inner(function):
-    return numba.njit(function, nogil=True, error_model="numpy")
+    return numba.njit(function, nogil=True, error_model="numpy", forceinline=True)
 
 
 @inner

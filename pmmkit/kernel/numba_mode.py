@@ -12,7 +12,7 @@ from pmmkit.effects.primitives import rebound
 
 
 def _compiled(function: Any) -> Any:
-    return numba.njit(function, nogil=True, error_model="numpy")
+    return numba.njit(function, nogil=True, error_model="numpy", forceinline=True)
 
 
 def use(function: Callable[..., Any]) -> Any:

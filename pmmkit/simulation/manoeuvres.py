@@ -361,4 +361,4 @@ def _lengths(L: float, **values: Any) -> dict[str, Any]:
 
 def _positive(rate: Any) -> Any:
     """A yaw rate; infinitely small where the ship turns the other way."""
-    return np.where(rate > 0.0, rate, np.where(np.isnan(rate), np.nan, 1e-300))
+    return np.maximum(rate, 1e-300)

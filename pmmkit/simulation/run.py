@@ -21,7 +21,7 @@ from pmmkit.kernel.structure import Structure
 from pmmkit.simulation.plan import Answers, Plan
 
 Array = NDArray[np.float64]
-LONGEST_STEP: Final = 1.0
+LONGEST_STEP: Final = 2.0
 """Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
 alone lets the steps grow to the limit of stability, where the dense output loses digits."""
 FASTEST: Final = 10.0

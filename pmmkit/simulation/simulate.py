@@ -83,7 +83,7 @@ def simulate(
     revolutions : float, optional
         Of the approach [1/s]; by default those of self-propulsion.
     dt : float, optional
-        Interval of the samples [s]; by default about a twentieth of L/speed. The metrics do not
+        Interval of the samples [s]; by default about a tenth of L/speed. The metrics do not
         depend on it.
     rtol : float
         Relative tolerance of the integration.
@@ -311,8 +311,8 @@ def _problems(
 
 
 def interval(unit: float) -> float:
-    """The 1, 2 or 5 times a power of ten next below a twentieth of a time."""
-    target = unit / 20
+    """The 1, 2 or 5 times a power of ten next below a tenth of a time."""
+    target = unit / 10
     power = 10.0 ** math.floor(math.log10(target))
     return max(x * power for x in (1.0, 2.0, 5.0) if x * power <= target * (1 + 1e-12))
 
@@ -327,5 +327,9 @@ def samples(end: float, dt: float) -> np.ndarray:
     """
     if end / dt > 1e7:
         raise DataError(f"dt = {dt:g} s over {end:g} s are more than ten million samples.")
-    t = np.arange(math.floor(end / dt * (1 + 1e-12)) + 1) * dt
-    return t if end - t[-1] < 1e-9 * max(end, 1.0) else np.append(t, end)
+    whole = math.floor(end / dt * (1 + 1e-12))
+    beyond = end - whole * dt >= 1e-9 * max(end, 1.0)
+    t = np.arange(whole + 1 + beyond) * dt
+    if beyond:
+        t[-1] = end
+    return t
