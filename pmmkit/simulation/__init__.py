@@ -1,14 +1,33 @@
 """Simulation: manoeuvres of a model, their numbers, sweeps and criteria."""
 
 from pmmkit.simulation.ensemble import Ensemble, monte_carlo
-from pmmkit.simulation.imo import Verdict, imo_turning
+from pmmkit.simulation.imo import Verdict, imo_turning, imo_verdicts, zigzag_limits
 from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.sensitivity import Sensitivities, SobolIndices, sensitivities, sobol
 from pmmkit.simulation.simulate import simulate
+from pmmkit.simulation.spiral import SpiralCurve, spiral_curve
+from pmmkit.simulation.stability import Stability, stability
 from pmmkit.simulation.sweeps import froude_sweep, sweep
 from pmmkit.simulation.track import Track
 
 __all__ = [
-    "MANOEUVRES", "Ensemble", "Sensitivities", "SobolIndices", "Track", "Verdict",
-    "froude_sweep", "imo_turning", "monte_carlo", "sensitivities", "simulate", "sobol", "sweep",
-]  # fmt: skip
+    "MANOEUVRES",
+    "Ensemble",
+    "Sensitivities",
+    "SobolIndices",
+    "SpiralCurve",
+    "Stability",
+    "Track",
+    "Verdict",
+    "froude_sweep",
+    "imo_turning",
+    "imo_verdicts",
+    "monte_carlo",
+    "sensitivities",
+    "simulate",
+    "sobol",
+    "spiral_curve",
+    "stability",
+    "sweep",
+    "zigzag_limits",
+]

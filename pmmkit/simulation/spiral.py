@@ -1,0 +1,171 @@
+"""The steady turning rate over the rudder angle, exactly: the curve of a reverse spiral."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import SimulationError
+from pmmkit.kernel import prepare
+from pmmkit.model import Model, load_model
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+_SETTLED: Final = 1e-11
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpiralCurve:
+    """Steady turns from one side to the other.
+
+    Parameters
+    ----------
+    rudder_deg, yaw_rate_deg_s, drift_deg, speed_ratio : array (m,)
+        Along the curve, by rising yaw rate.
+    stable : array (m,) of bool
+        Whether the ship stays in that turn by itself: the rudder rises with the yaw rate.
+    loop_width_deg : float
+        Rudder angles between the two folds of the curve; 0 for a stable ship.
+    loop_height_deg_s : float
+        Yaw rates between the two stable turns with the rudder at `neutral_deg`; 0 for a stable
+        ship.
+    neutral_deg : float
+        Rudder angle in the middle between the folds, or where a stable ship does not turn.
+    name, scale : str
+        Of the model.
+    """
+
+    rudder_deg: Array
+    yaw_rate_deg_s: Array
+    drift_deg: Array
+    speed_ratio: Array
+    stable: NDArray[np.bool_]
+    loop_width_deg: float
+    loop_height_deg_s: float
+    neutral_deg: float
+    name: str
+    scale: str
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per steady turn."""
+        import pandas as pd
+
+        names = ("rudder_deg", "yaw_rate_deg_s", "drift_deg", "speed_ratio", "stable")
+        return pd.DataFrame({name: getattr(self, name) for name in names})
+
+
+def spiral_curve(
+    model: Model | str | Path, speed: float, *, most: float = 0.4, points: int = 161,
+    extrapolate: bool = False,
+) -> SpiralCurve:  # fmt: skip
+    """The curve of a reverse spiral: the rudder that holds each yaw rate.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        A model, a library name or a file.
+    speed : float
+        Approach speed [m/s]; its revolutions are kept.
+    most : float
+        Largest yaw rate over the approach speed and L, to each side.
+    points : int
+        Number of yaw rates.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    SpiralCurve
+
+    Raises
+    ------
+    SimulationError
+        If no steady turn is found at the smallest yaw rates.
+
+    Notes
+    -----
+    At each yaw rate surge, sway, heel and rudder follow by Newton's method from the last one.
+
+    Examples
+    --------
+    >>> spiral_curve("s175-3dof", 9.0).loop_width_deg
+    0.0
+    >>> spiral_curve("kvlcc2", 7.97).loop_width_deg > 0
+    True
+    """
+    loaded = model if isinstance(model, Model) else load_model(model)
+    ready = prepare(loaded, speed, extrapolate=extrapolate)
+    n, L, rolls = ready.self_propulsion(), ready.L, ready.rolls
+    size = np.array([speed, speed, 1.0, 1.0])
+    unit = np.array([speed**2 / L, speed**2 / L, (speed / L) ** 2, (speed / L) ** 2])
+    free = 4 if rolls else 3
+    states = ready.structure.states
+    lagging = [i for i, name in enumerate(states) if name == "n"]
+
+    def residual(z: Array, r: float) -> Array:
+        u, v, delta, phi = (z * size).tolist()
+        y = [0.0, 0.0, 0.0, u, v, r] + ([0.0, phi] if rolls else [])
+        y += [n] * len(lagging)
+        out = ready.rates(y, delta, n)
+        found: Array = np.array([out[3], out[4], out[5], out[6] if rolls else 0.0]) / unit
+        return found[:free]
+
+    def follow(z: Array, r: float) -> Array | None:
+        z = z.copy()
+        for _ in range(30):
+            value = residual(z, r)
+            if np.max(np.abs(value)) < _SETTLED:
+                return z
+            steps = np.eye(4)[:free] * 1e-6
+            slope = np.stack([(residual(z + h, r) - residual(z - h, r)) / 2e-6 for h in steps], 1)
+            try:
+                change = np.linalg.solve(slope, value)
+            except np.linalg.LinAlgError:
+                return None
+            if not np.all(np.isfinite(change)) or np.max(np.abs(change)) > 1.0:
+                return None
+            z[:free] -= change
+        return None
+
+    half = np.linspace(0.0, most * speed / L, points // 2 + 1)
+    sides = []
+    for side in (-1.0, 1.0):
+        z, rows = np.array([1.0, 0.0, 0.0, 0.0]), []
+        for r in half:
+            step = follow(z, side * float(r))
+            if step is None or abs(step[2]) > np.pi / 3 or step[0] < 0.05:
+                break
+            z = step
+            rows.append((side * float(r), *z))
+        sides.append(rows)
+    if len(sides[0]) < 2 or len(sides[1]) < 2:
+        raise SimulationError(f"Model {loaded.name!r} has no steady turns at {speed:g} m/s.")
+    table = np.array([*sides[0][:0:-1], *sides[1]])
+    r, u, v, delta = table[:, 0], table[:, 1], table[:, 2], np.degrees(table[:, 3])
+    rising = np.gradient(delta, r) > 0.0
+    width, height, neutral = _loop(np.degrees(r), delta)
+    return SpiralCurve(
+        rudder_deg=delta, yaw_rate_deg_s=np.degrees(r), drift_deg=np.degrees(np.arctan2(-v, u)),
+        speed_ratio=np.hypot(u, v), stable=rising, loop_width_deg=width,
+        loop_height_deg_s=height, neutral_deg=neutral, name=loaded.name, scale=loaded.scale,
+    )  # fmt: skip
+
+
+def _loop(rate: Array, rudder: Array) -> tuple[float, float, float]:
+    """Width between the folds, height in their middle, and the neutral rudder."""
+    from scipy.interpolate import CubicSpline
+
+    curve = CubicSpline(rate, rudder)
+    folds = curve.derivative().roots(extrapolate=False)
+    if len(folds) < 2:
+        return 0.0, 0.0, float(curve(0.0))
+    values = curve(folds)
+    neutral = float(values.max() + values.min()) / 2
+    turns = CubicSpline(rate, rudder - neutral).roots(extrapolate=False)
+    return float(np.ptp(values)), float(np.ptp(turns)), neutral

@@ -1,0 +1,159 @@
+"""Straight-line stability: the linear equations, criterion C, levers, Nomoto's constants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.kernel import CALM, Conditions, Prepared, prepare
+from pmmkit.model import Model, load_model
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+STEP: Final = 1e-5
+"""Step of the central differences over the size of each velocity."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stability:
+    """A ship running straight ahead at a speed, made linear, everything included that acts on it.
+
+    Parameters
+    ----------
+    speed : float
+        [m/s]
+    eigenvalues : array of complex
+        Of sway and yaw (and roll), over U/L; the ship is stable if all have negative real parts.
+    C : float
+        Yv Nr - Nv (Yr - m'), of the whole ship in the prime system; positive where stable.
+    lever_sway, lever_yaw : float
+        Nv/Yv and Nr/(Yr - m'), over L from midship.
+    K, T : float
+        Nomoto's gain and time, in units of U/L and L/U; negative for an unstable ship.
+    T1, T2, T3 : float
+        Times of the second-order equation [L/U].
+    rudder : tuple of float
+        Yδ and Nδ of the whole ship in the prime system.
+    stable : bool
+        Whether it keeps its course without a rudder.
+    name : str
+        Of the model.
+    """
+
+    speed: float
+    eigenvalues: Complex
+    C: float
+    lever_sway: float
+    lever_yaw: float
+    K: float
+    T: float
+    T1: float
+    T2: float
+    T3: float
+    rudder: tuple[float, float]
+    stable: bool
+    name: str
+
+
+def stability(
+    model: Model | str | Path, speed: float, *, conditions: Conditions = CALM,
+    extrapolate: bool = False,
+) -> Stability:  # fmt: skip
+    """Straight-line stability of a model at a speed.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        A model, a library name or a file.
+    speed : float
+        [m/s], with the revolutions of self-propulsion.
+    conditions : Conditions
+        Depth of the water.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Stability
+
+    Notes
+    -----
+    Sway and yaw at constant surge: M x' = N x + b δ. With Nomoto's equation
+    T1 T2 r'' + (T1 + T2) r' + r = K (δ + T3 δ'), T = T1 + T2 - T3 (Nomoto et al. 1957). The
+    eigenvalues are those of all degrees of freedom but surge; C, the levers and Nomoto's constants
+    are of sway and yaw alone, upright.
+
+    Examples
+    --------
+    >>> found = stability("s175-3dof", 7.0)
+    >>> found.stable, found.C > 0, found.lever_yaw > found.lever_sway
+    (True, True, True)
+    >>> stability("esso190k", 8.23).stable
+    False
+    """
+    loaded = model if isinstance(model, Model) else load_model(model)
+    ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
+    n, L = ready.self_propulsion(), ready.L
+    rolls = ready.rolls
+    size = np.array([speed, speed / L, speed / L, 1.0])
+    unit = np.array([speed**2 / L, (speed / L) ** 2, (speed / L) ** 2])
+
+    def rates(v: float, r: float, p: float, phi: float, delta: float) -> Array:
+        _, vdot, rdot, pdot = ready.accelerations(speed, v, r, p, phi, delta, n)
+        found: Array = np.array([vdot, rdot, pdot]) / unit
+        return found
+
+    def slope(place: int) -> Array:
+        """Change of the accelerations with v, r, p, phi or the rudder, non-dimensional."""
+        step = np.zeros(5)
+        step[place] = STEP * (size[place] if place < 4 else 1.0)
+        up, down = rates(*step.tolist()), rates(*(-step).tolist())
+        change: Array = (up - down) / (2.0 * STEP)
+        return change
+
+    columns = [slope(place) for place in range(5)]
+    mass = _mass(ready)
+    degrees = 3 if rolls else 2
+    forces = np.column_stack([mass @ column[:degrees] for column in columns])
+    upright = np.linalg.inv(mass[:2, :2])
+    plane, force = upright @ forces[:2, :2], upright @ forces[:2, 4]
+    if rolls:
+        whole = np.zeros((4, 4))
+        whole[:3] = np.column_stack(columns[:4])
+        whole[3, 2] = 1.0
+    else:
+        whole = plane
+    eigenvalues: Complex = np.linalg.eigvals(whole).astype(complex)
+    Y = forces[:2, :2]
+    a, b = -np.trace(plane), np.linalg.det(plane)
+    top = plane[1, 0] * force[0] - plane[0, 0] * force[1]
+    roots = np.linalg.eigvals(plane)
+    times = sorted((float((-1.0 / root).real) for root in roots), key=abs, reverse=True)
+    K, T3 = top / b, force[1] / top
+    return Stability(
+        speed=speed, eigenvalues=eigenvalues, C=float(Y[0, 0] * Y[1, 1] - Y[1, 0] * Y[0, 1]),
+        lever_sway=float(Y[1, 0] / Y[0, 0]), lever_yaw=float(Y[1, 1] / Y[0, 1]), K=float(K),
+        T=float(a / b - T3), T1=times[0], T2=times[1], T3=float(T3),
+        rudder=(float(forces[0, 4]), float(forces[1, 4])),
+        stable=bool(np.all(eigenvalues.real < 0.0)),
+        name=loaded.name,
+    )  # fmt: skip
+
+
+def _mass(ready: Prepared) -> Array:
+    """Mass matrix of sway and yaw, and roll if the ship rolls, in the prime system."""
+    k, L, rho = ready.k, ready.L, ready.k[6]
+    matrix = np.array(
+        [
+            [k[3] - k[14], k[3] * k[8] - k[15], -k[3] * k[9] - k[16]],
+            [k[3] * k[8] - k[17], k[10] - k[18], -k[19]],
+            [-k[3] * k[9] - k[20], -k[21], k[11] - k[22]],
+        ]
+    )
+    arm = np.array([1.0, L, L])
+    primed: Array = matrix / (0.5 * rho * L**3 * np.outer(arm, arm))
+    return primed if ready.rolls else primed[:2, :2]
