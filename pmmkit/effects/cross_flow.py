@@ -6,38 +6,52 @@ from collections.abc import Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import fabs, interpolate, where
+from pmmkit.effects.primitives import fabs, interpolate, maximum, where
 
 STRIPS: Final = 40
 """Strips over the length where the coefficient changes along it."""
 
 
-def strip_force(w: float, k: float, a: float, b: float) -> float:
-    """Integral of \\|w + k x\\|(w + k x) over x from a to b, exactly."""
-    first, last = w + k * a, w + k * b
-    side = where(first + last >= 0.0, 1.0, -1.0)
-    same = side * (
-        w * w * (b - a) + w * k * (b * b - a * a) + k * k * (b * b * b - a * a * a) / 3.0
-    )
-    slope = where(fabs(k) < 1e-12, 1e-12, k)
-    turned = (fabs(last * last * last) - fabs(first * first * first)) / (3.0 * slope)
-    return where(first * last >= 0.0, same, turned)
+def strip(middle: float, growth: float, half: float) -> tuple[float, float]:
+    """Integral of w times its size over a strip, and of that times the distance from its middle.
 
+    Parameters
+    ----------
+    middle : float
+        Cross flow w in the middle of the strip [m/s].
+    growth : float
+        What it gains from there to the forward end [m/s].
+    half : float
+        Half the length of the strip [m].
 
-def strip_moment(w: float, k: float, a: float, b: float) -> float:
-    """Integral of \\|w + k x\\|(w + k x) x over x from a to b, exactly."""
-    first, last = w + k * a, w + k * b
-    side = where(first + last >= 0.0, 1.0, -1.0)
-    same = side * (
-        w * w * (b * b - a * a) / 2.0
-        + 2.0 * w * k * (b * b * b - a * a * a) / 3.0
-        + k * k * (b * b * b * b - a * a * a * a) / 4.0
+    Returns
+    -------
+    tuple of float
+        In m³/s² and m⁴/s².
+
+    Examples
+    --------
+    >>> strip(2.0, 0.0, 5.0), strip(0.0, 2.0, 5.0)
+    ((40.0, 0.0), (0.0, 50.0))
+    """
+    flow, gain = fabs(middle), fabs(growth)
+    square = middle * middle
+    above = maximum(gain, 1e-12)
+    one_way = gain <= flow
+    whole = where(
+        one_way,
+        half * where(middle < 0.0, -1.0, 1.0) * (2.0 * square + 2.0 / 3.0 * gain * gain),
+        half * middle * (2.0 * gain + 2.0 / 3.0 * square / above),
     )
-    slope = where(fabs(k) < 1e-12, 1e-12, k)
-    fourth = (fabs(last) * last * last * last - fabs(first) * first * first * first) / 4.0
-    third = (fabs(last * last * last) - fabs(first * first * first)) / 3.0
-    turned = (fourth - w * third) / (slope * slope)
-    return where(first * last >= 0.0, same, turned)
+    about = where(
+        one_way,
+        half * half * growth * 4.0 / 3.0 * flow,
+        half
+        * half
+        * growth
+        * (0.5 * gain + square / above * (1.0 - square / (6.0 * above * above))),
+    )
+    return whole, about
 
 
 def force(
@@ -46,7 +60,9 @@ def force(
 ) -> tuple[float, float]:  # fmt: skip
     """Y [N] and N [N m] of the flow across the hull.
 
-    -½ ρ d ∫ CD(x) |v + Cr r x| (v + Cr r x) (1, x) dx over the length.
+    -½ ρ d ∫ CD(x) |v + CrY r x| (v + CrY r x) dx over the length, and the same with CrN times x;
+    in closed form where CD is constant, else the sum of 40 strips of constant CD each. The form
+    ``without-sway`` leaves out the part L |v| v of the force, which then stands in the hull.
 
     Examples
     --------
@@ -55,18 +71,22 @@ def force(
     """
     half = 0.5 * L
     if shape == 0:
-        side = CD * strip_force(v, CrY * r, -half, half)
-        turn = CD * strip_moment(v, CrN * r, -half, half)
+        side, _ = strip(v, CrY * r * half, half)
+        _, turn = strip(v, CrN * r * half, half)
     else:
         side, turn = 0.0 * v, 0.0 * v
-        for i in range(40):
-            a, b = -half + L * i / 40, -half + L * (i + 1) / 40
-            here = CD * interpolate((i + 0.5) / 40 - 0.5, station, CD_station)
-            side += here * strip_force(v, CrY * r, a, b)
-            turn += here * strip_moment(v, CrN * r, a, b)
+        short = half / STRIPS
+        for i in range(STRIPS):
+            place = (i + 0.5) / STRIPS - 0.5
+            here = interpolate(place, station, CD_station)
+            x = place * L
+            whole, _ = strip(v + CrY * r * x, CrY * r * short, short)
+            side = side + here * whole
+            whole, about = strip(v + CrN * r * x, CrN * r * short, short)
+            turn = turn + here * (x * whole + about)
     if form == 1:
-        side -= CD * L * fabs(v) * v
-    return -0.5 * rho * d * side, -0.5 * rho * d * turn
+        side = side - L * fabs(v) * v
+    return -0.5 * rho * d * CD * side, -0.5 * rho * d * CD * turn
 
 
 _TABLE: Final = ("shape", "table")
@@ -88,11 +108,11 @@ CROSSFLOW_DRAG: Final = Effect(
             low=0.0,
         ),
     ),
-    options={"form": ("full", "without_sway"), "shape": ("constant", "table")},
+    options={"form": ("full", "without-sway"), "shape": ("constant", "table")},
     force=force,
     outputs=("Y", "N"),
-    source="Hooft 1994; Faltinsen 1990; without_sway (Yv|v| stands in the hull): Kose 1984, as "
-    "used for stopping ships at low speed",
+    source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
+    "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",
 )  # fmt: skip
 EFFECTS: Final = (CROSSFLOW_DRAG,)
 
@@ -104,17 +124,27 @@ _HOERNER: Final = (
 )  # fmt: skip
 
 
-def hoerner_drag(B: float, d: float) -> float:
-    """Drag coefficient of a section from breadth and draught [m], Hoerner's curve over B/(2d).
+def hoerner_cd(B: float, d: float) -> float:
+    """Drag coefficient of a section across the flow by Hoerner's curve over B/(2 d).
 
-    References
+    Parameters
     ----------
-    Leite, Aranha, Umeda and de Conti, Applied Ocean Research 20 (1998); values as in the public
+    B, d : float
+        Breadth and draught of the section [m].
+
+    Returns
+    -------
+    float
+        Straight lines through the points, constant beyond both ends (B/(2 d) = 0.011 and 4.0).
+
+    Notes
+    -----
+    Points of the curve as Leite, Aranha, Umeda and de Conti (1998) give it, in the reading of the
     MSS toolbox.
 
     Examples
     --------
-    >>> round(hoerner_drag(25.4, 8.5), 3)
+    >>> round(hoerner_cd(25.4, 8.5), 3)
     0.721
     """
     return interpolate(0.5 * B / d, *_HOERNER)
