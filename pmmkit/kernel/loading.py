@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-import inspect
 import os
 import sys
 from functools import cache
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 from pmmkit import __version__
@@ -75,11 +74,23 @@ def _same(function: Any) -> Any:
 def _fingerprint(structure: Structure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
-    modules = {inspect.getmodule(item.known.force) for item in structure.used}
-    files = sorted(str(module.__file__) for module in {*modules, primitives} if module)
-    for file in files:
+    files = {str(primitives.__file__)}
+    for item in structure.used:
+        files |= _files_of(item.known.force)
+    for file in sorted(files):
         digest.update(Path(file).read_bytes())
     return digest.hexdigest()[:20]
+
+
+def _files_of(function: Any) -> set[str]:
+    """The file of a function and those of the functions that it calls."""
+    assert isinstance(function, FunctionType)
+    called = (function.__globals__.get(name) for name in function.__code__.co_names)
+    files = {function.__code__.co_filename}
+    for other in called:
+        if isinstance(other, FunctionType):
+            files |= _files_of(other)
+    return files
 
 
 _HEAD = '''"""Equations of motion of one structure of model, written by pmmkit."""

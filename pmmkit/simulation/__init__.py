@@ -2,11 +2,11 @@
 
 from pmmkit.simulation.ensemble import Ensemble, monte_carlo
 from pmmkit.simulation.imo import Verdict, imo_turning, imo_verdicts, zigzag_limits
+from pmmkit.simulation.linear import Stability, stability
 from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.sensitivity import Sensitivities, SobolIndices, sensitivities, sobol
 from pmmkit.simulation.simulate import simulate
 from pmmkit.simulation.spiral import SpiralCurve, spiral_curve
-from pmmkit.simulation.stability import Stability, stability
 from pmmkit.simulation.sweeps import froude_sweep, sweep
 from pmmkit.simulation.track import Track
 
