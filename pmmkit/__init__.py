@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
     from pmmkit.effects.catalogue import catalogue
+    from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
-    from pmmkit.model import Model, load_model, save_model, scaled, to_model
+    from pmmkit.model import Model, estimated_model, load_model, save_model, scaled, to_model
     from pmmkit.reduction import Reduction, contributions, reduce_campaign
     from pmmkit.report import write_report
     from pmmkit.runs.campaign_file import open_campaign
@@ -56,6 +57,8 @@ __all__ = [
     "catalogue",
     "contributions",
     "converted",
+    "estimate",
+    "estimated_model",
     "examine",
     "from_values",
     "froude_sweep",
@@ -93,7 +96,8 @@ _HOMES: Final = {
     "checks": ("examine", "refuse"),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
-    "model": ("Model", "load_model", "save_model", "scaled", "to_model"),
+    "empirical": ("estimate",),
+    "model": ("Model", "estimated_model", "load_model", "save_model", "scaled", "to_model"),
     "reduction": ("Reduction", "contributions", "reduce_campaign"),
     "report": ("write_report",),
     "runs.campaign_file": ("open_campaign",),

@@ -2,7 +2,7 @@
 
     python scripts/kvlcc2_hsva.py [--data FOLDER] [--out FOLDER]
 
-Hull, propeller and rudder come from the captive tests (model 1:46.4); the model is carried to HSVA's
+Hull, propeller and rudder come from the captive tests (1:46.4); the model is carried to HSVA's
 scale (1:45.7), propeller and rudder. Nothing is tuned to the zigzags. The measurements are not part
 of the repository; give their folder with --data or PMMKIT_DATA.
 """

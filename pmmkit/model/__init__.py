@@ -1,7 +1,17 @@
 """Models: a ship and effects as data, in files and from derivative tables."""
 
 from pmmkit.model.build import to_model
+from pmmkit.model.estimated import estimated_model
 from pmmkit.model.model import Model, Part, scaled
 from pmmkit.model.store import load_model, model_text, save_model
 
-__all__ = ["Model", "Part", "load_model", "model_text", "save_model", "scaled", "to_model"]
+__all__ = [
+    "Model",
+    "Part",
+    "estimated_model",
+    "load_model",
+    "model_text",
+    "save_model",
+    "scaled",
+    "to_model",
+]

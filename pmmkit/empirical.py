@@ -1,0 +1,261 @@
+"""Derivatives, added mass, propeller and rudder values estimated from a ship's particulars.
+
+Regressions over other ships: good for a first look, not for a verdict. Each value belongs to the
+non-dimensional system and the conventions that its estimate states.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.conventions import Convention
+from pmmkit.errors import UnknownNameError
+from pmmkit.ship import Ship
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """What a regression gives for a ship.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Derivatives by name.
+    convention : Convention
+        What they mean.
+    source : str
+        Author and year, and what of it was not checked against the text.
+    """
+
+    values: Mapping[str, float]
+    convention: Convention
+    source: str
+
+
+_PRIME: Final = Convention(system="prime", coriolis="in-derivatives")
+_MMG: Final = Convention(system="prime-d", surge="constant", coriolis="in-derivatives")
+_BETA: Final = _MMG.with_(sway="beta")
+
+
+def _slender(ship: Ship) -> tuple[float, float, float]:
+    """π(d/L)², CB B/(π d) and L."""
+    return math.pi * (ship.d / ship.L) ** 2, ship.block * ship.B / (math.pi * ship.d), ship.L
+
+
+def wagner_smitt(ship: Ship) -> dict[str, float]:
+    """Velocity derivatives of Wagner Smitt (1971), prime system."""
+    S, _, _ = _slender(ship)
+    return {"Yv": -1.59 * S, "Yr": 0.32 * S, "Nv": -0.62 * S, "Nr": -0.21 * S}
+
+
+def norrbin(ship: Ship) -> dict[str, float]:
+    """Velocity derivatives of Norrbin (1971), prime system."""
+    S, x, _ = _slender(ship)
+    return {
+        "Yv": -S * (1.69 + 0.08 * x), "Yr": -S * (-0.645 + 0.38 * x),
+        "Nv": -S * (0.64 - 0.04 * x), "Nr": -S * (0.47 - 0.18 * x),
+    }  # fmt: skip
+
+
+def inoue(ship: Ship) -> dict[str, float]:
+    """Velocity derivatives of Inoue et al. (1981), prime system."""
+    S, x, L = _slender(ship)
+    return {
+        "Yv": -S * (1.0 + 1.4 * x), "Yr": 0.5 * S, "Nv": -2.0 * S / math.pi,
+        "Nr": -S * (1.04 / math.pi - 4.0 * ship.d / (math.pi * L)),
+    }  # fmt: skip
+
+
+def clarke(ship: Ship) -> dict[str, float]:
+    """Velocity derivatives of Clarke, Gedling and Hine (1983), prime system.
+
+    Examples
+    --------
+    >>> tanker = Ship(name="t", L=320., B=58., d=20.8, volume=.81*320*58*20.8, mass=1., Izz=1.)
+    >>> round(clarke(tanker)["Yv"], 5)
+    -0.02527
+    """
+    S, _, L = _slender(ship)
+    B, d, CB = ship.B, ship.d, ship.block
+    return {
+        "Yv": -S * (1.0 + 0.4 * CB * B / d), "Yr": -S * (-0.5 + 2.2 * B / L - 0.08 * B / d),
+        "Nv": -S * (0.5 + 2.4 * d / L), "Nr": -S * (0.25 + 0.039 * B / d - 0.56 * B / L),
+    }  # fmt: skip
+
+
+def clarke_accelerations(ship: Ship) -> dict[str, float]:
+    """Acceleration derivatives of Clarke, Gedling and Hine (1983), prime system."""
+    S, _, L = _slender(ship)
+    B, d, CB = ship.B, ship.d, ship.block
+    return {
+        "Yvdot": -S * (1.0 + 0.16 * CB * B / d - 5.1 * (B / L) ** 2),
+        "Yrdot": -S * (0.67 * B / L - 0.0033 * (B / d) ** 2),
+        "Nvdot": -S * (1.1 * B / L - 0.041 * B / d),
+        "Nrdot": -S * (1.0 / 12.0 + 0.017 * CB * B / d - 0.33 * B / L),
+    }  # fmt: skip
+
+
+def zhou_added_mass(ship: Ship) -> dict[str, float]:
+    """Added mass of Zhou et al. (1983, Motora's charts) over ½ρL²d and ½ρL⁴d."""
+    L, B, d, CB = ship.L, ship.B, ship.d, ship.block
+    m = 2.0 * ship.volume / (L**2 * d)
+    long = d * L / B**2
+    my = m * (
+        0.882
+        - 0.54 * CB * (1.0 - 1.6 * d / B)
+        - 0.156 * (1.0 - 0.673 * CB) * L / B
+        + 0.826 * long * (1.0 - 0.678 * d / B)
+        - 0.638 * CB * long * (1.0 - 0.669 * d / B)
+    )
+    arm = (33.0 - 76.85 * CB * (1.0 - 0.784 * CB) + 3.43 * L / B * (1.0 - 0.63 * CB)) / 100.0
+    return {"Xudot": -0.05 * m, "Yvdot": -my, "Nrdot": -m * arm**2}
+
+
+def kijima(ship: Ship) -> dict[str, float]:
+    """Hull of Kijima et al. (1990), drift-angle form, over ½ρLd: quadratic in moduli.
+
+    Nβrr as 0.5 d CB/B - 0.05; its sign differs between public copies.
+    """
+    L, B, d, CB = ship.L, ship.B, ship.d, ship.block
+    k, c = 2.0 * d / L, CB * B / L
+    m = 2.0 * ship.volume / (L**2 * d)
+    slim, full = d * (1.0 - CB) / B, d * CB / B
+    return {
+        "Yv": 0.5 * math.pi * k + 1.4 * c, "Yr": m - 1.5 * c,
+        "Yv|v|": 2.5 * slim + 0.5, "Yr|r|": 0.343 * full - 0.07, "Yvvr": 1.5 * full - 0.65,
+        "Yvrr": 5.95 * slim, "Nv": k, "Nr": -0.54 * k + k**2, "Nv|v|": -0.96 * slim + 0.066,
+        "Nr|r|": 0.5 * c - 0.09, "Nvvr": -(57.5 * c**2 - 18.4 * c + 1.6),
+        "Nvrr": 0.5 * full - 0.05,
+    }  # fmt: skip
+
+
+def yoshimura_masumoto(ship: Ship) -> dict[str, float]:
+    """Hull of Yoshimura and Masumoto (2012), over ½ρLd, for medium high-speed merchant ships."""
+    L, B, CB = ship.L, ship.B, ship.block
+    k, c = 2.0 * ship.d / L, ship.block * B / L
+    xG, my = ship.xG / L, -zhou_added_mass(ship)["Yvdot"]
+    return {
+        "Xvv": 1.15 * c - 0.18, "Xvr": my - 1.91 * c + 0.08,
+        "Xrr": -0.085 * c + 0.008 - xG * my, "Xvvvv": -6.68 * c + 1.1,
+        "Yv": -(0.5 * math.pi * k + 1.4 * c), "Yr": 0.5 * c, "Yvvv": -0.185 * L / B + 0.48,
+        "Yvvr": -0.75, "Yvrr": -(0.26 * (1.0 - CB) * L / B + 0.11), "Yrrr": -0.051,
+        "Nv": -k, "Nr": -0.54 * k + k**2, "Nvvv": -(-0.69 * CB + 0.66), "Nvvr": 1.55 * c - 0.76,
+        "Nvrr": -0.075 * (1.0 - CB) * L / B - 0.098, "Nrrr": 0.25 * c - 0.056,
+    }  # fmt: skip
+
+
+_UNREAD: Final = "as public programs quote it; the paper was not at hand"
+METHODS: Final[Mapping[str, tuple[Callable[[Ship], dict[str, float]], Convention, str]]] = (
+    MappingProxyType(
+        {
+            "wagner-smitt": (wagner_smitt, _PRIME, "Wagner Smitt 1971 (π form)"),
+            "norrbin": (norrbin, _PRIME, "Norrbin 1971"),
+            "inoue": (inoue, _PRIME, "Inoue, Hirano and Kijima 1981"),
+            "clarke": (clarke, _PRIME, "Clarke, Gedling and Hine 1983"),
+            "kijima": (kijima, _BETA, f"Kijima et al. 1990, {_UNREAD}"),
+            "yoshimura-masumoto": (
+                yoshimura_masumoto, _MMG, f"Yoshimura and Masumoto 2012, {_UNREAD}"
+            ),
+        }
+    )
+)  # fmt: skip
+
+
+def estimate(ship: Ship, method: str) -> Estimate:
+    """Derivatives of a hull from its particulars, with added mass.
+
+    Parameters
+    ----------
+    ship : Ship
+        Length, breadth, draught and volume.
+    method : str
+        ``wagner-smitt``, ``norrbin``, ``inoue``, ``clarke`` (linear; acceleration derivatives of
+        Clarke), ``kijima``, ``yoshimura-masumoto`` (nonlinear; added mass of Zhou).
+
+    Returns
+    -------
+    Estimate
+        Totals as a captive test measures them: Coriolis terms of the added mass are inside.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such method.
+
+    Examples
+    --------
+    >>> ship = Ship(name="b", L=175., B=25.4, d=8.5, volume=21222., mass=2.2e7, Izz=3.8e10)
+    >>> round(estimate(ship, "norrbin").values["Nr"], 5)
+    -0.00277
+    """
+    if method not in METHODS:
+        raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
+    function, convention, source = METHODS[method]
+    linear = convention.system == "prime"
+    mass = clarke_accelerations(ship) if linear else zhou_added_mass(ship)
+    if convention.sway == "beta":
+        mass = {name: -x if name.endswith("vdot") else x for name, x in mass.items()}
+    return Estimate(
+        values=MappingProxyType({**function(ship), **mass}), convention=convention, source=source
+    )
+
+
+def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[str, float]:
+    """Rudder of the MMG model from particulars.
+
+    Parameters
+    ----------
+    ship : Ship
+        Block and length.
+    area : float
+        Rudder area [m²].
+    aspect : float
+        Aspect ratio, height squared over area.
+    D : float
+        Propeller diameter [m].
+
+    Returns
+    -------
+    dict
+        Values of the effect ``rudder_mmg`` with the inflow of Yasukawa and Yoshimura: fα of Fujii,
+        aH of Quadvlieg (2013), tR of Matsumoto, γR, lR, κ of Yoshimura and Masumoto (2012), ε by
+        its line through KVLCC2 and KCS.
+    """
+    c = ship.block * ship.B / ship.L
+    straightening = 2.06 * c + 0.14
+    return {
+        "area": area, "lift_slope": 6.13 * aspect / (aspect + 2.25),
+        "eta": D / math.sqrt(area * aspect), "aH": 0.627 * ship.block - 0.153,
+        "tR": 0.45 - 0.28 * ship.block, "xH": -0.45, "xR": -0.5, "lR": -0.9,
+        "gamma_positive": straightening, "gamma_negative": straightening,
+        "kappa": 0.55 - 0.8 * c, "epsilon": 2.26 - 1.82 * (1.0 - wake_fraction(ship)),
+    }  # fmt: skip
+
+
+def wake_fraction(ship: Ship) -> float:
+    """Wake fraction of a single-screw ship, 0.5 CB - 0.05 (Taylor)."""
+    return 0.5 * ship.block - 0.05
+
+
+def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[float, float]:
+    """Levers of yaw and sway: a ship is stable if the first is larger (both over L).
+
+    Parameters
+    ----------
+    values : mapping
+        Yv, Yr, Nv, Nr in the prime system, Coriolis terms of the added mass inside.
+    mass, xG : float
+        m' = m/(½ρL³) and the centre of gravity forward of midship over L.
+
+    Returns
+    -------
+    float, float
+        (Nr - m'xG)/(Yr - m') and Nv/Yv.
+    """
+    return (
+        (values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"]
+    )  # fmt: skip
