@@ -9,75 +9,134 @@ from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, pi, sin, where
 
 
-def force(
-    u: float, v: float, psi: float, L: float, wind_speed: float, wind_direction: float,
-    coefficients: int, air: float, frontal: float, lateral: float, length: float, lever: float,
-    cx: float, cy: float, cn: float, angle_deg: Sequence[float], CX: Sequence[float],
-    CY: Sequence[float], CN: Sequence[float],
-) -> tuple[float, float, float, float]:  # fmt: skip
-    """X, Y [N], N, K [N m] of the relative wind at midship.
+def relative_wind(
+    u: float, v: float, psi: float, wind_speed: float, wind_direction: float
+) -> tuple[float, float]:
+    """Square of the wind's speed past midship [m²/s²], and where it comes from [rad].
 
-    Half the density times the square of the relative wind times CX AF, CY AL, CN AL L. Its
-    direction is where it comes from, from the bow, positive to starboard: wind from starboard
-    pushes to port. ``simple``: CX = -cx cos γ, CY = -cy sin γ, CN = -cn sin 2γ.
+    Parameters
+    ----------
+    u, v : float
+        Surge and sway velocity [m/s].
+    psi : float
+        Heading, from that of the approach [rad].
+    wind_speed, wind_direction : float
+        True wind [m/s], direction it comes from, from the heading of the approach [rad].
+
+    Returns
+    -------
+    float, float
+        The direction is from the bow, -π to π, positive to starboard.
 
     Examples
     --------
-    >>> X, Y, N, K = force(0.0, 0.0, 0.0, 100.0, 10.0, 1.5707963267948966, 0, 1.225, 100.0, 500.0,
-    ...                    1.0, 10.0, 0.6, 0.8, 0.1, (0.0,), (0.0,), (0.0,), (0.0,))
+    >>> relative_wind(3.0, 0.0, 0.0, 2.0, 0.0)
+    (25.0, 0.0)
+    """
+    bearing = wind_direction - psi
+    ahead = wind_speed * cos(bearing) + u
+    starboard = wind_speed * sin(bearing) + v
+    return ahead * ahead + starboard * starboard, atan2(starboard, ahead)
+
+
+def force(
+    u: float, v: float, psi: float, L: float, wind_speed: float, wind_direction: float,
+    coefficients: int, rho_air: float, AF: float, AL: float, Loa: float, lever: float,
+    cx: float, cy: float, cn: float, angle_deg: Sequence[float], CX: Sequence[float],
+    CY: Sequence[float], CN: Sequence[float], CK: Sequence[float],
+) -> tuple[float, float, float, float]:  # fmt: skip
+    """X, Y [N], N, K [N m] of the wind past midship.
+
+    Notes
+    -----
+    X = q CX AF, Y = q CY AL, N = q CN AL Loa with q = ½ ρair V² and coefficients over the angle γ
+    from which the wind comes, from the bow, positive to starboard. Wind from starboard pushes to
+    port: CY < 0. ``simple``: CX = -cx cos γ, CY = -cy sin γ, CN = -cn sin 2γ, which is Fossen's
+    form with his angle, positive to port, turned over. Tables reach over 0 to 180°; wind from port
+    mirrors them. The roll moment is Y times the lever, or q CK AL AL/Loa with AL/Loa the mean
+    height of the lateral area.
+
+    Examples
+    --------
+    Beam wind of 10 m/s from starboard on 500 m², its centre 10 m above the origin.
+
+    >>> none = (0.0,)
+    >>> X, Y, N, K = force(0.0, 0.0, 0.0, 100.0, 10.0, pi / 2, 0, 1.225, 100.0, 500.0, 1.0, 10.0,
+    ...                    0.6, 0.8, 0.1, none, none, none, none, none)
     >>> round(Y), round(K)
     (-24500, -245000)
     """
-    bearing = wind_direction - psi
-    along = -wind_speed * cos(bearing) - u
-    across = -wind_speed * sin(bearing) - v
-    pressure = 0.5 * air * (along * along + across * across)
-    angle = atan2(-across, -along)
+    square, angle = relative_wind(u, v, psi, wind_speed, wind_direction)
+    pressure = 0.5 * rho_air * square
+    length = Loa * L
     if coefficients == 0:
-        ahead, side, turn = -cx * cos(angle), -cy * sin(angle), -cn * sin(2.0 * angle)
-    else:
-        degrees = fabs(angle) * 180.0 / pi
-        hand = where(angle >= 0.0, 1.0, -1.0)
-        ahead = interpolate(degrees, angle_deg, CX)
-        side = hand * interpolate(degrees, angle_deg, CY)
-        turn = hand * interpolate(degrees, angle_deg, CN)
-    Y = pressure * side * lateral
-    return pressure * ahead * frontal, Y, pressure * turn * lateral * length * L, Y * lever
+        Y = -pressure * cy * sin(angle) * AL
+        return (
+            -pressure * cx * cos(angle) * AF,
+            Y,
+            -pressure * cn * sin(2.0 * angle) * AL * length,
+            Y * lever,
+        )
+    degrees = fabs(angle) * 180.0 / pi
+    side = where(angle < 0.0, -pressure, pressure) * AL
+    Y = side * interpolate(degrees, angle_deg, CY)
+    K = Y * lever
+    if coefficients == 2:
+        K = side * interpolate(degrees, angle_deg, CK) * AL / length
+    return (
+        pressure * interpolate(degrees, angle_deg, CX) * AF,
+        Y,
+        side * interpolate(degrees, angle_deg, CN) * length,
+        K,
+    )
 
 
 _SIMPLE: Final = ("coefficients", "simple")
-_TABLE: Final = ("coefficients", "table")
+_TABLE: Final = ("coefficients", "table", "table-with-roll")
 WIND: Final = Effect(
     name="wind",
     family="environment",
     kind="force",
-    summary="Forces of the relative wind by coefficients over its angle.",
+    summary="Forces of the wind past the ship, by coefficients over its angle.",
     parameters=(
-        Parameter(name="air", text="density of the air [kg/m³]", default=1.225, low=0.0),
-        Parameter(name="frontal", text="frontal area above water", unit="m2", low=0.0),
-        Parameter(name="lateral", text="lateral area above water", unit="m2", low=0.0),
-        Parameter(name="length", text="length of CN over L", default=1.0, low=0.0),
+        Parameter(name="rho_air", text="density of the air [kg/m³]", default=1.225, low=0.0),
+        Parameter(name="AF", text="frontal area above water", unit="m2", low=0.0),
+        Parameter(name="AL", text="lateral area above water", unit="m2", low=0.0),
         Parameter(
-            name="lever", text="centre of the lateral area above the origin", unit="m", default=0.0
-        ),
-        Parameter(name="cx", text="CX in wind from ahead, positive", default=0.7, form=_SIMPLE),
-        Parameter(name="cy", text="CY in wind from abeam, positive", default=0.8, form=_SIMPLE),
-        Parameter(
-            name="cn", text="CN in wind 45° from the bow, positive", default=0.1, form=_SIMPLE
+            name="Loa", text="length overall over L, for N and CK", default=1.0, low=0.5, high=2.0
         ),
         Parameter(
-            name="angle_deg", text="angles 0 to 180 of the wind from starboard, ascending",
-            unit="deg", form=_TABLE, table=True,
+            name="lever", text="height of the side force above the origin", unit="m", default=0.0
+        ),
+        Parameter(
+            name="cx", text="size of CX in wind from ahead, 0.5 to 0.9", default=0.7, form=_SIMPLE
+        ),
+        Parameter(
+            name="cy", text="size of CY in wind from abeam, 0.7 to 0.95", default=0.8, form=_SIMPLE
+        ),
+        Parameter(
+            name="cn", text="size of CN in wind 45° off the bow, 0.05 to 0.2", default=0.1,
+            form=_SIMPLE,
+        ),
+        Parameter(
+            name="angle_deg", text="angles 0 to 180 from which the wind comes, from starboard, "
+            "ascending", unit="deg", form=_TABLE, table=True,
         ),
         Parameter(name="CX", text="at each angle, ahead positive", form=_TABLE, table=True),
-        Parameter(name="CY", text="at each angle, starboard positive", form=_TABLE, table=True),
-        Parameter(name="CN", text="at each angle, bow to starboard positive", form=_TABLE,
-                  table=True),
+        Parameter(name="CY", text="at each angle, to starboard positive", form=_TABLE, table=True),
+        Parameter(
+            name="CN", text="at each angle, bow to starboard positive", form=_TABLE, table=True
+        ),
+        Parameter(
+            name="CK", text="at each angle, starboard side down positive",
+            form=("coefficients", "table-with-roll"), table=True,
+        ),
     ),
-    options={"coefficients": ("simple", "table")},
+    options={"coefficients": ("simple", "table", "table-with-roll")},
     needs=("wind_speed", "wind_direction"),
     force=force,
     outputs=("X", "Y", "N", "K"),
-    source="Isherwood 1972 (form of the coefficients); simple: Fossen 2011, section 8.1",
+    source="Isherwood 1972, Blendermann 1994 (what the coefficients refer to); simple: Fossen "
+    "2011, section 8.1, as in public programs that quote it",
 )  # fmt: skip
 EFFECTS: Final = (WIND,)

@@ -122,7 +122,7 @@ def estimated_model(
         parts=MappingProxyType({part.effect: part for part in parts}),
         title=f"{ship.name}, estimated from its particulars",
         scale=f"L = {ship.L:g} m; propulsion point: self-propulsion of the model's equations",
-        notes=("Every value is an estimate from particulars: for a first look, not for a verdict.",),
+        notes=("Every value is an estimate from particulars: a first look, not a verdict.",),
         history=(f"Estimated by {method}.",),
     )  # fmt: skip
 

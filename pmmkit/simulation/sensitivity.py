@@ -293,9 +293,10 @@ def sobol(
             first[name] = total[name] = np.full(count, np.nan)
             continue
         at_a, at_b, at_mixed = at_a[there], at_b[there], at_mixed[:, there]
-        variance = np.var(np.concatenate([at_a, at_b]))
+        both = np.concatenate([at_a, at_b])
+        middle, variance = both.mean(), both.var()
         with np.errstate(all="ignore"):
-            first[name] = np.mean(at_b * (at_mixed - at_a), axis=1) / variance
+            first[name] = np.mean((at_b - middle) * (at_mixed - at_a), axis=1) / variance
             total[name] = 0.5 * np.mean((at_a - at_mixed) ** 2, axis=1) / variance
     return SobolIndices(
         names=drawn.names, first=MappingProxyType(first), total=MappingProxyType(total),
