@@ -115,10 +115,9 @@ def main() -> None:
         track = pk.simulate(model, "turning", rudder_deg=side, speed=TRIAL, compiled=False)
         for name, trial in rows:
             found = track.metrics[name]
+            off = 100 * (found / trial - 1)
             where = "port" if side < 0 else "starboard"
-            print(
-                f"  {where:10} {name:20} {trial:6.2f}  {found:6.2f}  {100 * (found / trial - 1):+.0f} %"
-            )
+            print(f"  {where:10} {name:20} {trial:6.2f}  {found:6.2f}  {off:+.0f} %")
     print("\nCrash stop from 14.1 kn          time [s]   track reach [m]   over L")
     print(f"  {'trial':30} {587:8.0f} {2407:14.0f} {14.2:12.1f}")
     cases: dict[str, dict[str, float]] = {

@@ -116,7 +116,7 @@ def factors(
         - 0.0113 * clearance**3
         + 0.0000767 * clearance**5
     )
-    K2 = (0.0342 if B <= 4.0 * d else 0.137 * d / B) * clearance
+    K2 = (0.0342 if 4.0 * d >= B else 0.137 * d / B) * clearance
 
     def strip(first: float, second: float) -> float:
         return K0 + first * K1 * b + second * K2 * b**2
