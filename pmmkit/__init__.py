@@ -17,7 +17,15 @@ if TYPE_CHECKING:
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
-    from pmmkit.model import Model, estimated_model, load_model, save_model, scaled, to_model
+    from pmmkit.model import (
+        Model,
+        estimated_model,
+        full_scale,
+        load_model,
+        save_model,
+        scaled,
+        to_model,
+    )
     from pmmkit.reduction import Reduction, contributions, reduce_campaign
     from pmmkit.report import write_report
     from pmmkit.runs.campaign_file import open_campaign
@@ -62,6 +70,7 @@ __all__ = [
     "examine",
     "from_values",
     "froude_sweep",
+    "full_scale",
     "hull_table",
     "imo_turning",
     "imo_verdicts",
@@ -97,7 +106,15 @@ _HOMES: Final = {
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "empirical": ("estimate",),
-    "model": ("Model", "estimated_model", "load_model", "save_model", "scaled", "to_model"),
+    "model": (
+        "Model",
+        "estimated_model",
+        "full_scale",
+        "load_model",
+        "save_model",
+        "scaled",
+        "to_model",
+    ),
     "reduction": ("Reduction", "contributions", "reduce_campaign"),
     "report": ("write_report",),
     "runs.campaign_file": ("open_campaign",),

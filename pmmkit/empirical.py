@@ -259,3 +259,36 @@ def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[floa
     return (
         (values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"]
     )  # fmt: skip
+
+
+def friction_coefficient(reynolds: float) -> float:
+    """Skin friction of the ITTC 1957 line [-].
+
+    Examples
+    --------
+    >>> friction_coefficient(1e7)
+    0.003
+    """
+    return 0.075 / (math.log10(reynolds) - 2.0) ** 2
+
+
+def wetted_surface(ship: Ship) -> float:
+    """Wetted surface by Denny and Mumford, 1.7 L d + volume/d [m²]."""
+    return 1.7 * ship.L * ship.d + ship.volume / ship.d
+
+
+def form_factor(ship: Ship) -> float:
+    """Form factor k of the viscous resistance by Watanabe (1973) [-].
+
+    Notes
+    -----
+    -0.095 + 25.6 CB/[(L/B)² sqrt(B/d)], as textbooks quote it; tests or CFD know better.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> round(form_factor(load_ship("s175")), 3)
+    0.08
+    """
+    slender = (ship.L / ship.B) ** 2 * math.sqrt(ship.B / ship.d)
+    return -0.095 + 25.6 * ship.block / slender

@@ -160,6 +160,85 @@ def test_sweep_has_a_row_per_speed(tmp_path, capsys):
     assert len(rows_of(out / "sweep.csv")) == 3
 
 
+def test_a_sweep_over_any_setting_with_intervals(tmp_path, capsys):
+    out = tmp_path / "sweep"
+    arguments = ["--speeds", "9", "--over", "rudder_deg", "--values", "15,35"]
+    more = ["--ships", "50", "--spread", "0.05", "--out", out]
+    status, content, words = said(capsys, "sweep", "s175-3dof", *arguments, *more)
+    assert status == 0
+    for row in content["sweep"]:
+        track = pmmkit.simulate("s175-3dof", speed=9.0, rudder_deg=row["rudder_deg"])
+        assert row["advance_L"] == track.metrics["advance_L"]
+        assert row["advance_L_low"] < row["advance_L"] < row["advance_L_high"]
+    assert {file.name for file in out.iterdir()} == {"sweep.csv", "sweep.svg"}
+    assert "advance_L" in words
+
+
+def test_every_criterion_of_the_imo_to_both_sides(tmp_path, capsys):
+    out = tmp_path / "imo"
+    arguments = ["--speed", "7.97", "--spread", "0.05", "--ships", "100", "--out", out]
+    status, content, words = said(capsys, "imo", "kvlcc2", *arguments)
+    assert status == 0
+    assert len(content["verdicts"]) == 13
+    assert [row["criterion"] for row in rows_of(out / "imo.csv")] == [
+        item["criterion"] for item in content["verdicts"]
+    ]
+    turn = pmmkit.simulate("kvlcc2", speed=7.97).metrics
+    assert content["verdicts"][1]["value"] == turn["tactical_diameter_L"]
+    assert "not judged" in words
+    assert "Scale: full scale" in words
+
+
+def test_stability_of_an_unstable_tanker(tmp_path, capsys):
+    out = tmp_path / "stability"
+    status, content, words = said(capsys, "stability", "esso190k", "--speed", "8.23", "--out", out)
+    assert status == 0
+    assert content["stable"] is False
+    assert content["C"] < 0
+    assert "UNSTABLE" in words
+    # Between the folds of the curve the rudder falls while the yaw rate rises.
+    rows = rows_of(out / "spiral.csv")
+    inside = [row for row in rows if row["stable"] == "False"]
+    angles = [float(row["rudder_deg"]) for row in inside]
+    assert angles == sorted(angles, reverse=True)
+    assert content["loop_width_deg"] == pytest.approx(max(angles) - min(angles), rel=0.05)
+
+
+def test_uncertainty_and_its_causes(tmp_path, capsys):
+    out = tmp_path / "u"
+    arguments = ["--speed", "9", "--spread", "0.05", "--ships", "400", "--seed", "3", "--out", out]
+    status, content, words = said(capsys, "uncertainty", "s175-3dof", *arguments)
+    assert status == 0
+    found = content["metrics"]["tactical_diameter_L"]
+    assert found["low"] < found["nominal"] < found["high"]
+    shares = [row["share_of_variance"] for row in content["causes"].values()]
+    assert sum(shares) == pytest.approx(1.0)
+    assert set(content["files"]) == {file.name for file in out.iterdir()}
+    assert "400 of 400" in words
+    again = said(capsys, "uncertainty", "s175-3dof", *arguments)[1]
+    assert again["metrics"] == content["metrics"]
+
+
+def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
+    out = tmp_path / "estimate"
+    particulars = ["--length", "180", "--breadth", "30", "--draught", "10", "--block", "0.8"]
+    status, content, _ = said(
+        capsys, "estimate", *particulars, "--speed", "7.5", "--propeller", "5.8", "--rudder", "40",
+        "--out", out,
+    )  # fmt: skip
+    assert status == 0
+    assert len(content["estimates"]) == 6
+    model = pmmkit.load_model(out / "model.toml")
+    assert 2.0 < pmmkit.simulate(model, speed=7.5).metrics["tactical_diameter_L"] < 5.0
+    ship = tmp_path / "ship"
+    status, content, words = said(
+        capsys, "scale", "kvlcc2-l7", "--length", "320", "--speed", "7.97", "--out", ship
+    )
+    assert status == 0
+    assert content["steps"] == list(pmmkit.load_model(ship / "model.toml").history[-3:])
+    assert "ITTC 1978" in words
+
+
 def test_check_is_quiet_on_sound_data_and_refuses_contradictions(campaign, tmp_path, capsys):
     status, content, _ = said(capsys, "check", campaign)
     assert (status, content["errors"]) == (0, 0)
@@ -211,6 +290,15 @@ def test_all_faults_of_a_campaign_are_told_with_their_places(tmp_path, capsys):
         (["simulate", "s175", "--speed", "fast"], 2),
         (["reduce", ".", "--cycles", "three"], 2),
         (["sweep", "s175", "--speeds", "6,x"], 2),
+        (["sweep", "s175", "--over", "depth", "--values", "20"], 2),
+        (["sweep", "s175", "--speeds", "9", "--over", "colour", "--values", "1"], 1),
+        (["imo", "s175"], 2),
+        (["imo", "s175", "--speed", "-1"], 1),
+        (["stability", "no-such-ship", "--speed", "8"], 1),
+        (["uncertainty", "s175-3dof", "--speed", "8"], 1),
+        (["uncertainty", "s175", "--speed", "8", "--spread", "0.1", "--metric", "beauty"], 1),
+        (["scale", "kvlcc2-l7", "--length", "320"], 1),
+        (["scale", "mariner", "--length", "300", "--speed", "8"], 1),
     ],
 )
 def test_exit_status(arguments, status, tmp_path, monkeypatch, capsys):

@@ -44,8 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(given: list[str]) -> int:
     import typer
 
-    from pmmkit.cli.commands import app
     from pmmkit.cli.console import emit, tell_error
+    from pmmkit.cli.every_command import app
 
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__

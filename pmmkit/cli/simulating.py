@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,6 +13,12 @@ from pmmkit.cli.tracks import check_folder, metrics_of, sweep_rows, write_sweep,
 from pmmkit.model import load_model
 from pmmkit.simulation.imo import imo_turning
 from pmmkit.simulation.simulate import simulate
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST: Final = 5
+"""Metrics in a table for the screen."""
 
 
 def simulate_manoeuvre(model: str, out: Path, *, drawn: bool = True, **settings: Any) -> Outcome:
@@ -57,8 +63,11 @@ def simulate_manoeuvre(model: str, out: Path, *, drawn: bool = True, **settings:
     return Outcome(content={"out": str(out), "files": files, **metrics}, lines=lines)
 
 
-def sweep(model: str, out: Path, *, speeds: Sequence[float] | None, rudder_deg: float) -> Outcome:
-    """Measures of the turning circle over the approach speed.
+def sweep(
+    model: str, out: Path, *, speeds: Sequence[float] | None, over: str | None,
+    values: Sequence[float] | None, manoeuvre: str, ships: int, **settings: Any,
+) -> Outcome:  # fmt: skip
+    """Metrics of a manoeuvre over the approach speed, or over one of its settings.
 
     Parameters
     ----------
@@ -67,23 +76,61 @@ def sweep(model: str, out: Path, *, speeds: Sequence[float] | None, rudder_deg: 
     out : Path
         The folder of the results.
     speeds : sequence of float, optional
-        Approach speeds [m/s].
-    rudder_deg : float
-        Rudder angle [deg].
+        Approach speeds [m/s]; one where `over` is given.
+    over : str, optional
+        What is varied in place of the speed.
+    values : sequence of float, optional
+        Its values.
+    manoeuvre : str
+        As for `simulate`.
+    ships : int
+        Ships drawn per value.
+    **settings
+        Of the manoeuvre and of the draws.
 
     Returns
     -------
     Outcome
-        With a row per speed.
+        With a row per value.
     """
     check_folder(out)
     loaded = load_model(model)
-    from pmmkit.simulation.sweeps import froude_sweep
+    from pmmkit.simulation import sweeps
 
-    found = froude_sweep(loaded, speeds, rudder_deg=rudder_deg, compiled=False)
-    files = write_sweep({loaded.name: found}, out)
+    compiled = ships > 0
+    if over is None:
+        found = sweeps.froude_sweep(
+            loaded, speeds, manoeuvre, n=ships, compiled=compiled, **settings
+        )
+    else:
+        assert speeds is not None
+        found = sweeps.sweep(
+            loaded, over, values, manoeuvre, n=ships, speed=speeds[0], compiled=compiled,
+            **settings,
+        )  # fmt: skip
+    metrics = _told(found)
+    files = write_sweep(found, metrics, out)
     rows = sweep_rows(found)
-    names = ["Fn", "speed", "advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L"]
-    cells = [[f"{row[name]:.4g}" for name in names] for row in rows]
-    lines = [f"Scale: {loaded.scale}", aligned(names, cells), f"Results: {out}"]
+    coordinates = [str(name) for name in found.coords]
+    cells = [
+        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in metrics]
+        for row in rows
+    ]
+    lines = [
+        f"Scale: {loaded.scale}", aligned([*coordinates, *metrics], cells), f"Results: {out}"
+    ]  # fmt: skip
     return Outcome(content={"out": str(out), "files": files, "sweep": rows}, lines=lines)
+
+
+def _told(found: xr.Dataset) -> list[str]:
+    """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
+    names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
+    kept = [name for name in names if f"{name}_L" not in names]
+    return [name for name in kept if np.any(np.isfinite(found[name].values))][:MOST]
+
+
+def _cell(row: Mapping[str, Any], name: str) -> str:
+    text = f"{row[name]:.4g}"
+    if f"{name}_low" not in row:
+        return text
+    return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"

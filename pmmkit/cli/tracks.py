@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -98,13 +98,15 @@ def metrics_of(track: Track) -> dict[str, Any]:
     }
 
 
-def write_sweep(sweeps: Mapping[str, xr.Dataset], out: Path) -> list[str]:
-    """Measures over the Froude number: ``sweep.csv`` and a figure.
+def write_sweep(sweep: xr.Dataset, metrics: Sequence[str], out: Path) -> list[str]:
+    """Metrics over what a sweep varies: ``sweep.csv`` and a figure.
 
     Parameters
     ----------
-    sweeps : mapping of str to Dataset
-        As `froude_sweep` gives them; the first is written.
+    sweep : Dataset
+        As `froude_sweep` or `sweep` gives it.
+    metrics : sequence of str
+        Those to be drawn, of which the first four are.
     out : Path
         The folder.
 
@@ -114,9 +116,9 @@ def write_sweep(sweeps: Mapping[str, xr.Dataset], out: Path) -> list[str]:
         Names of the files.
     """
     with atomic_folder(out) as folder:
-        sweep_frame(next(iter(sweeps.values()))).to_csv(folder / "sweep.csv", index=False)
+        sweep_frame(sweep).to_csv(folder / "sweep.csv", index=False)
         figures = importlib.import_module("pmmkit.figures")
-        figures.save(figures.measures_over_froude(sweeps), folder / "sweep.svg")
+        figures.save(figures.metrics_over(sweep, metrics[:4]), folder / "sweep.svg")
         return sorted(file.name for file in folder.iterdir())
 
 

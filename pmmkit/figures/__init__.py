@@ -7,8 +7,10 @@ from pmmkit.figures.manoeuvres import (
     histories,
     importance,
     manoeuvre,
+    metrics_over,
     path,
     spiral,
+    steady_turns,
     zigzag,
 )
 from pmmkit.figures.style import save, svg
@@ -25,10 +27,12 @@ __all__ = [
     "importance",
     "manoeuvre",
     "measures_over_froude",
+    "metrics_over",
     "over_a_cycle",
     "path",
     "save",
     "spiral",
+    "steady_turns",
     "svg",
     "trajectory",
     "turn_histories",

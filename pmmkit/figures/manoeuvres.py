@@ -10,13 +10,17 @@ import numpy as np
 from pmmkit.errors import DataError
 from pmmkit.figures import style
 from pmmkit.figures.turns import trajectory, turn_histories
+from pmmkit.simulation.imo import RUDDER_DEG
+from pmmkit.simulation.sweeps import metric_unit
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from pmmkit.simulation.ensemble import Ensemble
     from pmmkit.simulation.sensitivity import Sensitivities
+    from pmmkit.simulation.spiral import SpiralCurve
     from pmmkit.simulation.track import Track
 
 _LIMITS: Final = {"advance_L": 4.5, "tactical_diameter_L": 5.0, "initial_turning_distance_L": 2.5}
@@ -147,6 +151,88 @@ def spiral(track: Track) -> Figure:
     return figure
 
 
+def steady_turns(curve: SpiralCurve) -> Figure:
+    """Every steady turn of a ship: yaw rate over the rudder that holds it.
+
+    Parameters
+    ----------
+    curve : SpiralCurve
+        From `spiral_curve`.
+
+    Returns
+    -------
+    Figure
+        Turns that the ship leaves by itself are dashed; the loop of an unstable ship is shaded.
+    """
+    with style.styled():
+        figure = style.canvas(4.2, 5.6)
+        axis = figure.subplots()
+        near = np.abs(curve.rudder_deg) <= RUDDER_DEG
+        rudder, rate = curve.rudder_deg[near], curve.yaw_rate_deg_s[near]
+        for stays, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
+            kept = np.where(curve.stable[near] == stays, rate, np.nan)
+            if np.any(np.isfinite(kept)):
+                axis.plot(rudder, kept, color=style.colour(0 if stays else 1), ls=dash, label=text)
+        if curve.loop_width_deg > 0:
+            half = curve.loop_width_deg / 2
+            axis.axvspan(
+                curve.neutral_deg - half, curve.neutral_deg + half, color=style.colour(1),
+                alpha=0.15, lw=0, label=f"loop {curve.loop_width_deg:.2f}° wide",
+            )  # fmt: skip
+        axis.axhline(0.0, color=style.REFERENCE, lw=0.6)
+        axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
+        axis.set_xlabel("rudder δ, positive turns to starboard [deg]")
+        axis.set_ylabel("steady yaw rate r [deg/s]")
+        style.legend_below(figure, [axis])
+    return figure
+
+
+def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
+    """Metrics over whatever a sweep varies, with their intervals where it has them.
+
+    Parameters
+    ----------
+    sweep : Dataset
+        From `sweep` or `froude_sweep`.
+    metrics : sequence of str
+        Names of metrics.
+
+    Returns
+    -------
+    Figure
+        A panel a metric.
+    """
+    over = str(next(iter(sweep.dims)))
+    values, unit = sweep[over].values, sweep[over].attrs.get("units", "-")
+    with style.styled():
+        figure = style.canvas(3.2)
+        axes = np.atleast_1d(figure.subplots(1, len(metrics)))
+        for axis, metric in zip(axes, metrics, strict=True):
+            axis.plot(values, sweep[metric].values, color=style.colour(0), marker="o", ms=4,
+                      label="as it is")  # fmt: skip
+            if f"{metric}_low" in sweep:
+                axis.fill_between(
+                    values, sweep[f"{metric}_low"].values, sweep[f"{metric}_high"].values,
+                    color=style.colour(0), alpha=0.2, lw=0, label="95 % of the ships",
+                )  # fmt: skip
+            if metric in _LIMITS:
+                axis.axhline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
+            axis.set_title(_titled(metric, sweep[metric].attrs.get("units", "-")))
+            axis.set_xlabel(
+                "Froude number [-]"
+                if over == "Fn"
+                else f"{over.removesuffix('_deg')} [{unit}]".replace("_", " ")
+            )
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def _titled(metric: str, unit: str) -> str:
+    """A metric and its unit for people."""
+    name = metric.removesuffix("_L").removesuffix("_deg").replace("_deg_s", "").replace("_", " ")
+    return f"{name} / L [-]" if metric.endswith("_L") else f"{name} [{unit}]"
+
+
 def path(track: Track) -> Figure:
     """Path over the water in ship lengths with the places of the orders.
 
@@ -215,7 +301,7 @@ def histories(track: Track) -> Figure:
 
 
 def distributions(ensemble: Ensemble, metrics: Sequence[str]) -> Figure:
-    """How the metrics of many ships are distributed, with the nominal ship and the IMO limits.
+    """How the metrics of many ships are distributed, with the nominal ship and near IMO limits.
 
     Parameters
     ----------
@@ -239,12 +325,10 @@ def distributions(ensemble: Ensemble, metrics: Sequence[str]) -> Figure:
             axis.hist(values, bins=60, color=style.colour(0), alpha=0.6, label="ships")
             axis.axvspan(low, high, color=style.colour(0), alpha=0.15, lw=0, label="central 95 %")
             axis.axvline(ensemble.nominal[metric], color=style.REFERENCE, lw=1.4, label="as it is")
-            if metric in _LIMITS:
+            left, right = axis.get_xlim()
+            if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
                 axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(
-                metric.removesuffix("_L").replace("_", " ")
-                + (" / L [-]" if metric.endswith("_L") else "")
-            )
+            axis.set_title(_titled(metric, metric_unit(metric)))
             axis.set_yticks([])
         axes[0].set_ylabel("number of ships")
         style.legend_below(figure, list(axes))

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from types import MappingProxyType
 
-from pmmkit.empirical import METHODS, estimate, rudder_values, wake_fraction
+from pmmkit.empirical import (
+    METHODS,
+    estimate,
+    friction_coefficient,
+    rudder_values,
+    wake_fraction,
+    wetted_surface,
+)
 from pmmkit.errors import MissingPartError, UnknownNameError
 from pmmkit.model.model import Model, Part
-from pmmkit.ship import Ship, Water
+from pmmkit.ship import Ship, Water, viscosity
 
 
 def estimated_model(
@@ -128,6 +134,5 @@ def estimated_model(
 
 
 def _resistance(ship: Ship, water: Water, speed: float) -> float:
-    wetted = 1.7 * ship.L * ship.d + ship.volume / ship.d
-    friction = 0.075 / (math.log10(speed * ship.L / (water.nu or 1.19e-6)) - 2.0) ** 2
-    return 0.5 * water.rho * wetted * speed**2 * (1.2 * friction + 0.0010)
+    friction = friction_coefficient(speed * ship.L / viscosity(water))
+    return 0.5 * water.rho * wetted_surface(ship) * speed**2 * (1.2 * friction + 0.0010)

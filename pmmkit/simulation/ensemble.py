@@ -20,7 +20,7 @@ from pmmkit.model.model import DERIVATIVE_PARTS
 from pmmkit.progress import Progress
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for
-from pmmkit.simulation.simulate import RTOL, gear_of, plan_for
+from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, check_request, gear_of, plan_for
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -262,11 +262,14 @@ class Batch:
 
 def batch_of(
     model: Model | str | Path, manoeuvre: str, *, speed: float, rtol: float = RTOL,
-    conditions: Conditions = CALM, rudder_rate_deg: float | None = None,
-    extrapolate: bool = False, **settings: Any,
+    rudder_rate_deg: float | None = None, extrapolate: bool = False, **settings: Any,
 ) -> Batch:  # fmt: skip
     """A batch of a manoeuvre; arguments as for `simulate`."""
     loaded = model if isinstance(model, Model) else load_model(model)
+    around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
+    settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
+    check_request(manoeuvre, settings, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol)
+    conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
     return Batch(
@@ -309,7 +312,8 @@ def monte_carlo(
     progress : Progress, optional
         Is told how many ships are done.
     **settings
-        Of the manoeuvre, and `rtol`, `rudder_rate_deg`, `extrapolate`, `conditions`.
+        Of the manoeuvre, wind, current and depth as for `simulate`, and `rtol`,
+        `rudder_rate_deg`, `extrapolate`.
 
     Returns
     -------

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.kernel import CALM, Conditions, Prepared, prepare
+from pmmkit.kernel import Conditions, Prepared, prepare
 from pmmkit.model import Model, load_model
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Stability:
 
 
 def stability(
-    model: Model | str | Path, speed: float, *, conditions: Conditions = CALM,
+    model: Model | str | Path, speed: float, *, depth: float | None = None,
     extrapolate: bool = False,
 ) -> Stability:  # fmt: skip
     """Straight-line stability of a model at a speed.
@@ -71,8 +71,8 @@ def stability(
         A model, a library name or a file.
     speed : float
         [m/s], with the revolutions of self-propulsion.
-    conditions : Conditions
-        Depth of the water.
+    depth : float, optional
+        Depth of the water [m], for models with a part ``shallow_water``.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
 
@@ -96,7 +96,7 @@ def stability(
     False
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
+    ready = prepare(loaded, speed, conditions=Conditions(depth=depth), extrapolate=extrapolate)
     n, L = ready.self_propulsion(), ready.L
     rolls = ready.rolls
     size = np.array([speed, speed / L, speed / L, 1.0])

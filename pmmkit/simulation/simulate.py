@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 from functools import cache, lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -23,6 +24,8 @@ from pmmkit.simulation.track import Track
 
 RudderLaw = Literal["ramp", "lag"]
 RTOL: Final = 1e-8
+ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
+"""Settings that say what is around the ship."""
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
 without a shaft."""
@@ -118,11 +121,10 @@ def simulate(
     4.9
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    known_manoeuvre(manoeuvre)
-    found = _problems(speed, rudder_rate_deg, rudder_law, rudder_lag, dt, rtol, depth, revolutions)
-    found += _setting_problems(manoeuvre, settings)
-    if found:
-        raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
+    check_request(
+        manoeuvre, settings, speed=speed, rudder_rate_deg=rudder_rate_deg, rudder_law=rudder_law,
+        rudder_lag=rudder_lag, dt=dt, rtol=rtol, depth=depth, revolutions=revolutions,
+    )  # fmt: skip
     conditions = Conditions(
         wind_speed=wind_speed, wind_direction_deg=wind_direction_deg, current_speed=current_speed,
         current_direction_deg=current_direction_deg, depth=depth,
@@ -133,6 +135,34 @@ def simulate(
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     return track_of(loaded, history, dt, settings)
+
+
+def check_request(
+    manoeuvre: str, settings: Mapping[str, Any], *, rudder_law: str = "ramp", rtol: float = RTOL,
+    **positive: float | None,
+) -> None:  # fmt: skip
+    """Refuse a request that makes no sense.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such manoeuvre.
+    DataError
+        With everything else that is wrong.
+    """
+    known_manoeuvre(manoeuvre)
+    found = [
+        f"{name} = {value} must be positive."
+        for name, value in positive.items()
+        if value is not None and not (math.isfinite(value) and value > 0)
+    ]
+    if rudder_law not in ("ramp", "lag"):
+        found.append(f"rudder_law = {rudder_law!r} is not known: ramp, lag.")
+    if not 1e-13 < rtol < 0.1:
+        found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
+    found += _setting_problems(manoeuvre, settings)
+    if found:
+        raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
 
 
 def known_manoeuvre(name: str) -> None:
@@ -289,24 +319,6 @@ def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
                 found.append(f"turns = {value} must be a finite share of the revolutions.")
         elif not (math.isfinite(value) and value > 0):
             found.append(f"{name} = {value} must be positive.")
-    return found
-
-
-def _problems(
-    speed: float, rate: float | None, law: str, lag: float, dt: float | None, rtol: float,
-    depth: float | None, revolutions: float | None,
-) -> list[str]:  # fmt: skip
-    found = []
-    for name, value in (
-        ("speed", speed), ("rudder_rate_deg", rate), ("rudder_lag", lag), ("dt", dt),
-        ("depth", depth), ("revolutions", revolutions),
-    ):  # fmt: skip
-        if value is not None and not (math.isfinite(value) and value > 0):
-            found.append(f"{name} = {value} must be positive.")
-    if law not in ("ramp", "lag"):
-        found.append(f"rudder_law = {law!r} is not known: ramp, lag.")
-    if not 1e-13 < rtol < 0.1:
-        found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
     return found
 
 

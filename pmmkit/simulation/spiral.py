@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import SimulationError
-from pmmkit.kernel import prepare
+from pmmkit.kernel import Conditions, prepare
 from pmmkit.model import Model, load_model
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class SpiralCurve:
 
 def spiral_curve(
     model: Model | str | Path, speed: float, *, most: float = 0.4, points: int = 161,
-    extrapolate: bool = False,
+    depth: float | None = None, extrapolate: bool = False,
 ) -> SpiralCurve:  # fmt: skip
     """The curve of a reverse spiral: the rudder that holds each yaw rate.
 
@@ -76,6 +76,8 @@ def spiral_curve(
         Largest yaw rate over the approach speed and L, to each side.
     points : int
         Number of yaw rates.
+    depth : float, optional
+        Depth of the water [m], for models with a part ``shallow_water``.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
 
@@ -100,7 +102,7 @@ def spiral_curve(
     True
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    ready = prepare(loaded, speed, extrapolate=extrapolate)
+    ready = prepare(loaded, speed, conditions=Conditions(depth=depth), extrapolate=extrapolate)
     n, L, rolls = ready.self_propulsion(), ready.L, ready.rolls
     size = np.array([speed, speed, 1.0, 1.0])
     unit = np.array([speed**2 / L, speed**2 / L, (speed / L) ** 2, (speed / L) ** 2])

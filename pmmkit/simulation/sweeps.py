@@ -23,7 +23,6 @@ def froude_sweep(
     manoeuvre: str = "turning",
     *,
     Fn: Sequence[float] | None = None,
-    rudder_deg: float = 35.0,
     n: int = 0,
     spread: float | None = None,
     seed: int = 0,
@@ -42,8 +41,6 @@ def froude_sweep(
         As for `simulate`.
     Fn : sequence of float, optional
         Froude numbers instead of `speeds`.
-    rudder_deg : float
-        Rudder angle [deg].
     n : int
         Ships drawn at each speed for 95 % intervals; 0 for none.
     spread, seed
@@ -79,9 +76,8 @@ def froude_sweep(
         raise DataError(
             f"Model {loaded.name!r} has one set of values for all speeds: say which speeds."
         )
-    steered = {"rudder_deg": rudder_deg} if manoeuvre != "accelerating" else {}
     rows = [
-        _row(loaded, manoeuvre, {"speed": float(speed), **steered, **settings}, n, spread, seed)
+        _row(loaded, manoeuvre, {"speed": float(speed), **settings}, n, spread, seed)
         for speed in asked
     ]
     numbers = [loaded.ship.froude(float(speed), loaded.water.g) for speed in asked]
@@ -92,8 +88,8 @@ def froude_sweep(
             "speed": ("Fn", np.array([float(speed) for speed in asked]), {"units": "m/s"}),
         },
         attrs={
-            "name": loaded.name, "manoeuvre": manoeuvre, "rudder_deg": float(rudder_deg),
-            "scale": loaded.scale,
+            "name": loaded.name, "manoeuvre": manoeuvre, "scale": loaded.scale,
+            **{name: x for name, x in settings.items() if isinstance(x, (int, float))},
         },
     )  # fmt: skip
 
