@@ -19,6 +19,8 @@ from pmmkit import kernel
 from pmmkit.effects import catalogue as catalogue_module
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import MissingPartError, ModelError
+from pmmkit.identification import ForceRecord, fit_to_forces
+from pmmkit.kernel.histories import water_forces
 from pmmkit.kernel.loading import cache_folder
 from pmmkit.kernel.program import prepare
 from pmmkit.model import Part, load_model, model_text, save_model
@@ -248,7 +250,20 @@ EFFECTS = (
 '''
 
 
-def test_an_effect_is_one_file_listed_saved_simulated_and_documented(tmp_path, monkeypatch):
+def towed_with_a_brake(size):
+    """Forces on the tanker without the effect, and the brake by hand."""
+    speeds = np.linspace(0.4, 1.4, 9) * SPEED
+    motion = {"u": speeds, "n": np.full(9, 1.7)}
+    ready = prepare(TANKER, SPEED)
+    water = water_forces(ready.structure, ready.k, motion)
+    unit = 0.5 * TANKER.water.rho * TANKER.ship.L * TANKER.ship.d
+    return ForceRecord(
+        name="towed", motion=motion, speed=SPEED, std={"X": 1.0},
+        forces={"X": water["X"] - unit * size * speeds**2},
+    )  # fmt: skip
+
+
+def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_path, monkeypatch):
     (tmp_path / "sea_anchor.py").write_text(MADE_UP, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
@@ -266,6 +281,9 @@ def test_an_effect_is_one_file_listed_saved_simulated_and_documented(tmp_path, m
         slow, fast = (simulate(again, speed=SPEED, compiled=x) for x in (False, True))
         assert slow.n[0] > plain.n[0]
         assert slow.metrics["advance"] == pytest.approx(fast.metrics["advance"], rel=1e-9)
+        brake = fit_to_forces(again, [towed_with_a_brake(0.037)], ["sea_anchor.brake"])
+        assert brake.values[0] == pytest.approx(0.037, rel=1e-6)
+        assert brake.model.values("sea_anchor") == {"brake": brake.values[0]}
         from make_docs import effect_page
 
         from pmmkit.cli.tasks import effects

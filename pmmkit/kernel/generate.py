@@ -79,15 +79,37 @@ def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
 
 def _rates(structure: Structure) -> list[str]:
     states = structure.states
-    own = [name for name in states if name not in (*STATES, "p", "phi")]
+    own = structure.brought
     body = ["u, v, r, psi = y[3], y[4], y[5], y[2]"]
     body += ["p, phi = y[6], y[7]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
     body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = turn")
     body += ["n_order = turn", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    lines, extra_mass, rates_of = summed(structure)
+    body += [*lines, *_motion(structure, extra_mass)]
+    body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
+    return [
+        "@entry",
+        "def rates(y, delta, turn, bucket, k, out):",
+        *(f"    {line}" for line in body),
+    ]
+
+
+def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[str, str]]:
+    """Lines that sum the forces of all effects into X, Y, N, K; with what they leave.
+
+    Returns
+    -------
+    list of str
+        The lines; motion, controls and U must be there.
+    dict of str to list of str
+        Variables with shares of the mass matrix, by acceleration derivative.
+    dict of str to str
+        Variables with the rates of the states that effects bring.
+    """
+    body = [f"{name} = k[{PLACE[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     if any("beta" in item.arguments for item in structure.used):
         body.append("beta = atan2(-v, u)")
-    body += [f"{name} = k[{PLACE[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     body += ["X, Y, N, K = 0.0, 0.0, 0.0, 0.0"]
     body += _polynomial(structure)
     places = structure.places()
@@ -101,17 +123,11 @@ def _rates(structure: Structure) -> list[str]:
                 body.append(f"{output} += {variable}")
             elif output in ACCELERATIONS:
                 extra_mass.setdefault(output, []).append(variable)
-            elif output.endswith("_rate") and output[:-5] in own:
+            elif output.endswith("_rate") and output[:-5] in structure.brought:
                 rates_of[output[:-5]] = variable
             else:
                 body.append(f"{output} = {variable}")
-    body += _motion(structure, extra_mass)
-    body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
-    return [
-        "@entry",
-        "def rates(y, delta, turn, bucket, k, out):",
-        *(f"    {line}" for line in body),
-    ]
+    return body, extra_mass, rates_of
 
 
 def _polynomial(structure: Structure) -> list[str]:

@@ -74,6 +74,11 @@ class Structure:
         return ship + tuple(state for item in self.used for state in item.known.states)
 
     @cached_property
+    def brought(self) -> tuple[str, ...]:
+        """Names of the states that effects bring."""
+        return tuple(name for name in self.states if name not in (*STATES, *ROLLING))
+
+    @cached_property
     def turns(self) -> bool:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)

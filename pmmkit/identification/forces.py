@@ -1,0 +1,206 @@
+"""Fit any values of a model to measured forces along measured motions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.identification.parameters import places, replaced, with_parameters
+from pmmkit.kernel import CALM, Conditions
+from pmmkit.kernel.histories import water_forces
+from pmmkit.kernel.program import packed, values_at
+from pmmkit.model import Model
+
+Array = NDArray[np.float64]
+STEP: Final = 1e-6
+"""Step of the differences over the size of a parameter."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceRecord:
+    """Forces of the water on a ship along a motion.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    motion : mapping of str to array (n,)
+        As for `water_forces`.
+    forces : mapping of str to array (n,)
+        Measured X, Y [N], N, K [N m] about midship, those there are, without the inertia of the
+        ship; NaN where they are not known.
+    std : mapping of str to float
+        Their standard deviations.
+    speed : float
+        Carriage speed, or the speed of the approach [m/s].
+    conditions : Conditions
+        Wind, current, depth.
+    """
+
+    name: str
+    motion: Mapping[str, Array]
+    forces: Mapping[str, Array]
+    std: Mapping[str, float]
+    speed: float
+    conditions: Conditions = CALM
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fitted:
+    """What a fit found.
+
+    Parameters
+    ----------
+    model : Model
+        With the fitted values.
+    names : tuple of str
+        As asked for.
+    values : array (m,)
+        Their values.
+    covariance : array (m, m)
+        From the stated standard deviations; NaN for what the records do not determine.
+    undetermined : tuple of str
+        Names of those.
+    rms : mapping of str to float
+        Root mean square of the residuals over their standard deviation, by channel.
+    cost : float
+        Half the sum of squares.
+    """
+
+    model: Model
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    undetermined: tuple[str, ...]
+    rms: Mapping[str, float]
+    cost: float
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations (m,)."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+
+def fit_to_forces(
+    model: Model, records: Sequence[ForceRecord], names: Sequence[str], *, extrapolate: bool = False
+) -> Fitted:
+    """Fit derivatives and parameters of effects, linear or not, by least squares.
+
+    Parameters
+    ----------
+    model : Model
+        With start values; everything that is not named is held.
+    records : sequence of ForceRecord
+        Runs.
+    names : sequence of str
+        Derivatives (``Yv``) and parameters with their effect (``rudder_mmg.aH``).
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+
+    Returns
+    -------
+    Fitted
+
+    Raises
+    ------
+    DataError
+        If there is nothing to fit, or to fit to.
+    UnknownNameError
+        If the model lacks a name.
+
+    Notes
+    -----
+    Gauss-Newton with a trust region (scipy's ``least_squares``), columns scaled, residuals in
+    units of their standard deviation. Directions that the
+    records do not determine (singular values below 1e-10 of the largest) keep their start values.
+
+    Examples
+    --------
+    >>> from pmmkit.kernel import prepare
+    >>> from pmmkit.model import load_model
+    >>> ship = load_model("s175-3dof")
+    >>> motion = {"u": np.full(5, 9.0), "v": np.linspace(-1.0, 1.0, 5), "n": np.full(5, 1.4)}
+    >>> ready = prepare(ship, 9.0)
+    >>> record = ForceRecord(name="drift", motion=motion, speed=9.0, std={"Y": 1e3},
+    ...                      forces=water_forces(ready.structure, ready.k, motion))
+    >>> start = ship.with_values("hull_polynomial", Yv=-0.01, Yvvv=-0.05)
+    >>> fit_to_forces(start, [record], ["Yv", "Yvvv"]).values.round(6)
+    array([-0.0116, -0.109 ])
+    """
+    from scipy.optimize import least_squares
+
+    if not names or not records:
+        raise DataError("Name at least one value to fit, and give at least one record.")
+    at = places(model, names)
+    given = [values_at(model, record.speed, extrapolate=extrapolate) for record in records]
+    start = np.array([float(given[0][effect][name]) for effect, name in at])
+    size = np.where(start != 0.0, np.abs(start), 1e-3)
+    if not any(set(record.forces) & set(record.std) for record in records):
+        raise DataError("No record has a force with its standard deviation.")
+
+    def difference(scaled: Array) -> Array:
+        parts: list[Array] = []
+        for record, numbers in zip(records, given, strict=True):
+            structure, k = packed(
+                model, replaced(numbers, at, scaled * size), record.speed, record.conditions
+            )
+            found = water_forces(structure, k, record.motion)
+            parts += [
+                (found[channel] - values) / record.std[channel]
+                for channel, values in record.forces.items()
+                if channel in record.std
+            ]
+        return np.concatenate(parts)
+
+    known = np.isfinite(difference(start / size))
+    if not known.any():
+        raise DataError("No record has a finite force.")
+    found = least_squares(
+        lambda scaled: np.where(known, difference(scaled), 0.0), start / size, jac="3-point",
+        x_scale="jac", diff_step=STEP, xtol=1e-12, ftol=1e-12, gtol=1e-12,
+    )  # fmt: skip
+    values = found.x * size
+    covariance, lost = _covariance(found.jac, size)
+    return Fitted(
+        model=with_parameters(model, at, values), names=tuple(names), values=values,
+        covariance=covariance,
+        undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
+        rms=MappingProxyType(_by_channel(records, found.fun, known)), cost=float(found.cost),
+    )  # fmt: skip
+
+
+def _covariance(jacobian: Array, size: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Covariance of the values, and which of them are not determined."""
+    norms = np.linalg.norm(jacobian, axis=0)
+    scale = np.where(norms > 0, norms, 1.0)
+    _, singular, right = np.linalg.svd(jacobian / scale, full_matrices=False)
+    seen = singular > 1e-10 * singular[0]
+    lost = (norms == 0) | (np.abs(right[~seen]) > 1e-6).any(axis=0)
+    root = right[seen].T / singular[seen] / scale[:, None] * size[:, None]
+    covariance: Array = root @ root.T
+    covariance[lost, :] = covariance[:, lost] = np.nan
+    return covariance, lost
+
+
+def _by_channel(
+    records: Sequence[ForceRecord], residuals: Array, known: NDArray[np.bool_]
+) -> dict[str, float]:
+    kinds = np.concatenate(
+        [
+            np.full(len(values), channel)
+            for record in records
+            for channel, values in record.forces.items()
+            if channel in record.std
+        ]
+    )
+    return {
+        str(channel): float(np.sqrt(np.mean(residuals[known & (kinds == channel)] ** 2)))
+        for channel in dict.fromkeys(kinds.tolist())
+        if np.any(known & (kinds == channel))
+    }

@@ -1,0 +1,89 @@
+"""Forces of the water over whole histories of a prescribed or measured motion, by arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.effects.primitives import over_arrays
+from pmmkit.kernel.generate import CONTROLS, MOTION, summed
+from pmmkit.kernel.layout import PLACE
+from pmmkit.kernel.structure import ACCELERATIONS, FORCES, Structure
+
+Array = NDArray[np.float64]
+HISTORY: Final = (
+    "u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS
+)  # fmt: skip
+"""What a history of motion may hold; what it lacks is zero."""
+
+
+def water_forces(
+    structure: Structure, k: Sequence[Any], motion: Mapping[str, Array]
+) -> dict[str, Array]:
+    """Forces of the water on the ship, added mass included, along a history.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of the model.
+    k : sequence
+        Its constants, from `packed`.
+    motion : mapping of str to array (n,)
+        Of `HISTORY`, SI and radians, ship axes at midship, through the water; and the states that
+        effects bring. Revolutions of a model with a shaft are those given.
+
+    Returns
+    -------
+    dict of str to array (n,)
+        X, Y [N], N, K [N m] about midship, without the inertia of the ship itself.
+
+    Examples
+    --------
+    >>> from pmmkit.kernel import prepare
+    >>> from pmmkit.model import load_model
+    >>> ready = prepare(load_model("s175-3dof"), 9.0)
+    >>> ahead = {"u": np.array([9.0]), "n": np.array([ready.self_propulsion()])}
+    >>> bool(abs(water_forces(ready.structure, ready.k, ahead)["X"][0]) < 1e-3)
+    True
+    """
+    size = max((len(values) for values in motion.values()), default=1)
+    zero = np.zeros(size)
+    given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
+    given |= {name: np.asarray(motion[name], float) for name in structure.brought if name != "n"}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = _function(structure)(k, **given)
+    return {name: np.broadcast_to(x, (size,)).copy() for name, x in zip(FORCES, found, strict=True)}
+
+
+@cache
+def _function(structure: Structure) -> Callable[..., tuple[Array, ...]]:
+    module = ModuleType("pmmkit_histories")
+    module.__dict__.update(
+        sqrt=np.sqrt, fabs=np.abs, atan2=np.arctan2, maximum=np.maximum,
+        **{
+            f"effect_{item.effect}": over_arrays(item.known.force)
+            for item in structure.used
+            if item.known.force is not None
+        },
+    )  # fmt: skip
+    exec(compile(_text(structure), "<forces of a model>", "exec"), module.__dict__)
+    made: Callable[..., tuple[Array, ...]] = module.__dict__["forces"]
+    return made
+
+
+def _text(structure: Structure) -> str:
+    """Python text of a function of arrays, from the same lines as the equations of motion."""
+    lines, extra_mass, _ = summed(structure)
+    body = ["U = maximum(sqrt(u * u + v * v), 1e-9)", *lines]
+    body += ["X = X + k[23] * v * r", "Y = Y + k[24] * u * r", "K = K + k[25] * u * r"]
+    for name in ACCELERATIONS:
+        shares = " + ".join([f"k[{PLACE[name]}]", *extra_mass.get(name, ())])
+        body.append(f"{name[0]} = {name[0]} + ({shares}) * {name[1:]}")
+    assert set(MOTION) - {"U", "beta"} <= set(HISTORY)
+    arguments = ", ".join((*HISTORY, *(name for name in structure.brought if name not in HISTORY)))
+    return "\n    ".join([f"def forces(k, {arguments}):", *body, "return X, Y, N, K"]) + "\n"
