@@ -119,7 +119,7 @@ def stability(
     found = stability_of(loaded, speed, depth=depth, extrapolate=extrapolate)
     curve = spiral_curve(loaded, speed, depth=depth, extrapolate=extrapolate)
     numbers = {
-        "name": found.name, "speed": speed, "stable": found.stable, "C": found.C,
+        "name": found.name, "speed": speed, "stable": found.stable, "side": found.side, "C": found.C,
         "lever_sway": found.lever_sway, "lever_yaw": found.lever_yaw, "K": found.K, "T": found.T,
         "T1": found.T1, "T2": found.T2, "T3": found.T3, "Ydelta": found.rudder[0],
         "Ndelta": found.rudder[1],
@@ -134,6 +134,8 @@ def stability(
         figures.save(figures.steady_turns(curve), folder / "spiral.svg")
         files = sorted(file.name for file in folder.iterdir())
     word = "stable" if found.stable else "UNSTABLE"
+    if found.side != "both":
+        word += f" (turning to {found.side}, the less stable side)"
     loop = (
         f"The spiral has a loop {curve.loop_width_deg:.2f}° wide and "
         f"{curve.loop_height_deg_s:.3f}°/s high about a rudder of {curve.neutral_deg:+.2f}°."

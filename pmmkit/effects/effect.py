@@ -111,6 +111,8 @@ class Effect:
         `states` as ``<state>_rate``.
     states : tuple of str
         States that the effect brings.
+    astern : bool
+        Whether it says what propulsion does astern.
     """
 
     name: str
@@ -125,6 +127,7 @@ class Effect:
     force: Callable[..., Any] | None = None
     outputs: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
+    astern: bool = False
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of a name; None where the effect has none of it."""

@@ -267,6 +267,7 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         "astern": ("none", "table"),
     },
     needs=("n",),
+    astern=True,
     force=force,
     outputs=("X", "Y", "N", "propeller_inflow", "thrust", "torque", "loading"),
     source="Form: van Lammeren, van Manen and Oosterveld 1969. Curves of B4-70: Roddy, Hess and "

@@ -74,6 +74,7 @@ TANKER_BIS: Final = Effect(
         Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
     ),
     needs=("delta", "n", "depth"),
+    astern=True,
     force=force,
     outputs=("X", "Y", "N", "thrust", "rudder_force", "Xudot", "Yvdot", "Nrdot"),
     source="Van Berlekom and Goddard 1972, Appendix A",

@@ -91,6 +91,7 @@ WATERJET: Final = Effect(
         ),
     ),
     needs=("n", "delta", "bucket"),
+    astern=True,
     force=force,
     outputs=("X", "Y", "N", "K", "thrust", "torque", "rudder_force"),
     source="Momentum of the jet less that of the water taken in; the shares of the bucket are "

@@ -78,14 +78,20 @@ def probe(
                     value = side * dense(steps, STRIDE * place, 0.25 * j, state)
                     if value > best:
                         best, where, theta = value, place, 0.25 * j
-            low, high = max(theta - 0.25, 0.0), min(theta + 0.25, 1.0)
-            inside = peak(steps, STRIDE * where, state, side, low, high)
-            if side * dense(steps, STRIDE * where, inside, state) >= best:
-                theta = inside
-            if theta <= 0.0 and where > first:
-                inside = peak(steps, STRIDE * (where - 1), state, side, 0.75, 1.0)
-                if side * dense(steps, STRIDE * (where - 1), inside, state) > best:
-                    where, theta = where - 1, inside
+            middle, edge = where, theta
+            for beside in range(-1, 2):
+                low, high = max(edge - 0.25, 0.0), min(edge + 0.25, 1.0)
+                if beside < 0:
+                    low, high = 0.75, 1.0
+                elif beside > 0:
+                    low, high = 0.0, 0.25
+                near = (beside < 0 and edge <= 0.0) or (beside > 0 and edge >= 1.0) or beside == 0
+                if near and first <= middle + beside < last:
+                    at = STRIDE * (middle + beside)
+                    inside = peak(steps, at, state, side, low, high)
+                    value = side * dense(steps, at, inside, state)
+                    if value > best:
+                        best, where, theta = value, middle + beside, inside
             take(steps, where, theta, results, to)
         elif kind == 2 or (kind == 6 and events[end - 1] > 0.0):
             take(steps, last - 1, 1.0, results, to)

@@ -268,7 +268,9 @@ def batch_of(
     loaded = model if isinstance(model, Model) else load_model(model)
     around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
     settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
-    check_request(manoeuvre, settings, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol)
+    check_request(
+        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol
+    )
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)

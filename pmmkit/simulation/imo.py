@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
 from pmmkit.model import Model, load_model
 from pmmkit.simulation.simulate import simulate, steering
@@ -218,14 +217,13 @@ def _many(
 
 def _stopping(model: Model, speed: float, settings: Mapping[str, Any]) -> Verdict:
     """Track reach of a full astern stop, if the model knows what happens astern."""
-    able = {"four_quadrant_propeller", "waterjet"} & set(model.parts)
-    if not able:
+    if not any(catalogue()[part].astern for part in model.parts):
         return Verdict(
             criterion="track_reach", limit=STOPPING_LIMIT, value=math.nan, margin=math.nan,
             passed=None, scale=model.scale, manoeuvre="stopping, full astern",
             conditions=(
-                "Not judged: the model does not say what its propulsion does astern (effects "
-                "four_quadrant_propeller, waterjet).",
+                "Not judged: the model does not say what its propulsion does astern; the effects "
+                f"{', '.join(x.name for x in catalogue().values() if x.astern)} do.",
             ),
         )  # fmt: skip
     track = simulate(model, "stopping", speed=speed, **settings)
@@ -245,8 +243,7 @@ def _verdict(
     side = f", to {to}" if track.rudder_deg else ""
     probability = None
     if many is not None:
-        there = many.metrics[metric][np.isfinite(many.metrics[metric])]
-        probability = float(np.mean(there <= limit)) if len(there) else None
+        probability = many.probability(metric, limit)
     return Verdict(
         criterion=criterion, limit=limit, value=value, margin=limit - value,
         passed=None if math.isnan(value) else value <= limit, conditions=conditions,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -16,6 +17,8 @@ Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 STEP: Final = 1e-5
 """Step of the central differences over the size of each velocity."""
+BENT: Final = 2e-3
+"""Difference between the slopes of both sides, over the largest, from which there is a bend."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,6 +43,10 @@ class Stability:
         Yδ and Nδ of the whole ship in the prime system.
     stable : bool
         Whether it keeps its course without a rudder.
+    side : str
+        ``both``; or, where the equations have a bend at straight running (flow straightening that
+        differs by side), the side of the turn to which all of the above belongs, which is the
+        less stable one.
     name : str
         Of the model.
     """
@@ -56,6 +63,7 @@ class Stability:
     T3: float
     rudder: tuple[float, float]
     stable: bool
+    side: str
     name: str
 
 
@@ -107,27 +115,22 @@ def stability(
         found: Array = np.array([vdot, rdot, pdot]) / unit
         return found
 
-    def slope(place: int) -> Array:
-        """Change of the accelerations with v, r, p, phi or the rudder, non-dimensional."""
-        step = np.zeros(5)
-        step[place] = STEP * (size[place] if place < 4 else 1.0)
-        up, down = rates(*step.tolist()), rates(*(-step).tolist())
-        change: Array = (up - down) / (2.0 * STEP)
+    def slopes(turn: float) -> Array:
+        """Change of the accelerations with v, r, p, phi and the rudder, non-dimensional."""
+        steps = STEP * np.diag([*size, 1.0])
+        middle = 2.0 * STEP * turn * np.array([-size[0], size[1], 0.0, 0.0, 0.0])
+        change: Array = np.column_stack(
+            [(rates(*(middle + step)) - rates(*(middle - step))) / (2.0 * STEP) for step in steps]
+        )
         return change
 
-    columns = [slope(place) for place in range(5)]
+    columns, side = _least_stable({turn: slopes(turn) for turn in (-1.0, 1.0)}, slopes(0.0), rolls)
     mass = _mass(ready)
     degrees = 3 if rolls else 2
-    forces = np.column_stack([mass @ column[:degrees] for column in columns])
+    forces = mass @ columns[:degrees]
     upright = np.linalg.inv(mass[:2, :2])
     plane, force = upright @ forces[:2, :2], upright @ forces[:2, 4]
-    if rolls:
-        whole = np.zeros((4, 4))
-        whole[:3] = np.column_stack(columns[:4])
-        whole[3, 2] = 1.0
-    else:
-        whole = plane
-    eigenvalues: Complex = np.linalg.eigvals(whole).astype(complex)
+    eigenvalues = _eigenvalues(columns, rolls)
     Y = forces[:2, :2]
     a, b = -np.trace(plane), np.linalg.det(plane)
     top = plane[1, 0] * force[0] - plane[0, 0] * force[1]
@@ -139,9 +142,25 @@ def stability(
         lever_sway=float(Y[1, 0] / Y[0, 0]), lever_yaw=float(Y[1, 1] / Y[0, 1]), K=float(K),
         T=float(a / b - T3), T1=times[0], T2=times[1], T3=float(T3),
         rudder=(float(forces[0, 4]), float(forces[1, 4])),
-        stable=bool(np.all(eigenvalues.real < 0.0)),
-        name=loaded.name,
+        stable=bool(np.all(eigenvalues.real < 0.0)), side=side, name=loaded.name,
     )  # fmt: skip
+
+
+def _least_stable(sides: Mapping[float, Array], both: Array, rolls: bool) -> tuple[Array, str]:
+    """The slopes that decide: of both sides at once, or where they differ of the worse one."""
+    port, starboard = sides[-1.0], sides[1.0]
+    if np.max(np.abs(port - starboard)) <= BENT * np.max(np.abs(both)):
+        return both, "both"
+    worst = max(sides, key=lambda turn: _eigenvalues(sides[turn], rolls).real.max())
+    return sides[worst], "starboard" if worst > 0 else "port"
+
+
+def _eigenvalues(columns: Array, rolls: bool) -> Complex:
+    """Of sway and yaw, and of roll and heel where the ship rolls."""
+    if not rolls:
+        return np.linalg.eigvals(columns[:2, :2]).astype(complex)
+    whole = np.vstack([columns[:3, :4], [0.0, 0.0, 1.0, 0.0]])
+    return np.linalg.eigvals(whole).astype(complex)
 
 
 def _mass(ready: Prepared) -> Array:

@@ -108,7 +108,7 @@ def zigzag(
         raise DataError(f"A zigzag has at least two executes; {executes} were asked for.")
     rudder, switch = math.radians(rudder_deg), math.radians(switch_deg)
     first = math.copysign(1.0, rudder)
-    sides = [first * (-1.0) ** i for i in range(executes)]
+    sides = [first * (-1.0) ** i for i in range(int(executes))]
     longest = 200.0 / pace
     phases = [
         Phase(
@@ -209,7 +209,7 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
         limit = 0.02 * np.abs(np.degrees(a.at("end_0", "r")))
         open_at = np.stack([np.asarray(gap > limit, float) for gap in apart])
         loop = {
-            "loop_height_deg_s": apart[steps],
+            "loop_height_deg_s": np.max(np.stack(apart), axis=0),
             "loop_width_deg": open_at.sum(axis=0) * step_deg,
         }
         return loop | found

@@ -121,14 +121,16 @@ def simulate(
     4.9
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    around: dict[str, Any] = {
+        "wind_speed": wind_speed, "wind_direction_deg": wind_direction_deg,
+        "current_speed": current_speed, "current_direction_deg": current_direction_deg,
+        "depth": depth,
+    }  # fmt: skip
     check_request(
-        manoeuvre, settings, speed=speed, rudder_rate_deg=rudder_rate_deg, rudder_law=rudder_law,
-        rudder_lag=rudder_lag, dt=dt, rtol=rtol, depth=depth, revolutions=revolutions,
+        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg,
+        rudder_law=rudder_law, rudder_lag=rudder_lag, dt=dt, rtol=rtol, revolutions=revolutions,
     )  # fmt: skip
-    conditions = Conditions(
-        wind_speed=wind_speed, wind_direction_deg=wind_direction_deg, current_speed=current_speed,
-        current_direction_deg=current_direction_deg, depth=depth,
-    )  # fmt: skip
+    conditions = Conditions(**around)
     ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
     plan = plan_for(manoeuvre, speed / ready.L, wind=wind_speed > 0.0, **settings)
     lag = rudder_lag if rudder_law == "lag" else 0.0
@@ -138,8 +140,8 @@ def simulate(
 
 
 def check_request(
-    manoeuvre: str, settings: Mapping[str, Any], *, rudder_law: str = "ramp", rtol: float = RTOL,
-    **positive: float | None,
+    manoeuvre: str, settings: Mapping[str, Any], environment: Mapping[str, float | None], *,
+    rudder_law: str = "ramp", rtol: float = RTOL, **positive: float | None,
 ) -> None:  # fmt: skip
     """Refuse a request that makes no sense.
 
@@ -160,9 +162,23 @@ def check_request(
         found.append(f"rudder_law = {rudder_law!r} is not known: ramp, lag.")
     if not 1e-13 < rtol < 0.1:
         found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
-    found += _setting_problems(manoeuvre, settings)
+    found += _environment_problems(environment) + _setting_problems(manoeuvre, settings)
     if found:
         raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
+
+
+def _environment_problems(environment: Mapping[str, float | None]) -> list[str]:
+    found = []
+    for name, value in environment.items():
+        if value is None:
+            continue
+        if not math.isfinite(value):
+            found.append(f"{name} = {value} must be a finite number.")
+        elif value < 0 and name.endswith("_speed"):
+            found.append(f"{name} = {value} must not be negative; its direction says where from.")
+        elif value <= 0 and name == "depth":
+            found.append(f"depth = {value} must be positive.")
+    return found
 
 
 def known_manoeuvre(name: str) -> None:
@@ -319,6 +335,10 @@ def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
                 found.append(f"turns = {value} must be a finite share of the revolutions.")
         elif not (math.isfinite(value) and value > 0):
             found.append(f"{name} = {value} must be positive.")
+        elif name == "executes" and value != int(value):
+            found.append(f"executes = {value} must be a whole number.")
+        elif name in ("shift_deg", "ease_deg") and value >= 180:
+            found.append(f"{name} = {value} must be an angle below 180°.")
     return found
 
 
@@ -341,7 +361,7 @@ def samples(end: float, dt: float) -> np.ndarray:
         raise DataError(f"dt = {dt:g} s over {end:g} s are more than ten million samples.")
     whole = math.floor(end / dt * (1 + 1e-12))
     beyond = end - whole * dt >= 1e-9 * max(end, 1.0)
-    t = np.arange(whole + 1 + beyond) * dt
+    t = np.arange(whole + 1.0 + beyond) * dt
     if beyond:
         t[-1] = end
     return t

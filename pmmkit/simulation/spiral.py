@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -151,7 +152,12 @@ def spiral_curve(
     table = np.array([*sides[0][:0:-1], *sides[1]])
     r, u, v, delta = table[:, 0], table[:, 1], table[:, 2], np.degrees(table[:, 3])
     rising = np.gradient(delta, r) > 0.0
-    width, height, neutral = _loop(np.degrees(r), delta)
+
+    def rudder(rate: float, near: int) -> float:
+        z = follow(np.array([u[near], v[near], np.radians(delta[near]), table[near, 4]]), rate)
+        return float(np.degrees(z[2])) if z is not None else float(delta[near])
+
+    width, height, neutral = _loop(r, delta, rudder)
     return SpiralCurve(
         rudder_deg=delta, yaw_rate_deg_s=np.degrees(r), drift_deg=np.degrees(np.arctan2(-v, u)),
         speed_ratio=np.hypot(u, v), stable=rising, loop_width_deg=width,
@@ -159,15 +165,34 @@ def spiral_curve(
     )  # fmt: skip
 
 
-def _loop(rate: Array, rudder: Array) -> tuple[float, float, float]:
-    """Width between the folds, height in their middle, and the neutral rudder."""
-    from scipy.interpolate import CubicSpline
+def _loop(
+    rate: Array, angle: Array, rudder: Callable[[float, int], float]
+) -> tuple[float, float, float]:
+    """Width between the folds [deg], height at their middle [deg/s], and the neutral rudder.
 
-    curve = CubicSpline(rate, rudder)
-    folds = curve.derivative().roots(extrapolate=False)
+    A fold is a turning point of the curve; it is looked for on the curve itself between the
+    points around it, because the curve may have a bend there.
+    """
+    from scipy.optimize import brentq, minimize_scalar
+
+    change = np.sign(np.diff(angle))
+    folds = [i for i in range(1, len(angle) - 1) if change[i - 1] * change[i] < 0]
     if len(folds) < 2:
-        return 0.0, 0.0, float(curve(0.0))
-    values = curve(folds)
-    neutral = float(values.max() + values.min()) / 2
-    turns = CubicSpline(rate, rudder - neutral).roots(extrapolate=False)
-    return float(np.ptp(values)), float(np.ptp(turns)), neutral
+        return 0.0, 0.0, float(np.interp(0.0, rate, angle))
+    values = []
+    for i in folds:
+        side = change[i - 1]
+        found = minimize_scalar(
+            lambda r, i=i, side=side: -side * rudder(r, i), method="bounded",
+            bounds=(rate[i - 1], rate[i + 1]), options={"xatol": 1e-9},
+        )  # fmt: skip
+        values.append(-side * found.fun)
+    neutral = (max(values) + min(values)) / 2
+    above = np.sign(angle - neutral)
+    turns = [
+        brentq(lambda r, i=i: rudder(r, i) - neutral, rate[i], rate[i + 1])
+        for i in range(len(angle) - 1)
+        if above[i] * above[i + 1] < 0
+    ]
+    height = float(np.degrees(max(turns) - min(turns))) if turns else 0.0
+    return float(max(values) - min(values)), height, float(neutral)
