@@ -119,7 +119,8 @@ def stability(
     found = stability_of(loaded, speed, depth=depth, extrapolate=extrapolate)
     curve = spiral_curve(loaded, speed, depth=depth, extrapolate=extrapolate)
     numbers = {
-        "name": found.name, "speed": speed, "stable": found.stable, "side": found.side, "C": found.C,
+        "name": found.name, "speed": speed, "stable": found.stable, "side": found.side,
+        "C": found.C,
         "lever_sway": found.lever_sway, "lever_yaw": found.lever_yaw, "K": found.K, "T": found.T,
         "T1": found.T1, "T2": found.T2, "T3": found.T3, "Ydelta": found.rudder[0],
         "Ndelta": found.rudder[1],

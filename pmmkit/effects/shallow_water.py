@@ -85,13 +85,16 @@ def factors(
     Yv, Nv, Nr: Inoue's formulas -(πk/2 + 1.4 CB B/L), -k, -(0.54 k - k²) with the effective aspect
     ratio in place of k (Hirano et al. 1985); Yr with k alone. Between 1.5 and 3 draughts Kijima's
     (1990) 1/(1 - d/h)^n - d/h with n = 0.40 CB B/d (Yv) and 0.425 CB B/d (Nv) lies within a tenth
-    of it. Nr turns back close to the bottom where d/L is above 0.07.
+    of it for a full tanker (KVLCC2); for the finer S175 its Yv is a third lower at 1.5 draughts. Nr
+    turns back close to the bottom where d/L is above 0.07.
 
     Added mass, X and products: Ankudinov et al. 1990, with F = h/d - 1, b = CB (B/d)(1 + B/L)² and
     K0 + a1 K1 b + a2 K2 b². For B/d above 4 K2 = 0.137 d/(B F), which meets 0.0342/F at 4; a
     program at hand has B/d there. Nvvr and Nvrr 1 + 6 (d/h)^2.5, resistance 1 + 0.388 (d/h)²
     (Furukawa et al. 2016). Not included: sinkage and trim, the ship's own waves towards the
     critical speed sqrt(g h), and what becomes of wake, thrust deduction and flow at the rudder.
+    Hulls with cross-flow drag take the factor of Yvvv on its coefficient. Below about two draughts
+    the tactical diameters of the library's ships by these formulas hardly grow any more, or fall.
 
     Examples
     --------

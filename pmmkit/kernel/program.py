@@ -267,6 +267,10 @@ def packed(
     _check_parts(model)
     ship, water, convention = model.ship, model.water, model.convention
     depth = conditions.depth or water.depth or math.inf
+    if depth <= ship.d:
+        raise DataError(
+            f"The depth {depth:g} m is {depth / ship.d:.2f} draughts: the ship is aground."
+        )
     values = _in_shallow_water(model, values, depth)
     added = added_mass.resolve(values["added_mass"], ship=ship, water=water, convention=convention)
     terms: dict[str, Any] = {}
@@ -345,14 +349,21 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
 def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
     if "shallow_water" not in model.parts or math.isinf(depth):
         return values
-    from pmmkit.effects.shallow_water import apply
+    from pmmkit.effects.shallow_water import apply, factors
 
-    found = dict(values)
+    ship, powers = model.ship, values["shallow_water"]
+    found = {effect: dict(own) for effect, own in values.items()}
     for effect in ("hull_polynomial", "added_mass"):
-        found[effect] = apply(
-            values[effect], ship=model.ship, depth=depth, **values["shallow_water"]
-        )
+        found[effect] = apply(values[effect], ship=ship, depth=depth, **powers)
+    if "crossflow_drag" in found:
+        grown = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)["Yvvv"]
+        found["crossflow_drag"]["CD"] = values["crossflow_drag"]["CD"] * grown
     return found
+
+
+def feels_depth(model: Model) -> bool:
+    """Whether the depth of the water changes the forces of a model."""
+    return any("depth" in catalogue()[effect].needs for effect in model.parts)
 
 
 def _check_parts(model: Model) -> None:

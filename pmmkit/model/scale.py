@@ -153,7 +153,7 @@ def full_scale(
     >>> from pmmkit.model import load_model
     >>> ship = full_scale(load_model("kvlcc2-l7"), 320.0, speed=7.97, form=0.2)
     >>> round(ship.values("propeller")["wp"], 3), round(ship.values("hull_polynomial")["Xuu"], 4)
-    (0.333, -0.0167)
+    (0.328, -0.0143)
     """
     carried = scaled(model, length)
     hull = carried.part("hull_polynomial", "the correction of friction").values

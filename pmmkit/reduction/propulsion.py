@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from pmmkit.reduction.prepare import RunResult
 from pmmkit.runs.open_water import open_water
-from pmmkit.runs.run import Campaign
+from pmmkit.runs.run import Campaign, Run
 
 Array = NDArray[np.float64]
 
@@ -112,8 +112,7 @@ def propulsion(
         for item in results
         if "T" in item.extras
         and "X" in item.measured
-        and not item.run.dynamic
-        and not item.run.settings.drift
+        and straight_ahead(item.run)
         and not item.run.settings.rudder
         and item.run.settings.propeller_rps
         and np.isfinite(curve.at(np.array([item.run.settings.speed]))[0])
@@ -133,6 +132,12 @@ def propulsion(
         wake=_wake(straight, campaign),
         runs=tuple(item.run.id for item in straight),
     )
+
+
+def straight_ahead(run: Run) -> bool:
+    """Whether a run is towed straight: no drift, no heel, no turning, no oscillation."""
+    here = run.settings
+    return not run.dynamic and not here.drift and not here.heel and run.test != "circular_motion"
 
 
 def _wake(straight: Sequence[RunResult], campaign: Campaign) -> dict[float, float]:

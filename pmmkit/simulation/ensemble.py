@@ -20,7 +20,14 @@ from pmmkit.model.model import DERIVATIVE_PARTS
 from pmmkit.progress import Progress
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for
-from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, check_request, gear_of, plan_for
+from pmmkit.simulation.simulate import (
+    ENVIRONMENT,
+    RTOL,
+    RudderLaw,
+    check_request,
+    gear_of,
+    plan_for,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -227,6 +234,8 @@ class Batch:
         Approach speed [m/s], relative tolerance.
     conditions : Conditions
         Wind, current, depth.
+    revolutions : float, optional
+        Of the approach [1/s].
     extrapolate : bool
         Allow a speed outside the range of the model's values.
     """
@@ -237,6 +246,7 @@ class Batch:
     speed: float
     rtol: float = RTOL
     conditions: Conditions = CALM
+    revolutions: float | None = None
     extrapolate: bool = False
 
     def run(
@@ -251,7 +261,9 @@ class Batch:
                     given[effect][name] = values[:, column]
                     break
         structure, k = packed(self.model, given, self.speed, self.conditions)
-        settings = settings_for(structure, self.model.ship.L, self.speed, self.gear, self.rtol)
+        settings = settings_for(
+            structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
+        )
         answers, status = run_ships(
             structure, stacked(k, len(values)), self.plan, settings, jobs=jobs, advance=advance
         )
@@ -262,21 +274,27 @@ class Batch:
 
 def batch_of(
     model: Model | str | Path, manoeuvre: str, *, speed: float, rtol: float = RTOL,
-    rudder_rate_deg: float | None = None, extrapolate: bool = False, **settings: Any,
+    rudder_rate_deg: float | None = None, rudder_law: RudderLaw = "ramp", rudder_lag: float = 1.0,
+    revolutions: float | None = None, extrapolate: bool = False, **settings: Any,
 ) -> Batch:  # fmt: skip
     """A batch of a manoeuvre; arguments as for `simulate`."""
     loaded = model if isinstance(model, Model) else load_model(model)
     around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
     settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
     check_request(
-        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol
-    )
+        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol,
+        rudder_law=rudder_law, rudder_lag=rudder_lag, revolutions=revolutions,
+    )  # fmt: skip
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
     return Batch(
-        model=loaded, plan=plan, gear=gear_of(loaded, plan, pace, rudder_rate_deg, 0.0),
-        speed=speed, rtol=rtol, conditions=conditions, extrapolate=extrapolate,
+        model=loaded, plan=plan,
+        gear=gear_of(
+            loaded, plan, pace, rudder_rate_deg, rudder_lag if rudder_law == "lag" else 0.0
+        ),
+        speed=speed, rtol=rtol, conditions=conditions, revolutions=revolutions,
+        extrapolate=extrapolate,
     )  # fmt: skip
 
 
@@ -314,8 +332,7 @@ def monte_carlo(
     progress : Progress, optional
         Is told how many ships are done.
     **settings
-        Of the manoeuvre, wind, current and depth as for `simulate`, and `rtol`,
-        `rudder_rate_deg`, `extrapolate`.
+        As for `simulate`, without `dt` and `compiled`.
 
     Returns
     -------

@@ -11,6 +11,7 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.simulation.plan import Answers, Phase, Plan, Probe
+from pmmkit.simulation.scalars import arctan2, chosen, cos, degrees, hypot, larger
 
 HALF: Final = math.pi / 2
 CIRCLES: Final = 3 * math.pi
@@ -44,27 +45,27 @@ def turning(
     def measure(a: Answers) -> dict[str, Any]:
         u, v = a.at("steady", "u"), a.at("steady", "v")
         rolls = "phi" in a.states
-        upright = np.cos(a.at("steady", "phi")) if rolls else 1.0
+        upright = cos(a.at("steady", "phi")) if rolls else 1.0
         turn = side * a.at("steady", "r") * upright
         found = _lengths(
             a.L,
             advance=a.at("quarter", "x"),
             transfer=side * a.at("quarter", "y"),
             tactical_diameter=side * a.at("half", "y"),
-            steady_diameter=2.0 * np.hypot(u, v * upright) / _positive(turn),
+            steady_diameter=2.0 * hypot(u, v * upright) / _positive(turn),
         )
         found |= {
             "time_90": a.t("quarter"),
             "time_180": a.t("half"),
-            "steady_drift_deg": side * np.degrees(np.arctan2(-v, u)),
-            "speed_ratio": np.hypot(u, v) / a.speed,
-            "steady_yaw_rate_deg_s": np.degrees(turn),
+            "steady_drift_deg": side * degrees(arctan2(-v, u)),
+            "speed_ratio": hypot(u, v) / a.speed,
+            "steady_yaw_rate_deg_s": degrees(turn),
         }
         if rolls:
-            found["heel_max_deg"] = np.degrees(
-                np.maximum(a.at("heel_up", "phi"), -a.at("heel_down", "phi"))
+            found["heel_max_deg"] = degrees(
+                larger(a.at("heel_up", "phi"), -a.at("heel_down", "phi"))
             )
-            found["heel_steady_deg"] = -side * np.degrees(a.at("steady", "phi"))
+            found["heel_steady_deg"] = -side * degrees(a.at("steady", "phi"))
         return found
 
     return Plan(
@@ -84,10 +85,10 @@ def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float
 
     def measure(a: Answers) -> dict[str, Any]:
         reached = a.t("there")
-        found = _lengths(a.L, initial_turning_distance=np.where(reached > 0, a.t("path"), np.nan))
+        found = _lengths(a.L, initial_turning_distance=chosen(reached > 0, a.t("path"), math.nan))
         return found | {
             "time_to_heading": reached,
-            "yaw_rate_deg_s": side * np.degrees(a.at("there", "r")),
+            "yaw_rate_deg_s": side * degrees(a.at("there", "r")),
         }
 
     probes = {
@@ -136,9 +137,7 @@ def zigzag(
         found: dict[str, Any] = {}
         for i in range(1, executes):
             over = sides[i - 1] * a.at(f"peak_{i}", "psi") - switch
-            found[f"overshoot_{i}_deg"] = np.degrees(
-                np.where(a.t(f"turned_{i}") > 0.0, over, np.nan)
-            )
+            found[f"overshoot_{i}_deg"] = degrees(chosen(a.t(f"turned_{i}") > 0.0, over, math.nan))
         for i in range(1, executes):
             found[f"time_execute_{i + 1}"] = a.t(f"execute_{i + 1}")
         found["reach"] = a.t("zero_1")
@@ -146,7 +145,7 @@ def zigzag(
             found["period"] = a.t("zero_3") - a.t("zero_1")
         found["initial_turning_time"] = a.t("execute_2")
         found["speed_ratio_end"] = (
-            np.hypot(a.at(f"peak_{executes - 1}", "u"), a.at(f"peak_{executes - 1}", "v")) / a.speed
+            hypot(a.at(f"peak_{executes - 1}", "u"), a.at(f"peak_{executes - 1}", "v")) / a.speed
         )
         return found
 
@@ -170,8 +169,8 @@ def pull_out(pace: float, *, rudder_deg: float = 15.0) -> Plan:
 
     def measure(a: Answers) -> dict[str, Any]:
         return {
-            "steady_yaw_rate_deg_s": side * np.degrees(a.at("turn", "r")),
-            "residual_yaw_rate_deg_s": side * np.degrees(a.at("end", "r")),
+            "steady_yaw_rate_deg_s": side * degrees(a.at("turn", "r")),
+            "residual_yaw_rate_deg_s": side * degrees(a.at("end", "r")),
             "residual_share": a.at("end", "r") / a.at("turn", "r"),
             "time_turn": a.t("turn"),
             "time_end": a.t("end"),
@@ -203,10 +202,10 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
         apart = []
         for i, angle in enumerate(down):
             there, here = a.at(f"end_{i}", "r"), a.at(f"end_{back[angle]}", "r")
-            apart.append(np.abs(np.degrees(there - here)))
-            found[f"yaw_rate_deg_s_at_{angle:+g}_first"] = np.degrees(there)
-            found[f"yaw_rate_deg_s_at_{angle:+g}_back"] = np.degrees(here)
-        limit = 0.02 * np.abs(np.degrees(a.at("end_0", "r")))
+            apart.append(np.abs(degrees(there - here)))
+            found[f"yaw_rate_deg_s_at_{angle:+g}_first"] = degrees(there)
+            found[f"yaw_rate_deg_s_at_{angle:+g}_back"] = degrees(here)
+        limit = 0.02 * np.abs(degrees(a.at("end_0", "r")))
         open_at = np.stack([np.asarray(gap > limit, float) for gap in apart])
         loop = {
             "loop_height_deg_s": np.max(np.stack(apart), axis=0),
@@ -257,12 +256,12 @@ def stopping(pace: float, *, turns: float = -0.7, rudder_deg: float = 0.0) -> Pl
         found = _lengths(
             a.L,
             head_reach=a.at("stop", "x"),
-            track_reach=np.where(stopped, a.t("path"), np.nan),
+            track_reach=chosen(stopped, a.t("path"), math.nan),
             lateral_deviation=a.at("stop", "y"),
         )
         return found | {
             "time_to_stop": a.t("stop"),
-            "heading_at_stop_deg": np.degrees(a.at("stop", "psi")),
+            "heading_at_stop_deg": degrees(a.at("stop", "psi")),
         }
 
     return Plan(name="stopping", phases=phases, probes=probes, measure=measure)
@@ -296,8 +295,8 @@ def course_change(
         return found | {
             "time_counter": a.t("counter"),
             "time_end": a.t("end"),
-            "heading_end_deg": side * np.degrees(a.at("end", "psi")),
-            "overshoot_deg": side * np.degrees(a.at("end", "psi")) - abs(heading_deg),
+            "heading_end_deg": side * degrees(a.at("end", "psi")),
+            "overshoot_deg": side * degrees(a.at("end", "psi")) - abs(heading_deg),
         }
 
     return Plan(name="course_change", phases=phases, probes=probes, measure=measure, rudder=rudder)
@@ -335,7 +334,7 @@ def williamson(
             "time_shift": a.t("shift"),
             "time_ease": a.t("ease"),
             "time_end": a.t("end"),
-            "heading_end_deg": np.degrees(a.at("end", "psi")),
+            "heading_end_deg": degrees(a.at("end", "psi")),
         }
 
     return Plan(name="williamson", phases=phases, probes=probes, measure=measure, rudder=rudder)
@@ -361,4 +360,4 @@ def _lengths(L: float, **values: Any) -> dict[str, Any]:
 
 def _positive(rate: Any) -> Any:
     """A yaw rate; infinitely small where the ship turns the other way."""
-    return np.maximum(rate, 1e-300)
+    return larger(rate, 1e-300)

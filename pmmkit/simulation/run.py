@@ -188,11 +188,11 @@ def run_plan(
     """
     functions = ready.functions(fast=fast)
     settings: Any = settings_for(ready.structure, ready.L, ready.speed, gear, rtol, revolutions)
-    orders: Any = plan.orders
+    orders: Any = plan.orders_array if fast else plan.orders
     count = len(plan.phases)
     events: Any = [0.0] * (9 * (count + 1))
     if fast:
-        settings, orders, events = np.array(settings), np.array(orders), np.zeros(len(events))
+        settings, events = np.array(settings), np.zeros(len(events))
     stride = 2 + 5 * len(ready.structure.states)
     room = ROOM
     while True:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from types import MappingProxyType
@@ -15,7 +15,8 @@ import numpy as np
 
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
-from pmmkit.kernel import Conditions, prepare
+from pmmkit.kernel import CALM, Conditions, prepare
+from pmmkit.kernel.program import feels_depth
 from pmmkit.model import Model, load_model
 from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.plan import Plan
@@ -26,6 +27,9 @@ RudderLaw = Literal["ramp", "lag"]
 RTOL: Final = 1e-8
 ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
 """Settings that say what is around the ship."""
+NO_BOTTOM: Final = (
+    "The model does not feel the bottom: the depth changes nothing without a part shallow_water."
+)
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
 without a shaft."""
@@ -130,13 +134,16 @@ def simulate(
         manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg,
         rudder_law=rudder_law, rudder_lag=rudder_lag, dt=dt, rtol=rtol, revolutions=revolutions,
     )  # fmt: skip
-    conditions = Conditions(**around)
+    conditions = Conditions(**around) if any(around.values()) else CALM
     ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
     plan = plan_for(manoeuvre, speed / ready.L, wind=wind_speed > 0.0, **settings)
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
-    return track_of(loaded, history, dt, settings)
+    track = track_of(loaded, history, dt, settings)
+    if depth is not None and not feels_depth(loaded):
+        return replace(track, notes=(*track.notes, NO_BOTTOM))
+    return track
 
 
 def check_request(

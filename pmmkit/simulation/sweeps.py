@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -15,6 +15,13 @@ from pmmkit.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+_UNITS: Final = {
+    "depth": "m", "rudder_rate_deg": "deg/s", "rudder_lag": "s", "duration": "s", "dt": "s",
+    "revolutions": "1/s", "turns": "-", "executes": "-", "rtol": "-",
+}  # fmt: skip
+"""Units of settings; the others are speeds or angles."""
 
 
 def froude_sweep(
@@ -148,7 +155,7 @@ def sweep(
             (label, item, dict(settings)) for label, item in model.items()
         ]
     else:
-        if not values:
+        if values is None or len(values) == 0:
             raise DataError(f"Give the values of {over}.")
         cases = [(float(x), model, {**settings, over: float(x)}) for x in values]
     rows, loaded = [], []
@@ -188,7 +195,7 @@ def _variables(over: str, rows: Sequence[Mapping[str, float]]) -> dict[str, Any]
 def _with_unit(over: str) -> dict[str, str]:
     if over == "model":
         return {}
-    return {"units": {"depth": "m"}.get(over, "m/s" if "speed" in over else metric_unit(over))}
+    return {"units": _UNITS.get(over, "m/s" if "speed" in over else "deg")}
 
 
 def metric_unit(metric: str) -> str:
