@@ -68,6 +68,7 @@ def derivatives_over_froude(
     with style.styled():
         figure = style.canvas(1.45 * rows + 0.7)
         axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+        style.in_powers(axes)
         for axis, name in zip(axes, shown, strict=False):
             column = table.index(name)
             value = factor * table.value[:, column]

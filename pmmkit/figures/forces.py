@@ -100,6 +100,7 @@ def forces_over_drift(
     with style.styled():
         figure = style.canvas(3.5)
         axes = figure.subplots(1, len(channels), squeeze=False)[0]
+        style.in_powers(axes)
         for axis, channel in zip(axes, channels, strict=True):
             what, unit = _WHAT[channel]
             factor = 1e3 if table else 1.0
@@ -187,6 +188,7 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
     with style.styled():
         figure = style.canvas(1.9 * len(channels) + 0.8)
         axes = figure.subplots(len(channels), len(cycles), squeeze=False, sharex=True)
+        style.in_powers(axes.flat)
         for column, cycle in enumerate(cycles):
             thin = slice(None, None, max(1, len(cycle.theta) // _POINTS))
             phase = np.degrees(np.mod(cycle.theta[thin], 2 * np.pi))

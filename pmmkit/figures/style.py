@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -40,7 +40,7 @@ _STYLE: Final[Any] = {
     "axes.labelcolor": INK,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.formatter.use_mathtext": True,
+    "axes.formatter.use_mathtext": False,
     "axes.formatter.limits": (-3, 4),
     "text.color": INK,
     "xtick.color": "#444444",
@@ -74,6 +74,12 @@ def canvas(height: float, width: float = WIDTH) -> Figure:
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def in_powers(axes: Iterable[Axes]) -> None:
+    """Write the common power of ten of the ordinates as a power (takes time to draw)."""
+    for axis in axes:
+        axis.ticklabel_format(axis="y", useMathText=True)
 
 
 def colour(number: int) -> str:
