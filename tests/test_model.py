@@ -410,3 +410,18 @@ def test_a_file_saved_by_version_1_loads_for_ever():
     assert model.covariance[place, place] == pytest.approx(4e-10, rel=1e-12)
     assert np.isnan(model.covariance[0, 0])
     assert model.parts["rudder_mmg"].options["inflow"] == "son-nomoto"
+
+
+def test_a_file_with_later_effects_loads_for_ever():
+    """Kept as it was written: cross-flow drag, Kose's wake, wind, options, one covariance."""
+    file = Path(__file__).parent / "data" / "model_v1_effects.toml"
+    model = load_model(file)
+    assert list(model.parts) == [
+        "hull_polynomial", "crossflow_drag", "added_mass", "propeller", "rudder_mmg", "wind",
+    ]  # fmt: skip
+    assert model.values("hull_polynomial")["Y|u|v"] == -0.3728
+    assert model.parts["propeller"].options == {"wake": "kose"}
+    assert model.values("wind")["AL"] == 0.52
+    assert model.parts["wind"].source == "measured: drawing"
+    np.testing.assert_array_equal(model.covariance, [[1e-4, -1e-6], [-1e-6, 4e-6]])
+    assert model_text(model) == file.read_text(encoding="utf-8")
