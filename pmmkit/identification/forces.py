@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places, replaced, with_parameters
+from pmmkit.identification.prior import Prior
 from pmmkit.kernel import CALM, Conditions
 from pmmkit.kernel.histories import water_forces
 from pmmkit.kernel.program import packed, values_at
@@ -35,20 +36,24 @@ class ForceRecord:
     forces : mapping of str to array (n,)
         Measured X, Y [N], N, K [N m] about midship, those there are, without the inertia of the
         ship; NaN where they are not known.
-    std : mapping of str to float
+    std : mapping of str to float or array (n,)
         Their standard deviations.
     speed : float
         Carriage speed, or the speed of the approach [m/s].
     conditions : Conditions
         Wind, current, depth.
+    correlated : int
+        Number of instants over which errors hang together: the covariance of a fit is widened by
+        how far the sums over so many instants scatter.
     """
 
     name: str
     motion: Mapping[str, Array]
     forces: Mapping[str, Array]
-    std: Mapping[str, float]
+    std: Mapping[str, float | Array]
     speed: float
     conditions: Conditions = CALM
+    correlated: int = 1
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,8 +93,9 @@ class Fitted:
 
 
 def fit_to_forces(
-    model: Model, records: Sequence[ForceRecord], names: Sequence[str], *, extrapolate: bool = False
-) -> Fitted:
+    model: Model, records: Sequence[ForceRecord], names: Sequence[str], *,
+    prior: Prior | None = None, extrapolate: bool = False,
+) -> Fitted:  # fmt: skip
     """Fit derivatives and parameters of effects, linear or not, by least squares.
 
     Parameters
@@ -100,6 +106,8 @@ def fit_to_forces(
         Runs.
     names : sequence of str
         Derivatives (``Yv``) and parameters with their effect (``rudder_mmg.aH``).
+    prior : Prior, optional
+        Of the same names; without it nothing but the records counts.
     extrapolate : bool
         Allow speeds outside the range of the model's values.
 
@@ -143,6 +151,9 @@ def fit_to_forces(
     size = np.where(start != 0.0, np.abs(start), 1e-3)
     if not any(set(record.forces) & set(record.std) for record in records):
         raise DataError("No record has a force with its standard deviation.")
+    root = np.zeros((0, len(at)))
+    if prior is not None:
+        root = np.linalg.inv(np.linalg.cholesky(prior.covariance))
 
     def difference(scaled: Array) -> Array:
         parts: list[Array] = []
@@ -161,18 +172,51 @@ def fit_to_forces(
     known = np.isfinite(difference(start / size))
     if not known.any():
         raise DataError("No record has a finite force.")
+
+    def residual(scaled: Array) -> Array:
+        parts = [np.where(known, difference(scaled), 0.0)]
+        if prior is not None:
+            parts.append(root @ (scaled * size - prior.mean))
+        return np.concatenate(parts)
+
     found = least_squares(
-        lambda scaled: np.where(known, difference(scaled), 0.0), start / size, jac="3-point",
-        x_scale="jac", diff_step=STEP, xtol=1e-12, ftol=1e-12, gtol=1e-12,
+        residual, start / size, jac="3-point", x_scale="jac", diff_step=STEP, xtol=1e-12,
+        ftol=1e-12, gtol=1e-12,
     )  # fmt: skip
     values = found.x * size
-    covariance, lost = _covariance(found.jac, size)
+    rows = len(known)
+    widened = _widened(records, found.jac[:rows], found.fun[:rows])
+    covariance, lost = _covariance(
+        np.vstack([found.jac[:rows] / np.sqrt(widened), found.jac[rows:]]), size
+    )
     return Fitted(
         model=with_parameters(model, at, values), names=tuple(names), values=values,
         covariance=covariance,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
-        rms=MappingProxyType(_by_channel(records, found.fun, known)), cost=float(found.cost),
+        rms=MappingProxyType(_by_channel(records, found.fun[:rows], known)),
+        cost=float(found.cost),
     )  # fmt: skip
+
+
+def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) -> float:
+    """Variance of the sums of scores over what hangs together, over that of white residuals."""
+    if all(record.correlated <= 1 for record in records):
+        return 1.0
+    scores, begin = [], 0
+    for record in records:
+        for channel, values in record.forces.items():
+            if channel in record.std:
+                rows = slice(begin, begin + len(values))
+                edges = np.arange(0, len(values), max(record.correlated, 1))
+                scores.append(
+                    np.add.reduceat(jacobian[rows] * residuals[rows, None], edges, axis=0)
+                )
+                begin += len(values)
+    stacked = np.concatenate(scores)
+    sizes, vectors = np.linalg.eigh(jacobian.T @ jacobian)
+    seen = sizes > 1e-10 * sizes[-1]
+    whitened = stacked @ vectors[:, seen] / np.sqrt(sizes[seen])
+    return max(1.0, float(np.sum(whitened**2) / seen.sum()))
 
 
 def _covariance(jacobian: Array, size: Array) -> tuple[Array, NDArray[np.bool_]]:

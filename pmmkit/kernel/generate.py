@@ -17,9 +17,12 @@ PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
 CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
+ENGINE: Final = ("engine.py", "asking.py")
+ESTIMATING: Final = ("engine.py", "estimating.py")
 ENTRIES: Final = (
     "rates", "complete", "self_propulsion", "run", "probe", "sample", "run_many", "settle",
-    "repeat",
+    "repeat", "constants", "advance", "linearised", "correct", "predict", "extended", "smoothed",
+    "unscented", "windows", "along",
 )  # fmt: skip
 """Functions that are called from outside the module."""
 _FACTORS: Final = {
@@ -29,13 +32,15 @@ _FACTORS: Final = {
 }  # fmt: skip
 
 
-def module_text(structure: Structure) -> str:
+def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
     """Python text of the equations of a structure, followed by the engine.
 
     Parameters
     ----------
     structure : Structure
         Validated: its names come from the catalogue, never from a file's text.
+    files : tuple of str
+        Files of this package whose functions follow the equations.
 
     Returns
     -------
@@ -64,7 +69,7 @@ def module_text(structure: Structure) -> str:
         "",
         *_rates(structure),
         "",
-        _engine(),
+        _functions(files),
     ]
     return "\n".join(lines) + "\n"
 
@@ -110,7 +115,7 @@ def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[
     body = [f"{name} = k[{PLACE[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     if any("beta" in item.arguments for item in structure.used):
         body.append("beta = atan2(-v, u)")
-    body += ["X, Y, N, K = 0.0, 0.0, 0.0, 0.0"]
+    body.append("X, Y, N, K = " + ", ".join(f"k[{PLACE[f'more_{x}']}]" for x in FORCES))
     body += _polynomial(structure)
     places = structure.places()
     extra_mass: dict[str, list[str]] = {}
@@ -258,16 +263,17 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
 
 
 @cache
-def _engine() -> str:
-    """The functions of `engine.py` and `asking.py`, decorated."""
+def _functions(files: tuple[str, ...]) -> str:
+    """The functions of files, decorated."""
     nodes = [
         node
-        for name in ("engine.py", "asking.py")
+        for name in files
         for node in ast.parse(Path(__file__).with_name(name).read_text(encoding="utf-8")).body
+        if not (isinstance(node, ast.FunctionDef) and _stands_for_another(node))
     ]
     parts = []
     for node in nodes:
-        if isinstance(node, ast.FunctionDef) and node.name != "rates":
+        if isinstance(node, ast.FunctionDef):
             for argument in node.args.args:
                 argument.annotation = None
             node.returns = None
@@ -276,3 +282,8 @@ def _engine() -> str:
             if node.name != "vector":
                 parts.append(f"{mark}\n{ast.unparse(node)}\n")
     return "\n".join(parts)
+
+
+def _stands_for_another(node: ast.FunctionDef) -> bool:
+    """Whether a function does nothing but raise, so that another of its name takes its place."""
+    return isinstance(node.body[-1], ast.Raise)

@@ -14,12 +14,14 @@ from pmmkit.effects.primitives import over_arrays
 from pmmkit.kernel.generate import CONTROLS, MOTION, summed
 from pmmkit.kernel.layout import PLACE
 from pmmkit.kernel.structure import ACCELERATIONS, FORCES, Structure
+from pmmkit.ship import Ship
 
 Array = NDArray[np.float64]
 HISTORY: Final = (
     "u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS
 )  # fmt: skip
 """What a history of motion may hold; what it lacks is zero."""
+WIND: Final = ("wind_speed", "wind_direction")
 
 
 def water_forces(
@@ -35,7 +37,8 @@ def water_forces(
         Its constants, from `packed`.
     motion : mapping of str to array (n,)
         Of `HISTORY`, SI and radians, ship axes at midship, through the water; and the states that
-        effects bring. Revolutions of a model with a shaft are those given.
+        effects bring. Revolutions of a model with a shaft are those given. With ``wind_speed`` and
+        ``wind_direction`` the true wind changes along the history.
 
     Returns
     -------
@@ -55,9 +58,49 @@ def water_forces(
     zero = np.zeros(size)
     given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
     given |= {name: np.asarray(motion[name], float) for name in structure.brought if name != "n"}
+    constants = list(k)
+    for name in WIND:
+        if name in motion:
+            constants[PLACE[name]] = np.asarray(motion[name], float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = _function(structure)(k, **given)
+        found = _function(structure)(constants, **given)
     return {name: np.broadcast_to(x, (size,)).copy() for name, x in zip(FORCES, found, strict=True)}
+
+
+def rigid_body(ship: Ship, motion: Mapping[str, Array]) -> dict[str, Array]:
+    """Forces that give a ship its accelerations: what the water (and the wind) must exert.
+
+    Parameters
+    ----------
+    ship : Ship
+        Mass and inertia.
+    motion : mapping of str to array (n,)
+        As for `water_forces`.
+
+    Returns
+    -------
+    dict of str to array (n,)
+        X, Y [N], N, K [N m] about midship.
+
+    Notes
+    -----
+    X = m(u̇ - vr - xG r²), Y = m(v̇ + ur + xG ṙ - zG ṗ), N = Izz ṙ + m xG (v̇ + ur),
+    K = Ixx ṗ - m zG (v̇ + ur); products of the roll rate are left out, as in the equations.
+    """
+    size = max((len(values) for values in motion.values()), default=1)
+    zero = np.zeros(size)
+    u, v, r, udot, vdot, rdot, pdot = (
+        np.asarray(motion.get(name, zero), float)
+        for name in ("u", "v", "r", "udot", "vdot", "rdot", "pdot")
+    )
+    m, zG = ship.mass, ship.zG or 0.0
+    across = vdot + u * r
+    return {
+        "X": m * (udot - v * r - ship.xG * r**2),
+        "Y": m * (across + ship.xG * rdot - zG * pdot),
+        "N": ship.Izz * rdot + m * ship.xG * across,
+        "K": (ship.Ixx or 0.0) * pdot - m * zG * across,
+    }
 
 
 @cache

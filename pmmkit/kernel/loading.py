@@ -14,7 +14,7 @@ from typing import Any
 from pmmkit import __version__
 from pmmkit.effects import primitives
 from pmmkit.files import atomic_path
-from pmmkit.kernel.generate import module_text
+from pmmkit.kernel.generate import ENGINE, module_text
 from pmmkit.kernel.structure import Structure
 
 
@@ -41,13 +41,13 @@ def interpreted(structure: Structure) -> ModuleType:
 
 
 @cache
-def compiled(structure: Structure) -> ModuleType:
+def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleType:
     """The functions of a structure, compiled; the second session finds them on disk.
 
     The text is written to `cache_folder` under its hash and imported from there. Where that
     folder cannot be written the functions are compiled in each session.
     """
-    text = _HEAD + module_text(structure)
+    text = _HEAD + module_text(structure, files)
     name = f"pmmkit_equations_{_fingerprint(structure, text)}"
     path = cache_folder() / f"v{__version__}" / f"{name}.py"
     try:
@@ -97,6 +97,7 @@ _HEAD = '''"""Equations of motion of one structure of model, written by pmmkit."
 
 import numba
 import numpy
+import numpy as np
 
 from pmmkit.kernel.numba_mode import use
 

@@ -1,0 +1,399 @@
+"""Extended and unscented Kalman filters: parameters of a model as states beside the motion."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType, ModuleType
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError, SimulationError
+from pmmkit.identification.binding import Binding, bound, driven
+from pmmkit.identification.prior import Prior
+from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
+from pmmkit.kernel.generate import ESTIMATING
+from pmmkit.kernel.loading import compiled
+from pmmkit.model import Model
+
+Array = NDArray[np.float64]
+GATE: Final = 5.0
+"""Residuals beyond so many of their standard deviations are not taken in."""
+SETTLED: Final = 0.02
+"""Iterations end when no parameter changes by more than this share of its standard deviation."""
+STEP: Final = 0.05
+"""Longest step of the integration in ship lengths over the speed of the approach."""
+ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1)
+"""Process noise that is tried, in U²/L over the root of L/U."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Innovations:
+    """What a filter did not expect, per record and channel.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Channels.
+    residuals, variances : array (n, c)
+        Measured less predicted, and the variance the filter gave it; NaN where nothing was.
+    gated : array (n, c) of bool
+        Residuals that were not taken in.
+    """
+
+    names: tuple[str, ...]
+    residuals: Array
+    variances: Array
+    gated: NDArray[np.bool_]
+
+    @property
+    def normalised(self) -> Array:
+        """Residuals over their standard deviation, gated ones left out."""
+        values = self.residuals / np.sqrt(self.variances)
+        return np.where(self.gated, np.nan, values)
+
+    def log_likelihood(self) -> float:
+        """Of the residuals that were taken in; a gated one counts as one at the gate."""
+        terms = np.minimum(self.residuals**2 / self.variances, GATE**2) + np.log(self.variances)
+        return float(-0.5 * np.nansum(terms))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Filtered:
+    """What a filter found.
+
+    Parameters
+    ----------
+    method : {"ekf", "ukf"}
+        Which.
+    names : tuple of str
+        Parameters.
+    values : array (m,)
+        At the end of the last record.
+    covariance : array (m, m)
+        Of them.
+    prior : Prior
+        Where they came from.
+    histories : mapping of str to array
+        By record: states and parameters at each instant (n, NS + m).
+    spreads : mapping of str to array
+        Their variances.
+    innovations : mapping of str to Innovations
+        By record.
+    iterations : int
+        Passes over the records.
+    converged : bool
+        Whether the last pass changed nothing of weight.
+    roughness : float
+        Process noise of the accelerations, in U²/L over the root of L/U.
+    seconds : float
+        It took.
+    """
+
+    method: Literal["ekf", "ukf"]
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+    prior: Prior
+    histories: Mapping[str, Array]
+    spreads: Mapping[str, Array]
+    innovations: Mapping[str, Innovations]
+    iterations: int
+    converged: bool
+    roughness: float
+    seconds: float
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations (m,)."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+    @property
+    def log_likelihood(self) -> float:
+        """Of all records."""
+        return sum(item.log_likelihood() for item in self.innovations.values())
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Setup:
+    """All that stays the same over the passes."""
+
+    binding: Binding
+    functions: ModuleType
+    records: tuple[FreeRecord, ...]
+    sensors: Mapping[str, float]
+    prior: Prior
+    speed: float
+    L: float
+    gate: float
+    wander: Array = field(repr=False)
+
+
+def kalman(
+    model: Model,
+    records: Sequence[FreeRecord],
+    prior: Prior,
+    *,
+    method: Literal["ekf", "ukf"] = "ekf",
+    sensors: Mapping[str, float] | None = None,
+    roughness: float | None = None,
+    wander: Mapping[str, float] | None = None,
+    gate: float = GATE,
+    iterations: int = 10,
+    extrapolate: bool = False,
+) -> Filtered:
+    """Identify parameters by a Kalman filter over free-running records, one after another.
+
+    Parameters
+    ----------
+    model : Model
+        Complete; its values outside `prior` are held.
+    records : sequence of FreeRecord
+        The parameters are carried from one to the next.
+    prior : Prior
+        Parameters with their mean and covariance.
+    method : {"ekf", "ukf"}
+        Extended (Joseph form, iterated about its own result) or unscented (2n points).
+    sensors : mapping of str to float, optional
+        Standard deviation of channels, SI and radians; those not named are told from the records.
+    roughness : float, optional
+        Process noise of the accelerations: their standard deviation in U²/L (U²/L² in yaw) when
+        averaged over L/U. By default the one that makes the records most likely.
+    wander : mapping of str to float, optional
+        Parameters that wander: standard deviation of their change in the time L/U.
+    gate : float
+        Residuals beyond so many standard deviations are not taken in.
+    iterations : int
+        Most passes of the extended filter.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Filtered
+
+    Raises
+    ------
+    DataError
+        If there is nothing to identify, or a parameter enters in a way that cannot be followed.
+    SimulationError
+        If the motion is lost.
+
+    Notes
+    -----
+    Between instants the equations of motion are carried by the classical Runge-Kutta method with
+    steps of at most 0.05 L/U; slopes are differences of that map. A pass of the extended filter is
+    linearised in the parameters about the result of the pass before (the prior stays), until
+    nothing changes by more than 2 % of its standard deviation. The unscented filter makes one
+    pass. Revolutions are inputs, even where the model has a shaft.
+
+    References
+    ----------
+    Bar-Shalom, Li and Kirubarajan 2001, sections 5 and 10; Julier and Uhlmann 2004.
+    """
+    if not records:
+        raise DataError("There is no record to identify from.")
+    started = time.perf_counter()
+    ready = driven(model)
+    speed = records[0].speed
+    binding = bound(ready, prior.names, speed, extrapolate=extrapolate)
+    pace = speed / ready.ship.L
+    wander = wander or {}
+    setup = _Setup(
+        binding=binding, functions=compiled(binding.structure, ESTIMATING), records=tuple(records),
+        sensors=MappingProxyType(sensors_of(records, sensors or {})), prior=prior, speed=speed,
+        L=ready.ship.L, gate=gate,
+        wander=np.array([wander.get(name, 0.0) ** 2 * pace for name in prior.names]),
+    )  # fmt: skip
+    if method == "ukf":
+        chosen = roughness if roughness is not None else _roughest(setup, prior.mean)
+        return _filtered(setup, "ukf", chosen, prior.mean, 1, True, started)
+    tried = 0.03 if roughness is None else roughness
+    about, count, done = _iterated(setup, tried, prior.mean, iterations)
+    if roughness is None:
+        tried = _roughest(setup, about)
+        about, more, done = _iterated(setup, tried, about, iterations)
+        count += more
+    return _filtered(setup, "ekf", tried, about, count, done, started)
+
+
+def _iterated(setup: _Setup, roughness: float, about: Array, most: int) -> tuple[Array, int, bool]:
+    """The point about which the parameters are linearised, until it is their estimate."""
+    for count in range(1, most + 1):
+        z, P = _pass(setup, "ekf", roughness, about)[:2]
+        std = np.sqrt(np.diagonal(P))
+        change = np.max(np.abs(z - about) / np.maximum(std, 1e-300), initial=0.0)
+        about = z
+        if change < SETTLED:
+            return about, count, True
+    return about, most, False
+
+
+def _roughest(setup: _Setup, about: Array) -> float:
+    """Process noise of the greatest likelihood, of those that are tried."""
+
+    def likelihood(roughness: float) -> float:
+        try:
+            runs = _pass(setup, "ekf", roughness, about)[2]
+        except SimulationError:
+            return -math.inf
+        return sum(run[2].log_likelihood() for run in runs)
+
+    return max(ROUGHNESS, key=likelihood)
+
+
+def _filtered(
+    setup: _Setup, method: Literal["ekf", "ukf"], roughness: float, about: Array, count: int,
+    done: bool, started: float,
+) -> Filtered:  # fmt: skip
+    z, P, runs = _pass(setup, method, roughness, about)
+    names = [record.name for record in setup.records]
+    return Filtered(
+        method=method, names=setup.prior.names, values=z, covariance=P, prior=setup.prior,
+        histories=MappingProxyType({name: run[0] for name, run in zip(names, runs, strict=True)}),
+        spreads=MappingProxyType({name: run[1] for name, run in zip(names, runs, strict=True)}),
+        innovations=MappingProxyType(
+            {name: run[2] for name, run in zip(names, runs, strict=True)}
+        ),
+        iterations=count, converged=done, roughness=roughness,
+        seconds=time.perf_counter() - started,
+    )  # fmt: skip
+
+
+def _pass(
+    setup: _Setup, method: str, roughness: float, about: Array
+) -> tuple[Array, Array, list[tuple[Array, Array, Innovations]]]:
+    """One pass over all records: parameters, their covariance, and what each record shows."""
+    binding, prior = setup.binding, setup.prior
+    size = len(binding.structure.states)
+    m = len(prior.names)
+    values, covariance = prior.mean.copy(), prior.covariance.copy()
+    base = binding.constants(about)
+    unit = prior.std
+    runs = []
+    for record in setup.records:
+        y, spread = first_state(record, binding.structure.states, setup.sensors, setup.L)
+        z = np.concatenate([y, values])
+        P = np.zeros((size + m, size + m))
+        P[:size, :size] = np.diag(spread)
+        P[size:, size:] = covariance
+        names = tuple(record.measured)
+        kinds = np.array([kind_of(name, binding.structure.states) for name in names], np.int64)
+        measured = np.stack([record.measured[name] for name in names], axis=1)
+        variances = np.array([setup.sensors[name] ** 2 for name in names])
+        diffusion = np.concatenate(
+            [process(binding.structure.states, roughness, setup.speed, setup.L), setup.wander]
+        )
+        n = len(record)
+        means = np.empty((n, 2 * (size + m)))
+        residuals, spreads = np.empty((n, len(names))), np.empty((n, len(names)))
+        longest = STEP * setup.L / setup.speed
+        steps = np.concatenate([state_steps(binding.structure.states, setup), 1e-4 * unit])
+        shared = (
+            record.t, record.inputs, measured, kinds, variances, base, binding.starts,
+            binding.places, binding.slopes, about,
+        )  # fmt: skip
+        if method == "ekf":
+            frozen = np.where(setup.wander > 0.0, 0.0, 1.0)
+            status = setup.functions.extended(
+                *shared, frozen, z, P, np.zeros(m), diffusion, steps, longest, setup.gate, means,
+                residuals, spreads, np.empty((0, 0)),
+            )  # fmt: skip
+        else:
+            status = setup.functions.unscented(
+                *shared, z, P, np.zeros(m), diffusion, longest, setup.gate, means, residuals,
+                spreads,
+            )  # fmt: skip
+        if status:
+            raise SimulationError(LOST[status].format(record.name))
+        values, covariance = z[size:].copy(), P[size:, size:].copy()
+        gated = residuals**2 > setup.gate**2 * spreads
+        runs.append(
+            (
+                means[:, : size + m], means[:, size + m :],
+                Innovations(names=names, residuals=residuals, variances=spreads, gated=gated),
+            )
+        )  # fmt: skip
+    return values, covariance, runs
+
+
+LOST: Final = {
+    1: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior for the "
+    "added masses, or hold them.",
+    2: "Record {}: the filter loses the motion. Check the signs of rudder and heading, the start "
+    "values, and the sensors' standard deviations.",
+}
+
+
+def state_steps(states: Sequence[str], setup: _Setup) -> Array:
+    """Steps of the differences over the states."""
+    sizes = {"u": setup.speed, "v": setup.speed, "r": setup.speed / setup.L}
+    return np.array([1e-6 * sizes.get(name, 1.0) for name in states])
+
+
+def kind_of(name: str, states: Sequence[str]) -> int:
+    """Number by which the filters know a channel.
+
+    Raises
+    ------
+    DataError
+        If the model has no such state.
+    """
+    if name in KINDS:
+        return KINDS[name]
+    if name not in states:
+        raise DataError(
+            f"The model has no state {name}: leave that channel out, or add a part 'roll'."
+        )
+    return list(states).index(name)
+
+
+def process(states: Sequence[str], roughness: float, speed: float, L: float) -> Array:
+    """Growth of the variances of the velocities per second."""
+    unit = (roughness * speed**2 / L) ** 2 * L / speed
+    growth = {"u": unit, "v": unit, "r": unit / L**2, "p": unit / L**2}
+    return np.array([growth.get(name, 0.0) for name in states])
+
+
+def first_state(
+    record: FreeRecord, states: Sequence[str], sensors: Mapping[str, float], L: float
+) -> tuple[Array, Array]:
+    """States at the first instant and their variances.
+
+    Positions and heading are those measured, velocities too where they are; else the speed is that
+    of the path over the first ship length, with a wide variance.
+    """
+    y, spread = np.zeros(len(states)), np.zeros(len(states))
+    pace = record.speed / L
+    wide = {
+        "x": L, "y": L, "psi": 0.5, "u": 0.3 * record.speed, "v": 0.2 * record.speed,
+        "r": 0.3 * pace, "p": 0.1 * pace, "phi": 0.1,
+    }  # fmt: skip
+    for i, name in enumerate(states):
+        values = record.measured.get(name)
+        there = np.flatnonzero(np.isfinite(values)) if values is not None else np.array([])
+        if values is not None and len(there) and record.t[there[0]] - record.t[0] < 0.2 / pace:
+            y[i], spread[i] = values[there[0]], (3.0 * sensors[name]) ** 2
+        else:
+            y[i] = record.speed if name == "u" else 0.0
+            spread[i] = wide.get(name, 1.0) ** 2
+    if "u" not in record.measured and {"x", "y"} <= set(record.measured):
+        path = _pace_over_ground(record, 1.0 / pace)
+        if math.isfinite(path):
+            y[list(states).index("u")] = path
+    return y, spread
+
+
+def _pace_over_ground(record: FreeRecord, within: float) -> float:
+    """Speed over ground during the first seconds, by a straight line."""
+    at = record.t <= record.t[0] + within
+    x, y, t = record.measured["x"][at], record.measured["y"][at], record.t[at]
+    there = np.isfinite(x) & np.isfinite(y)
+    if there.sum() < 3:
+        return math.nan
+    slopes = np.polyfit(t[there] - t[0], np.stack([x[there], y[there]], axis=1), 1)[0]
+    return float(np.hypot(*slopes))

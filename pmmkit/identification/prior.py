@@ -1,0 +1,149 @@
+"""What is known of parameters before a record is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.identification.binding import AROUND
+from pmmkit.identification.parameters import places
+from pmmkit.kernel.program import values_at
+from pmmkit.model import Model
+from pmmkit.model.model import DERIVATIVE_PARTS
+
+Array = NDArray[np.float64]
+SPREAD: Final = 0.3
+"""Relative standard deviation of a derivative of which nothing else is known."""
+CURRENT: Final = 0.1
+"""Standard deviation of the current over the speed of the approach."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prior:
+    """Parameters with mean and covariance.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives, parameters with their effect, ``current_x`` and ``current_y``.
+    mean : array (m,)
+        Start values.
+    covariance : array (m, m)
+        How well they are known.
+    origin : str
+        Where that comes from, in words.
+    """
+
+    names: tuple[str, ...]
+    mean: Array
+    covariance: Array
+    origin: str = ""
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations (m,)."""
+        return np.sqrt(np.diagonal(self.covariance))
+
+
+def prior_of(
+    model: Model,
+    names: Sequence[str],
+    speed: float,
+    *,
+    spread: float | Mapping[str, float] | None = None,
+    extrapolate: bool = False,
+) -> Prior:
+    """The prior of parameters: the covariance of the model, or a spread about its values.
+
+    Parameters
+    ----------
+    model : Model
+        Its values are the means.
+    names : sequence of str
+        Parameters.
+    speed : float
+        Speed of the approach [m/s].
+    spread : float or mapping, optional
+        Relative standard deviation, for all or by name; it counts before the covariance. A value of
+        zero takes the size of the smallest of its channel.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Prior
+
+    Examples
+    --------
+    >>> from pmmkit.model import load_model
+    >>> prior_of(load_model("kvlcc2-l7"), ["Yv", "Nr"], 1.179, spread=0.1).std.round(4)
+    array([0.0315, 0.0049])
+    """
+    if not names:
+        raise DataError("Name at least one parameter.")
+    own = [name for name in names if name not in AROUND]
+    numbers = values_at(model, speed, extrapolate=extrapolate)
+    values = {
+        name: float(numbers[effect][item])
+        for name, (effect, item) in zip(own, places(model, own), strict=True)
+    }
+    mean = np.array([values.get(name, 0.0) for name in names])
+    relative = spread if isinstance(spread, Mapping) else {}
+    default = spread if isinstance(spread, float) else None
+    std = np.array(
+        [
+            CURRENT * speed
+            if name in AROUND
+            else (relative.get(name, default) or SPREAD) * _size(name, values, numbers)
+            for name in names
+        ]
+    )
+    covariance = np.diag(std**2)
+    measured = _covariance(model, speed, extrapolate) if default is None else {}
+    known = [i for i, name in enumerate(names) if (name, name) in measured and name not in relative]
+    for i in known:
+        for j in known:
+            covariance[i, j] = measured[names[i], names[j]]
+    told = f"{100 * (default or SPREAD):g} % of each value"
+    origin = (
+        f"the covariance of the model for {len(known)} of {len(names)}, else {told}"
+        if known
+        else told
+    )
+    return Prior(names=tuple(names), mean=mean, covariance=covariance, origin=origin)
+
+
+def _size(
+    name: str, values: Mapping[str, float], numbers: Mapping[str, Mapping[str, object]]
+) -> float:
+    if values[name] != 0.0:
+        return abs(values[name])
+    others = [
+        abs(x)
+        for part in DERIVATIVE_PARTS
+        for other, x in numbers.get(part, {}).items()
+        if isinstance(x, float) and x != 0.0 and other[0] == name[0]
+    ]
+    return min(others, default=0.1)
+
+
+def _covariance(model: Model, speed: float, extrapolate: bool) -> dict[tuple[str, str], float]:
+    """The covariance of a model at a speed, by pairs of names."""
+    if model.covariance is None:
+        return {}
+    froude = model.ship.froude(speed, model.water.g)
+    weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
+    size = len(model.covariance_names)
+    full = model.covariance.reshape(len(weights), size, len(weights), size)
+    at = np.einsum("a,aibj,b->ij", weights, np.nan_to_num(full, nan=0.0), weights)
+    return {
+        (a, b): float(at[i, j])
+        for i, a in enumerate(model.covariance_names)
+        for j, b in enumerate(model.covariance_names)
+        if at[i, i] > 0 and at[j, j] > 0
+    }

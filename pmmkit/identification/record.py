@@ -1,0 +1,193 @@
+"""A free-running run as the estimators take it: inputs and measurements at instants."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+
+Array = NDArray[np.float64]
+KINDS: Final[Mapping[str, int]] = {"xdot": 100, "ydot": 101, "sog": 102}
+"""Channels that are no states, by the number the filters know them by."""
+STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
+CHANNELS: Final = (*STATES, *KINDS)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeRecord:
+    """Inputs and measurements of a free-running ship.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    t : array (n,)
+        Instants [s], ascending.
+    delta, turns : array (n,)
+        Rudder as it stood [rad] and revolutions [1/s].
+    measured : mapping of str to array (n,)
+        Of `CHANNELS`, SI and radians, the heading unwrapped, NaN where nothing was measured.
+    wind_speed, wind_direction : array (n,), optional
+        True wind over ground [m/s] and where it comes from, from north [rad].
+    bucket : array (n,), optional
+        Of waterjets, 0 up to 1 down.
+    speed : float
+        Of the approach [m/s].
+    """
+
+    name: str
+    t: Array
+    delta: Array
+    turns: Array
+    measured: Mapping[str, Array]
+    speed: float
+    wind_speed: Array | None = None
+    wind_direction: Array | None = None
+    bucket: Array | None = None
+
+    def __post_init__(self) -> None:
+        lengths = {len(x) for x in (self.t, self.delta, self.turns, *self.measured.values())}
+        if lengths != {len(self.t)} or len(self.t) < 2:
+            raise DataError(f"The arrays of record {self.name!r} must have one length, 2 or more.")
+        if not np.all(np.diff(self.t) > 0):
+            raise DataError(f"The instants of record {self.name!r} must ascend.")
+        for name, values in (("rudder", self.delta), ("revolutions", self.turns)):
+            if not np.all(np.isfinite(values)):
+                raise DataError(
+                    f"The {name} of record {self.name!r} are not known at all instants: fill the "
+                    f"gaps or cut the record there."
+                )
+        unknown = [name for name in self.measured if name not in CHANNELS]
+        if unknown:
+            raise DataError(
+                f"Record {self.name!r} has channels {', '.join(unknown)}; an estimator takes "
+                f"{', '.join(CHANNELS)}."
+            )
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def inputs(self) -> Array:
+        """Rudder, revolutions, bucket, wind speed and direction, a row per instant."""
+        zero = np.zeros(len(self))
+        wind, way = self.wind_speed, self.wind_direction
+        return np.stack(
+            [
+                self.delta, self.turns, zero if self.bucket is None else self.bucket,
+                zero if wind is None else wind, zero if way is None else way,
+            ],
+            axis=1,
+        )  # fmt: skip
+
+    def calm(self) -> FreeRecord:
+        """The record as if no wind had been measured."""
+        return self.with_(wind_speed=None, wind_direction=None)
+
+    def with_(self, **changes: object) -> FreeRecord:
+        """A copy with some entries changed."""
+        from dataclasses import replace
+
+        return replace(self, **changes)  # type: ignore[arg-type]
+
+    def cut(self, first: float, last: float) -> FreeRecord:
+        """The record between two instants."""
+        at = (self.t >= first) & (self.t <= last)
+        return self.with_(
+            t=self.t[at], delta=self.delta[at], turns=self.turns[at],
+            measured={name: x[at] for name, x in self.measured.items()},
+            **{
+                name: x[at]
+                for name in ("wind_speed", "wind_direction", "bucket")
+                if (x := getattr(self, name)) is not None
+            },
+        )  # fmt: skip
+
+    def only(self, channels: Sequence[str]) -> FreeRecord:
+        """The record with some of its channels.
+
+        Raises
+        ------
+        DataError
+            If one of them is not there.
+        """
+        lost = [name for name in channels if name not in self.measured]
+        if lost:
+            raise DataError(
+                f"Record {self.name!r} has no {', '.join(lost)}; it has {', '.join(self.measured)}."
+            )
+        return self.with_(measured={name: self.measured[name] for name in channels})
+
+
+def noise_of(values: Array) -> float:
+    """Standard deviation of white noise on a smooth signal, from its third differences.
+
+    Examples
+    --------
+    >>> t = np.linspace(0, 10, 2000)
+    >>> noise = np.random.default_rng(0).normal(size=2000)
+    >>> bool(abs(noise_of(np.sin(t) + 0.1 * noise) - 0.1) < 0.01)
+    True
+    """
+    third = np.diff(values, n=3)
+    third = third[np.isfinite(third)]
+    if len(third) < 10:
+        return math.nan
+    return float(1.4826 * np.median(np.abs(third - np.median(third))) / math.sqrt(20.0))
+
+
+def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dict[str, float]:
+    """Standard deviation of each channel: as given, else from its own noise.
+
+    Noise below the resolution counts as that of rounding; none falls below a thousandth of the
+    channel's range, because no sensor is so much better than the model.
+
+    Raises
+    ------
+    DataError
+        If a channel is too short to tell and none is given.
+    """
+    found = {}
+    for name in dict.fromkeys(name for record in records for name in record.measured):
+        if name in given:
+            found[name] = float(given[name])
+            continue
+        noises = [noise_of(record.measured[name]) for record in records if name in record.measured]
+        spans = [
+            float(np.nanmax(x) - np.nanmin(x))
+            for record in records
+            if name in record.measured and np.any(np.isfinite(x := record.measured[name]))
+        ]
+        noise = float(np.nanmedian(noises)) if np.any(np.isfinite(noises)) else math.nan
+        if math.isnan(noise) or not spans:
+            raise DataError(
+                f"The noise of {name} cannot be told from the records: state it, "
+                f"sensors={{{name!r}: …}}."
+            )
+        found[name] = max(noise, 1e-3 * max(spans), 1e-9)
+    return found
+
+
+def rate_limited(t: Array, order: Array, rate: float) -> Array:
+    """What a steering gear of a rate [rad/s] makes of its orders.
+
+    Examples
+    --------
+    >>> rate_limited(np.arange(5.0), np.array([0.0, 1.0, 1.0, 1.0, 1.0]), 0.4)
+    array([0. , 0. , 0.4, 0.8, 1. ])
+    """
+    made = np.empty(len(order))
+    at = made[0] = float(order[0])
+    for i, (gone, wanted) in enumerate(
+        zip(np.diff(t).tolist(), order[:-1].tolist(), strict=True), start=1
+    ):
+        most = rate * gone
+        at += min(max(wanted - at, -most), most)
+        made[i] = at
+    return made

@@ -1,0 +1,266 @@
+"""Smoothed motion, accelerations, and the forces that a model does not have."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import force_unit
+from pmmkit.errors import DataError, SimulationError
+from pmmkit.identification.binding import FORCES, bound, driven
+from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
+from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.record import FreeRecord, sensors_of
+from pmmkit.kernel.generate import ESTIMATING
+from pmmkit.kernel.histories import rigid_body
+from pmmkit.kernel.loading import compiled
+from pmmkit.model import Model
+
+Array = NDArray[np.float64]
+MEMORY: Final = 1.0
+"""Time over which an unknown force hangs together, in ship lengths over the speed."""
+SIZES: Final = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
+"""Sizes of the unknown forces that are tried, over ½ρLdU² and ½ρL²dU²."""
+ROOM: Final = 2e9
+"""Bytes that a smoother may take."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Smoothed:
+    """A record as a model and its sensors together explain it.
+
+    Parameters
+    ----------
+    name : str
+        Of the record.
+    t : array (n,)
+        Instants [s].
+    motion : mapping of str to array (n,)
+        x, y [m], psi, u, v, r (p, phi) through the water, and udot, vdot, rdot (pdot).
+    motion_std : mapping of str to array (n,)
+        Standard deviations of the states.
+    residual : mapping of str to array (n,)
+        Forces that the model lacks: X, Y [N], N, K [N m].
+    residual_std : mapping of str to array (n,)
+        Their standard deviations.
+    covariance : array (n, s, s)
+        Of states and residual forces together.
+    size : float
+        Standard deviation that the unknown forces were given, over ½ρLdU² (½ρL²dU²).
+    log_likelihood : float
+        Of the record.
+    gated : int
+        Measurements that were not taken in.
+    record : FreeRecord
+        What was smoothed.
+    """
+
+    name: str
+    t: Array
+    motion: Mapping[str, Array]
+    motion_std: Mapping[str, Array]
+    residual: Mapping[str, Array]
+    residual_std: Mapping[str, Array]
+    covariance: Array
+    size: float
+    log_likelihood: float
+    gated: int
+    record: FreeRecord
+
+
+def smooth(
+    model: Model,
+    record: FreeRecord,
+    *,
+    sensors: Mapping[str, float] | None = None,
+    size: float | None = None,
+    memory: float = MEMORY,
+    gate: float = GATE,
+    extrapolate: bool = False,
+) -> Smoothed:
+    """Kalman smoother with the model in it and unknown forces as states.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    record : FreeRecord
+        Any of its channels may be missing; positions and heading alone are enough.
+    sensors : mapping of str to float, optional
+        Standard deviations of channels; those not named are told from the record.
+    size : float, optional
+        Standard deviation of the unknown forces over ½ρLdU² (moments over ½ρL²dU²), U that of the
+        approach; by default the one of greatest likelihood.
+    memory : float
+        Time over which they hang together, in ship lengths over the speed of the approach.
+    gate : float
+        Residuals beyond so many standard deviations are not taken in.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Smoothed
+
+    Raises
+    ------
+    DataError
+        If the record is too long for the memory of the machine.
+    SimulationError
+        If the motion is lost.
+
+    Notes
+    -----
+    Extended Kalman filter forward, Rauch, Tung and Striebel (1965) backward. Each unknown force is
+    an Ornstein-Uhlenbeck process. Where the measurements say nothing (a gap), the residual goes to
+    zero and its standard deviation to `size`.
+    """
+    ready = driven(model)
+    names = FORCES if model.rolls else FORCES[:3]
+    known = sensors_of([record], sensors or {})
+    binding = bound(ready, names, record.speed, extrapolate=extrapolate)
+    states = binding.structure.states
+    n, rows = len(states) + len(names), len(record)
+    width = 2 * n * n + 2 * n + len(states) * n + len(names)
+    if 8.0 * rows * (width + n * n) > ROOM:
+        raise DataError(
+            f"Record {record.name!r} of {rows} instants needs "
+            f"{8e-9 * rows * (width + n * n):.1f} GB: cut it, or take every second instant."
+        )
+    functions = compiled(binding.structure, ESTIMATING)
+    unit = units(ready, record.speed)
+    pace = record.speed / ready.ship.L
+    channels = tuple(record.measured)
+    kinds = np.array([kind_of(name, states) for name in channels], np.int64)
+    measured = np.stack([record.measured[name] for name in channels], axis=1)
+    variances = np.array([known[name] ** 2 for name in channels])
+    fading = np.full(len(names), pace / memory)
+
+    def forward(share: float, *, store: bool) -> tuple[Array, float, int]:
+        spread = np.array([share * unit[name[-1]] for name in names])
+        y, wide = first_state(record, states, known, ready.ship.L)
+        z = np.concatenate([y, np.zeros(len(names))])
+        P = np.diag(np.concatenate([wide, spread**2]))
+        kept = np.zeros((rows if store else 0, width))
+        means = np.empty((rows, 2 * n))
+        residuals, totals = np.empty((rows, len(channels))), np.empty((rows, len(channels)))
+        diffusion = np.concatenate([np.zeros(len(states)), 2.0 * spread**2 * fading])
+        sizes = {"u": record.speed, "v": record.speed, "r": pace}
+        steps = np.concatenate(
+            [[1e-6 * sizes.get(name, 1.0) for name in states], 1e-3 * spread]
+        )  # fmt: skip
+        status = functions.extended(
+            record.t, record.inputs, measured, kinds, variances, binding.base, binding.starts,
+            binding.places, binding.slopes, np.zeros(len(names)), np.zeros(len(names)), z, P,
+            fading, diffusion, steps, STEP / pace, gate, means, residuals, totals, kept,
+        )  # fmt: skip
+        if status:
+            raise SimulationError(LOST[status].format(record.name))
+        square = residuals**2 / totals
+        likelihood = -0.5 * np.nansum(np.minimum(square, gate**2) + np.log(totals))
+        return kept, float(likelihood), int(np.sum(square > gate**2))
+
+    if size is None:
+        size = max(SIZES, key=lambda share: _likelihood(forward, share))
+    kept, likelihood, gated = forward(size, store=True)
+    means, covariance = np.empty((rows, n)), np.empty((rows, n, n))
+    functions.smoothed(kept, n, means, covariance)
+    return _told(
+        record, states, names, means, covariance, size, likelihood, gated,
+        _rates(functions, binding.base, record, means, len(states), len(names)),
+    )  # fmt: skip
+
+
+def units(model: Model, speed: float) -> dict[str, float]:
+    """½ρLdU² and ½ρL²dU² by channel [N, N m]."""
+    ship, water = model.ship, model.water
+    return {
+        channel: force_unit(
+            channel, "prime-d", L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+            U=speed,
+        )
+        for channel in ("X", "Y", "N", "K")
+    }  # fmt: skip
+
+
+def _likelihood(forward, share: float) -> float:  # type: ignore[no-untyped-def]
+    try:
+        return float(forward(share, store=False)[1])
+    except SimulationError:
+        return -math.inf
+
+
+def _rates(  # type: ignore[no-untyped-def]
+    functions, base: Array, record: FreeRecord, means: Array, size: int, forces: int
+) -> Array:
+    k = base.copy()
+    functions.complete(k)
+    more = np.zeros((len(record), 4))
+    more[:, :forces] = means[:, size:]
+    out = np.empty((len(record), size))
+    functions.along(np.ascontiguousarray(means[:, :size]), record.inputs, more, k, out)
+    return out
+
+
+def _told(
+    record: FreeRecord, states: Sequence[str], names: Sequence[str], means: Array,
+    covariance: Array, size: float, likelihood: float, gated: int, rates: Array,
+) -> Smoothed:  # fmt: skip
+    std = np.sqrt(np.maximum(np.einsum("tii->ti", covariance), 0.0))
+    motion = {name: means[:, i] for i, name in enumerate(states)}
+    motion |= {
+        f"{name}dot": rates[:, list(states).index(name)]
+        for name in ("u", "v", "r", "p")
+        if name in states
+    }
+    first = len(states)
+    return Smoothed(
+        name=record.name, t=record.t, motion=MappingProxyType(motion),
+        motion_std=MappingProxyType({name: std[:, i] for i, name in enumerate(states)}),
+        residual=MappingProxyType(
+            {name[-1]: means[:, first + i] for i, name in enumerate(names)}
+        ),
+        residual_std=MappingProxyType(
+            {name[-1]: std[:, first + i] for i, name in enumerate(names)}
+        ),
+        covariance=covariance, size=size, log_likelihood=likelihood, gated=gated, record=record,
+    )  # fmt: skip
+
+
+def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) -> ForceRecord:
+    """The forces that a record implies, for regression: mass times smoothed acceleration.
+
+    Parameters
+    ----------
+    model : Model
+        Its ship has the mass.
+    smoothed : Smoothed
+        From `smooth`.
+    memory : float
+        As for `smooth`: errors hang together over twice that time.
+
+    Returns
+    -------
+    ForceRecord
+        Its standard deviations are those of the residual forces.
+    """
+    record = smoothed.record
+    pace = record.speed / model.ship.L
+    motion = {name: x for name, x in smoothed.motion.items() if name not in ("x", "y")}
+    motion |= {"delta": record.delta, "n": record.turns}
+    if record.wind_speed is not None and record.wind_direction is not None:
+        motion |= {"wind_speed": record.wind_speed, "wind_direction": record.wind_direction}
+    forces = rigid_body(model.ship, motion)
+    step = float(np.median(np.diff(record.t)))
+    return ForceRecord(
+        name=record.name, motion=MappingProxyType(motion),
+        forces=MappingProxyType({name: forces[name] for name in smoothed.residual}),
+        std=MappingProxyType(dict(smoothed.residual_std)), speed=record.speed,
+        correlated=max(round(2.0 * memory / pace / step), 1),
+    )  # fmt: skip
