@@ -8,10 +8,12 @@ from typing import Final
 from pmmkit.checks import (
     clock,
     copies,
+    free_running,
     frequency,
     inertia,
     motion,
     particulars,
+    positions,
     record,
     reference,
     scales,
@@ -29,7 +31,7 @@ __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "s
 CHECKS: Final[tuple[Check, ...]] = (
     *inertia.CHECKS, *signs.CHECKS, *reference.CHECKS, *scales.CHECKS, *copies.CHECKS,
     *motion.CHECKS, *clock.CHECKS, *record.CHECKS, *particulars.CHECKS, *frequency.CHECKS,
-    *static.CHECKS,
+    *static.CHECKS, *positions.CHECKS, *free_running.CHECKS,
 )  # fmt: skip
 """All checks, each with its name and a line on what it looks for."""
 

@@ -64,7 +64,7 @@ def examine_velocities(_campaign: Campaign, summaries: Sequence[Summary]) -> Ite
     rest = [item for item in compared if "body" in item.facts and item not in earth]
     yield from _late(rest)
     yield from _apart(rest)
-    yield from _jumps(rest)
+    yield from _jumps([item for item in summaries if item not in earth])
     for name, of in (("r", "psi"), ("udot", "u"), ("vdot", "v"), ("rdot", "r")):
         yield from _rates(summaries, name, of)
 
@@ -132,7 +132,8 @@ def _jumps(items: Sequence[Summary]) -> Iterator[CheckFinding]:
             f"{figure(worst.facts['jump'], 2)} m in one sample beyond what the velocity explains "
             f"({worst.run.id}, {worst.facts['jumps']:.0f} jumps).",
             runs=tuple(item.run.id for item in torn),
-            remedy="Trim the record there, or integrate the velocities across the jump.",
+            remedy="Use the segments between the jumps (pmmkit.runs.segments.usable), or trim the "
+            "record there.",
             numbers={"jump": worst.facts["jump"], "jumps": worst.facts["jumps"]},
         )
 

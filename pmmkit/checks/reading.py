@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.checks.clock import clock_facts
+from pmmkit.checks.free_running import record_facts
 from pmmkit.checks.record import flat_facts
 from pmmkit.checks.summary import EMPTY, Array, Summary
 from pmmkit.checks.track import free_facts, motion_facts
@@ -109,7 +110,8 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     t = raw[order]
     clean = data if len(order) == len(raw) else data.isel(t=order)
     if campaign.kind == "free-running":
-        return Summary(run=run, digest=digest, facts={**facts, **free_facts(clean, t)})
+        free = {**free_facts(clean, t), **record_facts(run, campaign, clean, t)}
+        return Summary(run=run, digest=digest, facts={**facts, **free})
     forces = (
         np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
     )

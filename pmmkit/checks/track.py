@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.checks.finding import Array
+from pmmkit.checks.positions import position_facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -137,6 +138,11 @@ def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
     column = _columns(data)
     psi = np.unwrap(column["psi"]) if "psi" in column else None
     facts: dict[str, float] = {}
+    if {"x", "y"} <= set(column):
+        names = [name for name in ("x", "y", "lat", "lon", "sog") if name in column]
+        good = _finite(*(column[name] for name in names))
+        if np.count_nonzero(good) > 50:
+            facts |= position_facts({name: column[name][good] for name in names}, t[good])
     if psi is not None and {"x", "y", "u", "v"} <= set(column):
         series = (column["x"], column["y"], psi, column["u"], column["v"])
         good = _finite(*series)
@@ -182,7 +188,23 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
 
 
 def _columns(data: xr.Dataset) -> Mapping[str, Array]:
-    names = ("x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "xdot", "ydot", "delta")
+    names = (
+        "x",
+        "y",
+        "psi",
+        "u",
+        "v",
+        "r",
+        "udot",
+        "vdot",
+        "rdot",
+        "xdot",
+        "ydot",
+        "delta",
+        "lat",
+        "lon",
+        "sog",
+    )
     found = {name: np.asarray(data[name].values, float) for name in names if name in data}
     return {name: part for name, part in found.items() if part.ndim and np.isfinite(part).any()}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -21,6 +22,10 @@ from pmmkit.model import Model
 Array = NDArray[np.float64]
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
+ROUNDS: Final = 4
+"""Times that the records are weighed anew against a prior."""
+SAME: Final = 0.1
+"""Change of the weight from which another round is worth it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,27 +178,33 @@ def fit_to_forces(
     if not known.any():
         raise DataError("No record has a finite force.")
 
-    def residual(scaled: Array) -> Array:
-        parts = [np.where(known, difference(scaled), 0.0)]
-        if prior is not None:
-            parts.append(root @ (scaled * size - prior.mean))
-        return np.concatenate(parts)
+    rows, width, at_start = len(known), 1.0, start / size
+    for _ in range(ROUNDS):
 
-    found = least_squares(
-        residual, start / size, jac="3-point", x_scale="jac", diff_step=STEP, xtol=1e-12,
-        ftol=1e-12, gtol=1e-12,
-    )  # fmt: skip
+        def residual(scaled: Array, width: float = width) -> Array:
+            parts = [np.where(known, difference(scaled), 0.0) / width]
+            if prior is not None:
+                parts.append(root @ (scaled * size - prior.mean))
+            return np.concatenate(parts)
+
+        found = least_squares(
+            residual, at_start, jac="3-point", x_scale="jac", diff_step=STEP, xtol=1e-12,
+            ftol=1e-12, gtol=1e-12,
+        )  # fmt: skip
+        widened = _widened(records, found.jac[:rows] * width, found.fun[:rows] * width)
+        at_start = found.x
+        if prior is None or abs(math.sqrt(widened) / width - 1.0) < SAME:
+            break
+        width = math.sqrt(widened)
     values = found.x * size
-    rows = len(known)
-    widened = _widened(records, found.jac[:rows], found.fun[:rows])
     covariance, lost = _covariance(
-        np.vstack([found.jac[:rows] / np.sqrt(widened), found.jac[rows:]]), size
+        np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]), size
     )
     return Fitted(
         model=with_parameters(model, at, values), names=tuple(names), values=values,
         covariance=covariance,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
-        rms=MappingProxyType(_by_channel(records, found.fun[:rows], known)),
+        rms=MappingProxyType(_by_channel(records, found.fun[:rows] * width, known)),
         cost=float(found.cost),
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType, ModuleType
 from typing import Final
 
@@ -29,6 +29,10 @@ WINDOW: Final = 8.0
 SETTLED: Final = 0.01
 """The fit ends when no parameter moves by more than this share of its standard deviation."""
 SMALL: Final = 1e-6
+ROUNDS: Final = 4
+"""Times that the weights are adapted to the residuals."""
+SAME: Final = 0.15
+"""Change of the weights from which another round is worth it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,7 +50,8 @@ class TrajectoryFit:
     prior : Prior
         Where they came from.
     inflation : float
-        By what the variance is larger than white residuals of the sensors' size would make it.
+        By what the variance is larger than white residuals of the sensors' size would make it, on
+        the geometric mean of the channels.
     rms : mapping of str to float
         Root mean square of the residuals over the sensor's standard deviation, by channel.
     windows : int
@@ -151,17 +156,32 @@ def fit_trajectories(
     -----
     Multiple shooting: each window begins with states of its own, which are eliminated by a QR
     factorisation of the window, so that the step for the parameters is that of the whole problem.
-    Columns are scaled by the prior, steps damped after Levenberg and Marquardt. The covariance is
-    that of the least squares times `inflation`: the variance of the windows' scores over what
-    white residuals would give, at least 1, because what a model lacks makes slow residuals.
+    Columns are scaled by the prior, steps damped after Levenberg and Marquardt.
+
+    What a model lacks makes residuals that are larger than the sensors' noise and slow. So each
+    channel is weighed by its own residuals, and all by the variance of the windows' scores over
+    what white residuals would give (both at least 1), up to four rounds; otherwise the records
+    would overrule the prior with thousands of instants that all say the same.
     """
     if not records:
         raise DataError("There is no record to fit to.")
     started = time.perf_counter()
     problem = _problem(model, records, prior, sensors or {}, window, extrapolate)
     first = _first_states(problem, records, sensors or {}, model.ship.L)
+    widths = np.ones(len(problem.channels))
     with ThreadPoolExecutor(jobs or 4) as pool:
-        return _solved(problem, first, iterations, pool, started)
+        for _ in range(ROUNDS):
+            weighed = replace(problem, sensors=problem.sensors * widths)
+            found = _solved(weighed, first, iterations, pool, started)
+            rms = np.array([found.rms[name] for name in problem.channels]) * widths
+            wider = np.maximum(rms, 1.0) * math.sqrt(found.inflation)
+            if np.all(np.abs(wider / widths - 1.0) < SAME):
+                break
+            widths = np.maximum(wider, 1.0)
+    return replace(
+        found, rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
+        inflation=float(np.exp(2.0 * np.mean(np.log(widths)))) * found.inflation,
+    )  # fmt: skip
 
 
 def _problem(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from inspect import signature
 from typing import Final
 
@@ -39,7 +39,7 @@ class Used:
     def arguments(self) -> tuple[str, ...]:
         """What its function asks for, by name."""
         function = self.known.force
-        return tuple(signature(function).parameters) if function else ()
+        return _arguments(function) if function else ()
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -94,6 +94,11 @@ class Structure:
                 found[item.effect, name] = slice(place, place + length)
                 place += length
         return found
+
+
+@cache
+def _arguments(function: Callable[..., object]) -> tuple[str, ...]:
+    return tuple(signature(function).parameters)
 
 
 def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) -> tuple[Used, ...]:

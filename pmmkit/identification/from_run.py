@@ -1,0 +1,144 @@
+"""Free-running runs of a campaign as records for the estimators."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
+from pmmkit.model import Model
+from pmmkit.runs.run import Run
+from pmmkit.runs.segments import usable
+from pmmkit.simulation.simulate import steering
+
+Array = NDArray[np.float64]
+Rudder = Literal["auto", "measured", "ordered"]
+FASTER: Final = 3.0
+"""A rudder that moves so many times faster than its gear can is an order, not an angle."""
+
+
+def free_records(
+    run: Run,
+    model: Model,
+    *,
+    rudder: Rudder = "auto",
+    channels: Sequence[str] | None = None,
+    wind: bool = True,
+    shortest: float | None = None,
+) -> tuple[FreeRecord, ...]:
+    """The usable segments of a free-running run.
+
+    Parameters
+    ----------
+    run : Run
+        With t, x, y, psi, delta and n; velocities, roll and wind where they are measured.
+    model : Model
+        Says how fast its rudder moves, and whether it rolls.
+    rudder : {"auto", "measured", "ordered"}
+        Whether the rudder column is the angle, or the order that the steering gear follows at its
+        rate; by default an order if it steps faster than the gear can.
+    channels : sequence of str, optional
+        Measurements to use; by default all there are. Leave out what a check calls wrong.
+    wind : bool
+        Whether to take over a measured wind.
+    shortest : float, optional
+        Segments shorter than this are left out [s]; by default ten ship lengths.
+
+    Returns
+    -------
+    tuple of FreeRecord
+        Repeated positions (a receiver without news) are left out as measurements.
+
+    Raises
+    ------
+    DataError
+        If the run has no rudder or no revolutions, or a channel is not there.
+
+    Notes
+    -----
+    A campaign's wind is relative, at midship. The true wind over ground follows with heading and
+    velocity: those of the columns u, v, else those of the positions.
+    """
+    least = shortest or 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
+    found = usable(run, shortest=least)
+    return tuple(_record(segment, model, rudder, channels, wind) for segment in found.segments)
+
+
+def _record(
+    run: Run, model: Model, rudder: Rudder, channels: Sequence[str] | None, wind: bool
+) -> FreeRecord:
+    data = run.data
+    columns = {str(name): np.asarray(data[name].values, float) for name in data.data_vars}
+    t = np.asarray(data["t"].values, float)
+    lost = [name for name in ("delta", "n") if name not in columns]
+    if lost:
+        raise DataError(
+            f"Run {run.id} has no {' and no '.join(lost)}: rudder and revolutions must be "
+            f"measured to identify a model from it."
+        )
+    known = [name for name in CHANNELS if name in columns]
+    if not model.rolls:
+        known = [name for name in known if name not in ("p", "phi")]
+    if channels is not None:
+        absent = [name for name in channels if name not in known]
+        if absent:
+            raise DataError(
+                f"Run {run.id} has no {', '.join(absent)} to measure by; it has {', '.join(known)}."
+            )
+        known = list(channels)
+    measured = {name: columns[name].copy() for name in known}
+    if "fresh" in columns:
+        stale = columns["fresh"] == 0.0
+        for name in ("x", "y"):
+            if name in measured:
+                measured[name][stale] = np.nan
+    delta = _filled(t, columns["delta"])
+    rate = math.radians(steering(model).get("rate_deg_s", math.inf))
+    if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
+        delta = rate_limited(t, delta, rate)
+    blowing = _true_wind(t, columns) if wind else None
+    return FreeRecord(
+        name=run.id, t=t, delta=delta, turns=_filled(t, columns["n"]),
+        measured=MappingProxyType(measured), speed=run.settings.speed,
+        wind_speed=blowing[0] if blowing else None,
+        wind_direction=blowing[1] if blowing else None,
+    )  # fmt: skip
+
+
+def _filled(t: Array, values: Array) -> Array:
+    """Values with single gaps bridged."""
+    there = np.isfinite(values)
+    if not there.any():
+        return np.zeros(len(t))
+    filled: Array = np.interp(t, t[there], values[there])
+    return filled
+
+
+def _steps(t: Array, delta: Array, rate: float) -> bool:
+    """Whether a rudder moves faster than its gear can."""
+    moved = np.abs(np.diff(delta)) / np.diff(t)
+    return bool(np.max(moved, initial=0.0) > FASTER * rate)
+
+
+def _true_wind(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array] | None:
+    """Speed of the true wind over ground [m/s], and where it comes from, from north [rad]."""
+    if not {"wind_speed", "wind_direction", "psi"} <= set(columns):
+        return None
+    psi = columns["psi"]
+    ahead, aside = np.cos(psi), np.sin(psi)
+    if {"u", "v"} <= set(columns):
+        north = columns["u"] * ahead - columns["v"] * aside
+        east = columns["u"] * aside + columns["v"] * ahead
+    else:
+        north, east = (np.gradient(columns[name], t) for name in ("x", "y"))
+    size, way = columns["wind_speed"], columns["wind_direction"] + psi
+    over_north, over_east = north - size * np.cos(way), east - size * np.sin(way)
+    speed = np.hypot(over_north, over_east)
+    direction = np.unwrap(np.arctan2(-over_east, -over_north))
+    return _filled(t, speed), _filled(t, direction)

@@ -1,0 +1,255 @@
+"""One call for every way to identify a model from free-running records."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.identification.filters import kalman
+from pmmkit.identification.forces import fit_to_forces
+from pmmkit.identification.parameters import places, with_parameters
+from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.smoother import implied_forces, smooth
+from pmmkit.identification.trajectory import fit_trajectories
+from pmmkit.model import Model
+from pmmkit.model.model import DERIVATIVE_PARTS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
+UNSEEN: Final = 0.9
+"""A standard deviation above this share of the prior's: the records say nothing of a value."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Identified:
+    """Parameters of a model, identified.
+
+    Parameters
+    ----------
+    method : str
+        Of `METHODS`.
+    names : tuple of str
+        Parameters.
+    values, std : array (m,)
+        Their values and standard deviations.
+    covariance : array (m, m)
+        Of them.
+    prior : Prior
+        What was known before.
+    unseen : tuple of str
+        Parameters of which the records say nothing; the model keeps their prior.
+    model : Model
+        With the new values and, for derivatives, their covariance.
+    seconds : float
+        It took.
+    notes : tuple of str
+        What the method has to say: convergence, process noise, how far from white.
+    detail : object
+        The result of the method itself.
+    """
+
+    method: str
+    names: tuple[str, ...]
+    values: Array
+    std: Array
+    covariance: Array
+    prior: Prior
+    unseen: tuple[str, ...]
+    model: Model
+    seconds: float
+    notes: tuple[str, ...]
+    detail: Any
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per parameter: prior, value, interval, and what the records added."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "prior": self.prior.mean, "prior_std": self.prior.std, "value": self.values,
+                "std": self.std, "ci_low": self.values - 1.96 * self.std,
+                "ci_high": self.values + 1.96 * self.std,
+                "std_over_prior": self.std / self.prior.std,
+                "seen": [name not in self.unseen for name in self.names],
+            },
+            index=pd.Index(self.names, name="parameter"),
+        )  # fmt: skip
+
+
+def identify(
+    model: Model,
+    records: Sequence[FreeRecord],
+    names: Sequence[str] | None = None,
+    *,
+    method: str = "ekf",
+    prior: Prior | None = None,
+    spread: float | Mapping[str, float] | None = None,
+    sensors: Mapping[str, float] | None = None,
+    extrapolate: bool = False,
+    **settings: Any,
+) -> Identified:
+    """Identify derivatives and other parameters from free-running records.
+
+    Parameters
+    ----------
+    model : Model
+        Complete; what is not named is held at its values.
+    records : sequence of FreeRecord
+        From `free_records`, or made by hand.
+    names : sequence of str, optional
+        Derivatives (``Yv``), parameters with their effect (``rudder_mmg.aH``), ``current_x`` and
+        ``current_y``; by default all derivatives of the hull.
+    method : {"ekf", "ukf", "trajectory", "regression", "sindy"}
+        Kalman filters; a fit through the simulator; regression of the forces that the smoother
+        implies; the same with terms left out that the records do not need.
+    prior : Prior, optional
+        What is known before; by default from the model's covariance, or `spread`.
+    spread : float or mapping, optional
+        Relative standard deviation of the values before (0.3 where nothing is known).
+    sensors : mapping of str to float, optional
+        Standard deviations of channels, SI and radians; told from the records where absent.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    **settings
+        Of the method: `roughness`, `iterations` (filters), `window` (trajectory), `memory`
+        (regression), or those of `sparse_regression`.
+
+    Returns
+    -------
+    Identified
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such method, or the model lacks a name.
+    DataError
+        If there is no record.
+
+    Examples
+    --------
+    >>> from pmmkit.model import load_model
+    >>> from pmmkit.simulation import simulate
+    >>> ship = load_model("kvlcc2-l7")
+    >>> track = simulate(ship, "zigzag", speed=1.179, rudder_deg=20, switch_deg=20, dt=0.2)
+    >>> record = FreeRecord(
+    ...     name="zigzag", t=track.t, delta=track.delta, turns=track.n, speed=1.179,
+    ...     measured={"x": track.x, "y": track.y, "psi": track.psi})
+    >>> start = ship.with_values("hull_polynomial", Nv=-0.12, Nr=-0.055)
+    >>> found = identify(start, [record], ["Nv", "Nr"], method="trajectory",
+    ...                  sensors={"x": 0.01, "y": 0.01, "psi": 0.001})
+    >>> found.values.round(3)
+    array([-0.137, -0.049])
+    """
+    if method not in METHODS:
+        raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
+    if not records:
+        raise DataError("There is no record to identify from.")
+    started = time.perf_counter()
+    speed = records[0].speed
+    asked = tuple(names) if names is not None else tuple(model.parts["hull_polynomial"].values)
+    before = prior or prior_of(model, asked, speed, spread=spread, extrapolate=extrapolate)
+    shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
+    if method in ("ekf", "ukf"):
+        found: Any = kalman(model, records, before, method=method, **shared, **settings)  # type: ignore[arg-type]
+        notes: tuple[str, ...] = (
+            f"{found.iterations} passes, {'settled' if found.converged else 'NOT settled'}",
+            f"process noise {found.roughness:g} U²/L over the root of L/U",
+        )
+    elif method == "trajectory":
+        found = fit_trajectories(model, records, before, **shared, **settings)
+        notes = (
+            f"{found.windows} windows, {found.iterations} steps, "
+            f"{'settled' if found.converged else 'NOT settled'}",
+            f"variance widened {found.inflation:.3g} times: residuals are not white",
+        )
+    else:
+        memory = {"memory": settings["memory"]} if "memory" in settings else {}
+        forces = [
+            implied_forces(model, smooth(model, record, **shared, **memory), **memory)
+            for record in records
+        ]
+        rest = {name: x for name, x in settings.items() if name != "memory"}
+        if method == "sindy":
+            from pmmkit.identification.sparse import sparse_regression
+
+            return _sparse(sparse_regression(model, forces, library=asked, **rest), before, started)
+        fitted = fit_to_forces(model, forces, before.names, prior=before, extrapolate=extrapolate)
+        found, notes = fitted, ("forces implied by the smoother",)
+    return _told(model, method, before, found, notes, time.perf_counter() - started)
+
+
+def _told(
+    model: Model, method: str, prior: Prior, found: Any, notes: tuple[str, ...], seconds: float
+) -> Identified:
+    covariance = np.array(found.covariance)
+    std = np.sqrt(np.diagonal(covariance))
+    unseen = tuple(
+        name for name, ratio in zip(prior.names, std / prior.std, strict=True) if not ratio < UNSEEN
+    )
+    kept = np.array(
+        [prior.mean[i] if name in unseen else found.values[i] for i, name in enumerate(prior.names)]
+    )
+    made = _with_values(model, prior.names, kept, covariance, f"{method} on free-running records")
+    return Identified(
+        method=method, names=prior.names, values=np.array(found.values), std=std,
+        covariance=covariance, prior=prior, unseen=unseen, model=made, seconds=seconds,
+        notes=notes, detail=found,
+    )  # fmt: skip
+
+
+def _with_values(
+    model: Model, names: Sequence[str], values: Array, covariance: Array, how: str
+) -> Model:
+    """The model with new values, their source, and the covariance of its derivatives."""
+    own = [name for name in names if not name.startswith("current_")]
+    at = places(model, own)
+    number = [list(names).index(name) for name in own]
+    made = with_parameters(model, at, values[number])
+    parts = dict(made.parts)
+    for effect, name in at:
+        part = parts[effect]
+        parts[effect] = replace(
+            part, sources=MappingProxyType({**part.sources, name: f"identified: {how}"})
+        )
+    derivatives = [
+        (i, name)
+        for i, (name, (effect, _)) in zip(number, zip(own, at, strict=True), strict=True)
+        if effect in DERIVATIVE_PARTS and "." not in name
+    ]
+    block = None
+    if derivatives and not model.Fn:
+        places_of = [i for i, _ in derivatives]
+        block = covariance[np.ix_(places_of, places_of)]
+        block = 0.5 * (block + block.T)
+    return replace(
+        made, parts=MappingProxyType(parts), covariance=block,
+        covariance_names=tuple(name for _, name in derivatives) if block is not None else (),
+        history=(*model.history, f"{len(own)} values identified by {how}."),
+    )  # fmt: skip
+
+
+def _sparse(found: Any, prior: Prior, started: float) -> Identified:
+    """The result of the sparse regression as that of any other method."""
+    values, spread = (
+        found.table.at(),
+        dict(zip(found.table.names, found.table.std[0].tolist(), strict=True)),
+    )
+    std = np.array([spread.get(name, np.nan) for name in prior.names])
+    return Identified(
+        method="sindy", names=prior.names,
+        values=np.array([values.get(name, 0.0) for name in prior.names]), std=std,
+        covariance=np.diag(std**2), prior=prior, unseen=tuple(found.undetermined),
+        model=found.model, seconds=time.perf_counter() - started, notes=tuple(found.warnings),
+        detail=found,
+    )  # fmt: skip
