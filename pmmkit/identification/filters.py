@@ -27,7 +27,7 @@ SETTLED: Final = 0.02
 """Iterations end when no parameter changes by more than this share of its standard deviation."""
 STEP: Final = 0.05
 """Longest step of the integration in ship lengths over the speed of the approach."""
-ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1)
+ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 """Process noise that is tried, in U²/L over the root of L/U."""
 
 
@@ -377,7 +377,7 @@ def first_state(
         values = record.measured.get(name)
         there = np.flatnonzero(np.isfinite(values)) if values is not None else np.array([])
         if values is not None and len(there) and record.t[there[0]] - record.t[0] < 0.2 / pace:
-            y[i], spread[i] = values[there[0]], (3.0 * sensors[name]) ** 2
+            y[i], spread[i] = _begun(record.t, values, there, sensors[name]), 9 * sensors[name] ** 2
         else:
             y[i] = record.speed if name == "u" else 0.0
             spread[i] = wide.get(name, 1.0) ** 2
@@ -386,6 +386,18 @@ def first_state(
         if math.isfinite(path):
             y[list(states).index("u")] = path
     return y, spread
+
+
+def _begun(t: Array, values: Array, there: NDArray[np.intp], std: float) -> float:
+    """The first measurement; if it is wild, what a line through the next ones says of it."""
+    v, after = values[there[:7]], t[there[:7]] - t[there[0]]
+    if len(v) < 4:
+        return float(v[0])
+    i, j = np.triu_indices(len(v), 1)
+    line = v - after * np.median((v[j] - v[i]) / (after[j] - after[i]))
+    level = float(np.median(line))
+    scatter = float(np.median(np.abs(line - level)))
+    return level if abs(v[0] - level) > 15.0 * std + 10.0 * scatter else float(v[0])
 
 
 def _pace_over_ground(record: FreeRecord, within: float) -> float:
