@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
+    from pmmkit.identification import fit_to_forces, free_records, identify
     from pmmkit.model import (
         Model,
         estimated_model,
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from pmmkit.simulation.simulate import simulate
     from pmmkit.tables import DerivativeTable, converted, from_values, interpolate, read_table
     from pmmkit.tables import write as write_table
+    from pmmkit.trials import evaluate_trials
 
 __all__ = [
     "Campaign",
@@ -67,11 +69,15 @@ __all__ = [
     "converted",
     "estimate",
     "estimated_model",
+    "evaluate_trials",
     "examine",
+    "fit_to_forces",
+    "free_records",
     "from_values",
     "froude_sweep",
     "full_scale",
     "hull_table",
+    "identify",
     "imo_turning",
     "imo_verdicts",
     "interpolate",
@@ -105,6 +111,8 @@ _HOMES: Final = {
     "checks": ("examine", "refuse"),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
+    "identification": ("fit_to_forces", "free_records", "identify"),
+    "trials": ("evaluate_trials",),
     "empirical": ("estimate",),
     "model": (
         "Model",

@@ -22,7 +22,7 @@ from types import MappingProxyType
 import pmmkit as pk
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.from_run import free_records
-from pmmkit.identification.identify import UNSEEN, identify
+from pmmkit.identification.methods import UNSEEN, identify
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord

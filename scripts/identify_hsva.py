@@ -21,7 +21,7 @@ from kvlcc2_hsva import ROOT, Case, as_at_hsva, captive_model, compare
 
 import pmmkit as pk
 from pmmkit.identification.from_run import free_records
-from pmmkit.identification.identify import identify
+from pmmkit.identification.methods import identify
 from pmmkit.identification.predict import predict, reference
 from pmmkit.model import Model
 

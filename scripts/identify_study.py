@@ -23,7 +23,7 @@ from bulk_carrier import TRIAL, bulk_carrier
 
 import pmmkit as pk
 from pmmkit.identification.binding import driven
-from pmmkit.identification.identify import identify
+from pmmkit.identification.methods import identify
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.model import Model

@@ -244,6 +244,17 @@ def test_ids_are_kept_whatever_they_are(ids: list[str], tmp_path_factory) -> Non
         assert float(read_run(path, name)["Y"]) == number
 
 
+def test_an_id_counts_before_the_group_of_another_run(tmp_path: Path) -> None:
+    """The run ':' lies in a group '_', which is also the id of the second."""
+    runs = tuple(
+        run(name, xr.Dataset({"Y": float(number)}), kind="means")
+        for number, name in enumerate((":", "_"))
+    )
+    path = tmp_path / "c.h5"
+    save_campaign(Campaign(title="ids", ship=SHIP, water=Water(), runs=runs), path)
+    assert [float(read_run(path, name)["Y"]) for name in (":", "_")] == [0.0, 1.0]
+
+
 def test_opening_reads_no_group(saved: Path) -> None:
     """With every run's samples gone the campaign still opens; only the data are missed."""
     with h5py.File(saved, "r+") as file:

@@ -21,6 +21,10 @@ OUTLYING: Final = 8.0
 """A step of position that misses the way of its neighbours by so many times the usual miss."""
 OF_THE_WAY: Final = 0.3
 """Or by this share of the usual way between two samples, whichever is more."""
+ROUNDED: Final = 4.0
+"""Or so many times the miss that a tenth of the steps exceeds: positions with few digits."""
+STOOD: Final = 1.5
+"""A lasting step is more than so many times the usual way between two samples."""
 LONGEST_SPIKE: Final = 10
 """Samples that jump away together and come back together."""
 HALF: Final = 6
@@ -73,7 +77,8 @@ def position_jumps(t: Array, x: Array, y: Array) -> tuple[NDArrayBool, Array]:
     miss = (rate - np.median(windows, axis=2)) * span
     size = np.hypot(*miss)
     way = float(np.median(np.hypot(*rate))) * float(np.median(span))
-    limit = max(OUTLYING * 1.4826 * float(np.median(size)), OF_THE_WAY * way, 1e-9)
+    usual = max(OUTLYING * 1.4826 * float(np.median(size)), ROUNDED * float(np.quantile(size, 0.9)))
+    limit = max(usual, OF_THE_WAY * way, 1e-9)
     judged = span <= 2.5 * np.median(span)
     found = np.flatnonzero((size > limit) & judged)
     steps: list[tuple[float, float, float]] = []
@@ -90,10 +95,29 @@ def position_jumps(t: Array, x: Array, y: Array) -> tuple[NDArrayBool, Array]:
                 break
         else:
             later = place
-        if not spikes[first + 1]:
-            steps.append((first + 1.0, float(miss[0, first]), float(miss[1, first])))
+        apart = not steps or first + 1 - steps[-1][0] > 2 * HALF
+        if not spikes[first + 1] and apart:
+            away = _offset(t, np.stack([x, y]), rate, int(first) + 1)
+            if float(np.hypot(*away)) > max(limit, STOOD * way):
+                steps.append((first + 1.0, float(away[0]), float(away[1])))
         place += 1
     return spikes, np.array(steps) if steps else none
+
+
+def _offset(t: Array, places: Array, rate: Array, index: int) -> Array:
+    """By how much the path goes on elsewhere, from the medians before and after a sample.
+
+    A position that stands for some samples and then catches up goes on where it was.
+    """
+    before = slice(max(index - 2 * HALF, 0), index)
+    after = slice(index, index + 2 * HALF)
+    pace = np.median(rate[:, before.start : after.stop], axis=1)
+    level = [
+        np.median(places[:, part] - pace[:, None] * (t[part] - t[index]), axis=1)
+        for part in (before, after)
+    ]
+    offset: Array = level[1] - level[0]
+    return offset
 
 
 def position_facts(column: Mapping[str, Array], t: Array) -> Mapping[str, float]:
@@ -120,7 +144,7 @@ def position_facts(column: Mapping[str, Array], t: Array) -> Mapping[str, float]
         "spikes": float(np.count_nonzero(spikes)),
         "steps": float(len(steps)),
         "step_size": float(np.hypot(steps[:, 1], steps[:, 2]).max()) if len(steps) else 0.0,
-        "grid": _grid(column),
+        "grid": digits(column),
         "way": float(np.median(np.hypot(np.diff(x), np.diff(y)))),
     }
     if "sog" in column and not len(steps):
@@ -138,7 +162,19 @@ def _chords(t: Array, x: Array, y: Array, count: int = 40) -> tuple[Array, Array
     return np.diff(np.interp(at, t, x)), np.diff(np.interp(at, t, y))
 
 
-def _grid(column: Mapping[str, Array]) -> float:
+def digits(column: Mapping[str, Array]) -> float:
+    """Spacing of the digits to which all positions are written; 0 if it is fine [m].
+
+    Parameters
+    ----------
+    column : mapping of str to array (n,)
+        ``lat`` and ``lon`` [deg], or ``x`` and ``y`` [m].
+
+    Examples
+    --------
+    >>> digits({"x": np.array([0.5, 3.0]), "y": np.array([1.0, 7.5])})
+    0.5
+    """
     if {"lat", "lon"} <= set(column):
         values, metre = (column["lat"], column["lon"]), METRES_PER_DEGREE
     else:

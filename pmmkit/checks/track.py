@@ -189,22 +189,9 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
 
 def _columns(data: xr.Dataset) -> Mapping[str, Array]:
     names = (
-        "x",
-        "y",
-        "psi",
-        "u",
-        "v",
-        "r",
-        "udot",
-        "vdot",
-        "rdot",
-        "xdot",
-        "ydot",
-        "delta",
-        "lat",
-        "lon",
-        "sog",
-    )
+        "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "xdot", "ydot", "delta",
+        "lat", "lon", "sog",
+    )  # fmt: skip
     found = {name: np.asarray(data[name].values, float) for name in names if name in data}
     return {name: part for name, part in found.items() if part.ndim and np.isfinite(part).any()}
 

@@ -14,7 +14,7 @@ from pmmkit.errors import DataError
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
 from pmmkit.model import Model
 from pmmkit.runs.run import Run
-from pmmkit.runs.segments import usable
+from pmmkit.runs.segments import GAP, usable
 from pmmkit.simulation.simulate import steering
 
 Array = NDArray[np.float64]
@@ -58,7 +58,8 @@ def free_records(
     Raises
     ------
     DataError
-        If the run has no rudder or no revolutions, or a channel is not there.
+        If the run has no rudder or no revolutions, or none for longer than a second, or a channel
+        is not there.
 
     Notes
     -----
@@ -76,7 +77,7 @@ def _record(
     data = run.data
     columns = {str(name): np.asarray(data[name].values, float) for name in data.data_vars}
     t = np.asarray(data["t"].values, float)
-    lost = [name for name in ("delta", "n") if name not in columns]
+    lost = [name for name in ("delta", "n") if not np.isfinite(columns.get(name, [])).any()]
     if lost:
         raise DataError(
             f"Run {run.id} has no {' and no '.join(lost)}: rudder and revolutions must be "
@@ -98,25 +99,28 @@ def _record(
         for name in ("x", "y"):
             if name in measured:
                 measured[name][stale] = np.nan
-    delta = _filled(t, columns["delta"])
+    delta = _filled(t, columns["delta"], GAP)
     rate = math.radians(steering(model).get("rate_deg_s", math.inf))
     if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
         delta = rate_limited(t, delta, rate)
     blowing = _true_wind(t, columns) if wind else None
     return FreeRecord(
-        name=run.id, t=t, delta=delta, turns=_filled(t, columns["n"]),
+        name=run.id, t=t, delta=delta, turns=_filled(t, columns["n"], GAP),
         measured=MappingProxyType(measured), speed=run.settings.speed,
         wind_speed=blowing[0] if blowing else None,
         wind_direction=blowing[1] if blowing else None,
     )  # fmt: skip
 
 
-def _filled(t: Array, values: Array) -> Array:
-    """Values with single gaps bridged."""
+def _filled(t: Array, values: Array, longest: float = math.inf) -> Array:
+    """Values with gaps bridged; NaN in those that are longer."""
     there = np.isfinite(values)
     if not there.any():
         return np.zeros(len(t))
     filled: Array = np.interp(t, t[there], values[there])
+    edges = np.concatenate([t[:1], t[there], t[-1:]])
+    after = np.searchsorted(t[there], t) + 1
+    filled[~there & (edges[after] - edges[after - 1] > longest)] = np.nan
     return filled
 
 

@@ -15,6 +15,7 @@ from pmmkit.identification.filters import STEP
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, smooth
 from pmmkit.kernel.generate import ESTIMATING
+from pmmkit.kernel.layout import PLACE
 from pmmkit.kernel.loading import compiled
 from pmmkit.model import Model
 
@@ -74,8 +75,21 @@ def reference(
 ) -> tuple[Smoothed, ...]:
     """Smoothed records that predictions start from and are compared with, one for all models.
 
-    Unknown forces are given room enough (0.1 of ½ρLdU²) that the smoothed motion is that of the
-    sensors, whatever the model.
+    Parameters
+    ----------
+    model : Model
+        Any model of the ship: unknown forces are given room enough (0.1 of ½ρLdU²) that the
+        smoothed motion is that of the sensors.
+    records : sequence of FreeRecord
+        Records that were held out.
+    sensors : mapping of str to float, optional
+        As for `smooth`.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    tuple of Smoothed
     """
     return tuple(
         smooth(model, record, sensors=sensors, size=0.1, extrapolate=extrapolate)
@@ -88,6 +102,7 @@ def predict(
     references: Sequence[Smoothed],
     *,
     window: float = 60.0,
+    current: tuple[float, float] = (0.0, 0.0),
     extrapolate: bool = False,
 ) -> Prediction:
     """Simulate windows from the smoothed motion with the measured rudder and revolutions.
@@ -100,6 +115,8 @@ def predict(
         From `reference`; the same for all models that are compared.
     window : float
         Length of the windows [s]; they begin four times in each such length.
+    current : (float, float)
+        Uniform current to north and east [m/s], as in `Identified.current`.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
 
@@ -119,6 +136,7 @@ def predict(
         binding = bound(ready, (), record.speed, extrapolate=extrapolate)
         functions = compiled(binding.structure, ESTIMATING)
         k = binding.base.copy()
+        k[PLACE["current_x"]], k[PLACE["current_y"]] = current
         functions.complete(k)
         states = binding.structure.states
         truth = np.stack([item.motion[name] for name in states], axis=1)

@@ -94,7 +94,7 @@ def prior_of(
     }
     mean = np.array([values.get(name, 0.0) for name in names])
     relative = spread if isinstance(spread, Mapping) else {}
-    default = spread if isinstance(spread, float) else None
+    default = None if spread is None or isinstance(spread, Mapping) else float(spread)
     std = np.array(
         [
             CURRENT * speed

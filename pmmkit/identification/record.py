@@ -145,8 +145,8 @@ def noise_of(values: Array) -> float:
 def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dict[str, float]:
     """Standard deviation of each channel: as given, else from its own noise.
 
-    Noise below the resolution counts as that of rounding; none falls below a thousandth of the
-    channel's range, because no sensor is so much better than the model.
+    None falls below a ten-thousandth of the channel's range, because no sensor is so much better
+    than a model.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dic
                 f"The noise of {name} cannot be told from the records: state it, "
                 f"sensors={{{name!r}: …}}."
             )
-        found[name] = max(noise, 1e-3 * max(spans), 1e-9)
+        found[name] = max(noise, 1e-4 * max(spans), 1e-9)
     return found
 
 

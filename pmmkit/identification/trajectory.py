@@ -168,16 +168,16 @@ def fit_trajectories(
     started = time.perf_counter()
     problem = _problem(model, records, prior, sensors or {}, window, extrapolate)
     first = _first_states(problem, records, sensors or {}, model.ship.L)
-    widths = np.ones(len(problem.channels))
+    wider = np.ones(len(problem.channels))
     with ThreadPoolExecutor(jobs or 4) as pool:
         for _ in range(ROUNDS):
+            widths = wider
             weighed = replace(problem, sensors=problem.sensors * widths)
             found = _solved(weighed, first, iterations, pool, started)
             rms = np.array([found.rms[name] for name in problem.channels]) * widths
             wider = np.maximum(rms, 1.0) * math.sqrt(found.inflation)
             if np.all(np.abs(wider / widths - 1.0) < SAME):
                 break
-            widths = np.maximum(wider, 1.0)
     return replace(
         found, rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
         inflation=float(np.exp(2.0 * np.mean(np.log(widths)))) * found.inflation,
@@ -409,7 +409,7 @@ def _linear(
         J, r = slopes[begin:end][at], residuals[begin:end][at]
         own = np.maximum(np.linalg.norm(J[:, :size], axis=0), 1e-300)
         left, singular, right = np.linalg.svd(J[:, :size] / own, full_matrices=False)
-        seen = singular > 1e-9 * singular[0]
+        seen = singular > 1e-9 * np.max(singular, initial=0.0)
         left, back = left[:, seen], (right[seen].T / singular[seen]) / own[:, None]
         along, toward = left.T @ J[:, size:], left.T @ r
         rest, remaining = J[:, size:] - left @ along, r - left @ toward

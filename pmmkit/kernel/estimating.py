@@ -46,6 +46,15 @@ def constants(
     return complete(k)
 
 
+def blown(speed: float, direction: float, k: Array) -> None:
+    """Set the wind that the drifting water feels from that over ground."""
+    k[39], k[40] = speed, direction
+    if k[42] != 0.0 or k[43] != 0.0:
+        north = -speed * math.cos(direction) - k[42]
+        east = -speed * math.sin(direction) - k[43]
+        k[39], k[40] = math.sqrt(north * north + east * east), math.atan2(-east, -north)
+
+
 def advance(
     y: Array, start: Array, stop: Array, time: float, longest: float, k: Array, work: Array
 ) -> None:
@@ -53,7 +62,7 @@ def advance(
     count = max(math.ceil(time / longest - 1e-9), 1)
     h = time / count
     z, k1, k2, k3, k4 = work[0], work[1], work[2], work[3], work[4]
-    k[39], k[40] = start[3], start[4]
+    blown(start[3], start[4], k)
     for i in range(count):
         a, c = i / count, (i + 1.0) / count
         b = 0.5 * (a + c)
@@ -95,6 +104,20 @@ def expected(kind: int, z: Array, k: Array, h: Array) -> float:
     h[4] = (east * ahead - north * aside) / size
     h[2] = (north * (k[43] - east) + east * (north - k[42])) / size
     return size
+
+
+def drifted(kind: int, z: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
+    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
+    if kind < 100:
+        return
+    ahead, aside = math.cos(z[2]), math.sin(z[2])
+    north, east = h[3] * ahead - h[4] * aside, h[3] * aside + h[4] * ahead
+    for j in range(len(starts) - 1):
+        for s in range(starts[j], starts[j + 1]):
+            if places[s] == 42:
+                h[NS + j] += slopes[s] * north
+            elif places[s] == 43:
+                h[NS + j] += slopes[s] * east
 
 
 def correct(
@@ -268,14 +291,15 @@ def extended(
             if math.isnan(measured[t, q]):
                 continue
             shown = expected(kinds[q], z, k, h)
+            drifted(kinds[q], z, h, starts, places, slopes)
+            for j in range(m):
+                shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
             residual = turned_back(measured[t, q] - shown, kinds[q])
             spread = variances[q]
-            for i in range(2, NS):
+            for i in range(n):
                 if h[i] != 0.0:
-                    for j in range(2, NS):
+                    for j in range(n):
                         spread += h[i] * P[i, j] * h[j]
-            if kinds[q] < 2:
-                spread = variances[q] + P[kinds[q], kinds[q]]
             residuals[t, q], spreads[t, q] = residual, spread
             if residual * residual > gate * gate * spread:
                 continue
@@ -408,11 +432,14 @@ def unscented(
             if math.isnan(measured[t, q]):
                 continue
             shown = expected(kinds[q], z, k, h)
+            drifted(kinds[q], z, h, starts, places, slopes)
+            for j in range(m):
+                shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
             residual = turned_back(measured[t, q] - shown, kinds[q])
             spread = variances[q]
-            for i in range(NS):
+            for i in range(n):
                 if h[i] != 0.0:
-                    for j in range(NS):
+                    for j in range(n):
                         spread += h[i] * P[i, j] * h[j]
             residuals[t, q], spreads[t, q] = residual, spread
             if residual * residual > gate * gate * spread:
@@ -444,7 +471,7 @@ def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> No
     """Rates of the states at every instant, with more forces than those of the effects."""
     y, rate = np.zeros(NS), np.zeros(NS)
     for t in range(len(states)):
-        k[39], k[40] = inputs[t, 3], inputs[t, 4]
+        blown(inputs[t, 3], inputs[t, 4], k)
         for i in range(4):
             k[45 + i] = more[t, i]
         for i in range(NS):

@@ -105,11 +105,17 @@ class Prepared:
         The linear map from n samples to the m harmonics.
     motion : State
         Motion of the motion reference point at the n samples.
+    t : array (n,)
+        Time of the samples [s]; zeros where there is no record.
+    begin : float
+        Time at which the record begins [s].
     """
 
     result: RunResult
     projection: Array
     motion: State
+    t: Array
+    begin: float = 0.0
 
     def motion_at_midship(self, rig: Rig) -> State:
         """Motion of midship at the samples."""
@@ -205,6 +211,8 @@ def _from_history(
         ),
         projection=weights[None, :],
         motion=measured_motion(run, steady, times[cut]),
+        t=times[cut],
+        begin=float(times[0]),
     )
 
 
@@ -265,6 +273,8 @@ def _from_cycles(
         ),
         projection=projection,
         motion=measured_motion(run, part, times[cut]),
+        t=times[cut],
+        begin=float(times[0]),
     )
 
 
@@ -298,6 +308,7 @@ def _from_means(
         ),
         projection=np.ones((1, 1)),
         motion=measured_motion(run, data, np.zeros(1)),
+        t=np.zeros(1),
     )
 
 
@@ -331,6 +342,7 @@ def _from_harmonics(
         ),
         projection=projector(basis),
         motion=motion,
+        t=np.zeros(len(motion.u)),
     )
 
 

@@ -50,6 +50,8 @@ class Setup:
         The problem of a file that is not there.
     toml : str
         Name of the campaign file.
+    trial : mapping
+        ``[trial]``.
     """
 
     ship: Ship
@@ -63,6 +65,7 @@ class Setup:
     find: Callable[[str], Path | None]
     missing_file: Callable[[str, str], Problem]
     toml: str
+    trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass
@@ -288,6 +291,7 @@ def _add_history(
             frame=frame,
             corrections=corrections,
             notes=notes,
+            antenna=(setup.trial.get("antenna_x", 0.0), setup.trial.get("antenna_y", 0.0)),
         ),
         kind=setup.kind,
         rows=entry.rows,

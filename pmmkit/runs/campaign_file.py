@@ -271,6 +271,7 @@ def _assemble(raw: Mapping[str, Any], place: Path, search: _Search, digest: str)
         propeller=MappingProxyType(top.propeller),
         rudder=MappingProxyType(top.rudder),
         numerical=MappingProxyType(top.numerical),
+        trial=MappingProxyType(top.trial),
         folder=place.parent,
         provenance=MappingProxyType(provenance),
     )
@@ -333,6 +334,15 @@ def _check_references(setup: Setup, out: Assembled, labels: Mapping[int, str]) -
                         entry=labels.get(index),
                     )
                 )
+    for name in setup.trial.get("order", {}):
+        if name not in out.ids:
+            out.problems.append(
+                Problem(
+                    message=f"no run has the id {name!r}{did_you_mean(name, out.ids) or '.'}",
+                    file=setup.toml,
+                    entry="[trial], key 'order'",
+                )
+            )
     for run in out.runs:
         other = run.settings.repeat_of
         if other is not None and other not in out.ids:

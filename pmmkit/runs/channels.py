@@ -23,12 +23,15 @@ CHANNEL_UNITS: Final[dict[str, str]] = {
     "sinkage": "m", "trim": "rad", "speed": "m/s",
     "x": "m", "y": "m", "psi": "rad", "xdot": "m/s", "ydot": "m/s",
     "wind_speed": "m/s", "wind_direction": "rad",
+    "lat": "deg", "lon": "deg", "sog": "m/s", "cog": "rad",
 }  # fmt: skip
-"""SI unit of each channel of a history or of a row of means."""
+"""SI unit of each channel of a history or of a row of means; positions on the earth stay in
+degrees."""
 
 DEGREE_CHANNELS: Final[dict[str, str]] = {
     "psi_deg": "psi", "phi_deg": "phi", "heel_deg": "phi", "delta_deg": "delta",
-    "rudder_deg": "delta", "trim_deg": "trim", "wind_direction_deg": "wind_direction",
+    "rudder_deg": "delta", "waterjet_deg": "delta", "trim_deg": "trim",
+    "wind_direction_deg": "wind_direction", "cog_deg": "cog",
 }  # fmt: skip
 """Names of columns in degrees, and the channels that they become."""
 

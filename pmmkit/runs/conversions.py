@@ -16,7 +16,7 @@ from pmmkit.ship import Ship, Water
 _AXIS_PARITY: Final[dict[str, str]] = {
     "X": "x", "u": "x", "udot": "x", "x": "x", "xdot": "x", "FX_rudder": "x",
     "Y": "y", "v": "y", "vdot": "y", "y": "y", "ydot": "y", "FY_rudder": "y",
-    "N": "xy", "r": "xy", "rdot": "xy", "psi": "xy", "wind_direction": "xy",
+    "N": "xy", "r": "xy", "rdot": "xy", "psi": "xy", "cog": "xy", "wind_direction": "xy",
     "K": "yz", "p": "yz", "pdot": "yz", "phi": "yz",
 }  # fmt: skip
 """Axes whose reversal changes the sign of a channel."""

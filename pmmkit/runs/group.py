@@ -53,6 +53,10 @@ _MEANINGS: Final[dict[str, str]] = {
     "trim": "trim, positive bow up",
     "wind_speed": "relative wind speed at midship",
     "wind_direction": "where the relative wind comes from, off the bow to starboard",
+    "lat": "latitude",
+    "lon": "longitude, east positive",
+    "sog": "speed over ground",
+    "cog": "course over ground",
     "harmonic": "order of the harmonic",
     "speed": "speed of the carriage",
 }

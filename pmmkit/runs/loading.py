@@ -15,6 +15,7 @@ from pmmkit.files import sha256
 from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
+from pmmkit.runs.geodesy import out_of_range, placed
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
 from pmmkit.runs.readers import reader_for
 from pmmkit.runs.readers.base import Array, Request
@@ -41,6 +42,8 @@ class Context:
         Those that apply to the run.
     notes : tuple of str
         Conversions of the settings, in words.
+    antenna : tuple of float
+        Place of the antenna of a free-running record, forward of midship and to starboard [m].
     """
 
     ship: Ship
@@ -49,6 +52,7 @@ class Context:
     frame: Frame
     corrections: tuple[Correction, ...] = ()
     notes: tuple[str, ...] = ()
+    antenna: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,8 +199,15 @@ def dataset(
     import xarray as xr
 
     said = [*context.notes, *notes]
+    wrong = out_of_range(values)
+    if wrong is not None:
+        raise request.error(
+            request.problem(wrong, remedy="Write degrees with decimals, west and south negative.")
+        )
+    on_earth = {"lat", "lon"} <= set(values) and not {"x", "y"} & set(values)
+    compass = {name: values[name] for name in ("psi", "cog") if on_earth and name in values}
     converted, more = to_ours(
-        values,
+        {name: numbers for name, numbers in values.items() if name not in compass},
         frame=context.frame,
         ship=context.ship,
         water=context.water,
@@ -204,6 +215,8 @@ def dataset(
         dimensional=dimensional,
         turn_harmonics=kind == "harmonics" and turned,
     )
+    converted, moved = placed({**converted, **compass}, context.antenna)
+    said += moved
     if kind == "harmonics":
         others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
         converted = {**others, **stacked_harmonics(converted)}

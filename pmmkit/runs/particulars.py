@@ -27,6 +27,7 @@ from pmmkit.runs.schema import (
     Entry,
     ShipEntry,
     SourceEntry,
+    TrialEntry,
     UncertainEntry,
     WaterEntry,
     known_columns,
@@ -63,6 +64,7 @@ class Top:
     numerical: dict[str, float]
     propeller: dict[str, Any]
     rudder: dict[str, Any]
+    trial: dict[str, Any]
     uncertainty: tuple[TypeB, ...]
     corrections: tuple[Correction, ...]
     correction_labels: Mapping[int, str]
@@ -95,6 +97,15 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
                 entry="[cfd], key 'rho_inf'",
             )
         )
+    if "trial" in raw and campaign.kind == "captive":
+        problems.append(
+            Problem(
+                message="is for sea trials; the campaign is captive.",
+                file=toml,
+                entry="[trial]",
+                remedy='Write kind = "free-running" under [campaign].',
+            )
+        )
     corrections, labels = _corrections(raw, toml, problems)
     return Top(
         campaign=campaign,
@@ -108,6 +119,7 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         numerical={} if cfd.U_SN is None else _given(cfd.U_SN),
         propeller=_free_form("propeller", raw, toml, problems),
         rudder=_free_form("rudder", raw, toml, problems),
+        trial=_given(table("trial", TrialEntry)),
         uncertainty=_uncertainty(raw, toml, problems),
         corrections=corrections,
         correction_labels=labels,
@@ -142,6 +154,7 @@ def setup_of(
         find=find,
         missing_file=missing_file,
         toml=toml,
+        trial=MappingProxyType(top.trial),
     )
 
 

@@ -133,7 +133,10 @@ def pick(
             _add(
                 picked, name, position, ColumnSpec(), headers, bare, request, problems, table=table
             )
+    on_earth = {"lat", "lon"} <= set(picked)
     for name in required:
+        if on_earth and name in ("x", "y"):
+            continue
         if name not in picked and (name not in specs or (name == "t" and specs[name].absent)):
             problems.append(_not_there(name, headers, request))
     return tuple(picked.values()), problems
@@ -270,6 +273,8 @@ _ALSO: Final[dict[str, tuple[str, ...]]] = {
     "psi": ("heading", "yaw"),
     "x": ("x0", "north", "x_position"),
     "y": ("y0", "east", "y_position"),
+    "lat": ("latitude",),
+    "lon": ("longitude", "long"),
 }
 
 
@@ -279,7 +284,16 @@ def _not_there(name: str, headers: Sequence[str], request: Request) -> Problem:
             f"where is {name}? The file has no header.",
             remedy=f"Give its number under [columns]: {name} = {{ column = 1 }}.",
         )
-    likely = [header for header in headers if split_unit(header)[0].lower() in _ALSO.get(name, ())]
+    bare = [(header, split_unit(header)[0].lower()) for header in headers]
+    if name in ("x", "y"):
+        turned = {"x": "lat", "y": "lon"}[name]
+        found = [header for header, word in bare if word in (turned, *_ALSO[turned])]
+        if found:
+            return request.problem(
+                f"there is no column {name}, nor {turned}. {_list(headers)}",
+                remedy=f'Say under [columns] which it is: {turned} = "{found[0]}".',
+            )
+    likely = [header for header, word in bare if word in _ALSO.get(name, ())]
     example = likely[0] if likely else "their name"
     return request.problem(
         f"there is no column {name}. {_list(headers)}",

@@ -212,6 +212,9 @@ class Campaign:
         Stated standard uncertainties.
     cfd, propeller, rudder : mapping
         As in the campaign file, SI.
+    trial : mapping
+        Sea trials: ``antenna_x``, ``antenna_y``, ``position_std`` [m], and ``order``, the instant
+        of the order by run [s].
     numerical : mapping of str to float
         Numerical standard uncertainty per channel, ``U_SN`` [N, N m].
     folder : Path
@@ -236,6 +239,7 @@ class Campaign:
     propeller: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     rudder: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     numerical: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     folder: Path = Path()
     provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 

@@ -216,6 +216,15 @@ class CfdEntry(Entry):
     U_SN: NumericalEntry | None = None
 
 
+class TrialEntry(Entry):
+    """``[trial]``: what a record of a sea trial needs."""
+
+    antenna_x: float = 0.0
+    antenna_y: float = 0.0
+    position_std: Annotated[float, Field(ge=0)] | None = None
+    order: dict[str, float] = {}
+
+
 class UncertainEntry(Entry):
     """One standard uncertainty."""
 
@@ -366,7 +375,8 @@ def known_columns(value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
 TABLES: Final[dict[str, type[Entry] | None]] = {
     "campaign": CampaignEntry, "ship": ShipEntry, "water": WaterEntry, "source": SourceEntry,
     "columns": None, "axes": AxesEntry, "cfd": CfdEntry, "propeller": None, "rudder": None,
-    "uncertainty": None, "corrections": CorrectionEntry, "runs": RunEntry, "tables": TableEntry,
+    "trial": TrialEntry, "uncertainty": None, "corrections": CorrectionEntry,
+    "runs": RunEntry, "tables": TableEntry,
 }  # fmt: skip
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
 

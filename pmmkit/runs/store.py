@@ -288,10 +288,11 @@ def _crc(text: str) -> str:
 
 def _find(index: Mapping[str, Any], run_id: str, path: Path) -> Mapping[str, Any]:
     items = [*index["runs"], *index["excluded"]]
-    for item in items:
-        if run_id in (item["run"]["id"], item["group"]):
-            return cast("Mapping[str, Any]", item)
     ids = [item["run"]["id"] for item in items]
+    groups = [item["group"] for item in items]
+    for known in (ids, groups):
+        if run_id in known:
+            return cast("Mapping[str, Any]", items[known.index(run_id)])
     raise CampaignError(
         Problem(
             message=f"the file has no run {run_id!r}; it has "

@@ -149,7 +149,10 @@ def _careful(text: Text, request: Request) -> Cells:
         except csv.Error as error:
             problems.append(request.problem(f"the quotes do not match ({error}).", row=line))
             continue
-        if not raw.strip():
+        if not raw.strip() and request.options.missing == "drop":
+            rows.append(("",) * width)
+            lines.append(line)
+        elif not raw.strip():
             problems.append(request.problem("the line is empty.", row=line))
         elif len(fields) != width:
             few = "few" if len(fields) < width else "many"

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.identification.binding import AROUND
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.forces import fit_to_forces
 from pmmkit.identification.parameters import places, with_parameters
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
+WHITE: Final = 1.5
+"""Variance of the residuals over that of white ones up to which they count as white."""
 METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
 UNSEEN: Final = 0.9
 """A standard deviation above this share of the prior's: the records say nothing of a value."""
@@ -70,6 +73,12 @@ class Identified:
     seconds: float
     notes: tuple[str, ...]
     detail: Any
+
+    @property
+    def current(self) -> tuple[float, float]:
+        """The current to north and east [m/s], zero where it was not looked for."""
+        found = dict(zip(self.names, self.values.tolist(), strict=True))
+        return found.get("current_x", 0.0), found.get("current_y", 0.0)
 
     def to_pandas(self) -> pd.DataFrame:
         """A row per parameter: prior, value, interval, and what the records added."""
@@ -171,7 +180,9 @@ def identify(
         notes = (
             f"{found.windows} windows, {found.iterations} steps, "
             f"{'settled' if found.converged else 'NOT settled'}",
-            f"variance widened {found.inflation:.3g} times: residuals are not white",
+            f"variance widened {found.inflation:.3g} times: residuals are not white"
+            if found.inflation > WHITE
+            else "residuals as white as the sensors'",
         )
     else:
         memory = {"memory": settings["memory"]} if "memory" in settings else {}
@@ -183,7 +194,10 @@ def identify(
         if method == "sindy":
             from pmmkit.identification.sparse import sparse_regression
 
-            return _sparse(sparse_regression(model, forces, library=asked, **rest), before, started)
+            library = [name for name in asked if "." not in name and name not in AROUND]
+            return _sparse(
+                sparse_regression(model, forces, library=library, **rest), before, started
+            )
         fitted = fit_to_forces(model, forces, before.names, prior=before, extrapolate=extrapolate)
         found, notes = fitted, ("forces implied by the smoother",)
     return _told(model, method, before, found, notes, time.perf_counter() - started)
@@ -240,16 +254,21 @@ def _with_values(
 
 
 def _sparse(found: Any, prior: Prior, started: float) -> Identified:
-    """The result of the sparse regression as that of any other method."""
-    values, spread = (
-        found.table.at(),
-        dict(zip(found.table.names, found.table.std[0].tolist(), strict=True)),
-    )
-    std = np.array([spread.get(name, np.nan) for name in prior.names])
+    """The result of the sparse regression as that of any other method.
+
+    What it does not look for (parameters of effects) or no record excites keeps its prior.
+    """
+    fitted = found.table.at()
+    spread = dict(zip(found.table.names, found.table.std[0].tolist(), strict=True))
+    held = {name for name in prior.names if name not in fitted and name not in found.left_out}
+    held |= set(found.undetermined)
+    values, std = prior.mean.copy(), prior.std.copy()
+    for i, name in enumerate(prior.names):
+        if name not in held:
+            values[i], std[i] = fitted.get(name, 0.0), spread.get(name, 0.0)
     return Identified(
-        method="sindy", names=prior.names,
-        values=np.array([values.get(name, 0.0) for name in prior.names]), std=std,
-        covariance=np.diag(std**2), prior=prior, unseen=tuple(found.undetermined),
+        method="sindy", names=prior.names, values=values, std=std, covariance=np.diag(std**2),
+        prior=prior, unseen=tuple(name for name in prior.names if name in held),
         model=found.model, seconds=time.perf_counter() - started, notes=tuple(found.warnings),
         detail=found,
     )  # fmt: skip

@@ -1,0 +1,379 @@
+"""Several methods of identification on the same records: values, errors on other runs, time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
+from pmmkit.identification.binding import AROUND, bound, driven
+from pmmkit.identification.filters import STEP
+from pmmkit.identification.methods import METHODS, Identified, identify
+from pmmkit.identification.parameters import places
+from pmmkit.identification.predict import Prediction, predict
+from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.smoother import Smoothed
+from pmmkit.kernel.generate import ESTIMATING
+from pmmkit.kernel.loading import compiled
+from pmmkit.model import Model
+from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.progress import Progress
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+BEFORE: Final = "before"
+"""The model as it was, among the methods."""
+UNITS: Final[Mapping[str, str]] = {
+    "position": "m", "position_end": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s",
+}  # fmt: skip
+"""Errors of a prediction and their units."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MethodComparison:
+    """What several methods make of the same records.
+
+    Parameters
+    ----------
+    model : Model
+        The one that was given.
+    prior : Prior
+        What was known before, the same for all.
+    found : mapping of str to Identified
+        By method.
+    failed : mapping of str to str
+        Methods that could not be carried through, and why.
+    predictions : mapping of str to Prediction
+        By method, and ``before`` for the model as it was; empty without references.
+    window : float
+        Length of the predicted windows [s].
+    """
+
+    model: Model
+    prior: Prior
+    found: Mapping[str, Identified]
+    failed: Mapping[str, str]
+    predictions: Mapping[str, Prediction]
+    window: float
+
+    def parameters(self) -> pd.DataFrame:
+        """A row per parameter and method: parameter, prior, prior_std, value, std, ci_low, ci_high,
+        seen, method."""
+        import pandas as pd
+
+        columns = ["prior", "prior_std", "value", "std", "ci_low", "ci_high", "seen"]
+        tables = [
+            item.to_pandas()[columns].reset_index().assign(method=name)
+            for name, item in self.found.items()
+        ]
+        return pd.concat(tables, ignore_index=True)
+
+    def errors(self) -> pd.DataFrame:
+        """A row per model (``before`` and the methods) and run, ``all`` for the runs together."""
+        import pandas as pd
+
+        rows = [
+            {"model": name, "run": str(run), "window": self.window, **errors}
+            for name, item in self.predictions.items()
+            for run, errors in (*item.errors.items(), ("all", item.pooled()))
+        ]
+        return pd.DataFrame(rows, columns=["model", "run", "window", *UNITS, "windows"])
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Values, standard deviations, errors on the references and seconds, a column per method.
+
+        The index holds what a row is (``value``, ``std``, ``error``, ``seconds``) and of what; the
+        column ``before`` holds the prior and the errors of the model as it was.
+        """
+        import pandas as pd
+
+        columns: dict[str, dict[tuple[str, str], float]] = {
+            BEFORE: {
+                **_rows("value", self.prior.names, self.prior.mean),
+                **_rows("std", self.prior.names, self.prior.std),
+            }
+        }
+        for method, item in self.found.items():
+            columns[method] = {
+                **_rows("value", item.names, item.values),
+                **_rows("std", item.names, item.std),
+                ("seconds", ""): item.seconds,
+            }
+        for name, prediction in self.predictions.items():
+            pooled = prediction.pooled()
+            columns[name] |= {
+                ("error", f"{error} [{unit}]"): pooled[error] for error, unit in UNITS.items()
+            }
+        keys = list(dict.fromkeys(key for column in columns.values() for key in column))
+        order = ("value", "std", "error", "seconds")
+        keys.sort(key=lambda key: order.index(key[0]))
+        return pd.DataFrame(
+            {name: [column.get(key, np.nan) for key in keys] for name, column in columns.items()},
+            index=pd.MultiIndex.from_tuples(keys, names=["what", "of"]),
+        )
+
+
+def compare_methods(
+    model: Model,
+    records: Sequence[FreeRecord],
+    names: Sequence[str] | None = None,
+    *,
+    methods: Sequence[str] = METHODS,
+    references: Sequence[Smoothed] = (),
+    window: float = 60.0,
+    prior: Prior | None = None,
+    spread: float | Mapping[str, float] | None = None,
+    sensors: Mapping[str, float] | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    extrapolate: bool = False,
+    progress: Progress | None = None,
+) -> MethodComparison:
+    """Identify the same parameters from the same records by several methods.
+
+    Parameters
+    ----------
+    model : Model
+        Complete; what is not named is held at its values.
+    records : sequence of FreeRecord
+        To identify from.
+    names : sequence of str, optional
+        As for `identify`.
+    methods : sequence of str
+        Of ``ekf``, ``ukf``, ``trajectory``, ``regression``, ``sindy``.
+    references : sequence of Smoothed, optional
+        Records that were not used, from `reference`; without them nothing is predicted.
+    window : float
+        Length of the predicted windows [s].
+    prior, spread, sensors, extrapolate
+        As for `identify`.
+    settings : mapping of str to mapping, optional
+        Further settings by method.
+    progress : callable, optional
+        Told what is being done.
+
+    Returns
+    -------
+    MethodComparison
+        A method that fails is named with the reason in `failed`.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such method.
+    DataError
+        If a method that is asked for alone fails, or all of several do.
+
+    Notes
+    -----
+    The sparse regression has a library of derivatives: other parameters are held at their prior
+    in it. It knows no prior.
+
+    Examples
+    --------
+    >>> from pmmkit.model import load_model
+    >>> from pmmkit.simulation import simulate
+    >>> ship = load_model("kvlcc2-l7")
+    >>> track = simulate(ship, "zigzag", speed=1.179, rudder_deg=20, switch_deg=20, dt=0.2)
+    >>> record = FreeRecord(
+    ...     name="zigzag", t=track.t, delta=track.delta, turns=track.n, speed=1.179,
+    ...     measured={"x": track.x, "y": track.y, "psi": track.psi})
+    >>> start = ship.with_values("hull_polynomial", Nv=-0.12, Nr=-0.055)
+    >>> found = compare_methods(start, [record], ["Nv", "Nr"], methods=("ekf", "trajectory"),
+    ...                         sensors={"x": 0.01, "y": 0.01, "psi": 0.001})
+    >>> found.to_pandas().loc["value"].round(3)
+        before    ekf  trajectory
+    of
+    Nv  -0.120 -0.137      -0.137
+    Nr  -0.055 -0.049      -0.049
+    """
+    unknown = [name for name in methods if name not in METHODS]
+    if unknown or not methods:
+        raise UnknownNameError(
+            f"There is no method {', '.join(unknown) or '(none was named)'}; there are: "
+            f"{', '.join(METHODS)}."
+        )
+    if not records:
+        raise DataError("There is no record to identify from.")
+    asked = tuple(names) if names is not None else tuple(model.parts["hull_polynomial"].values)
+    before = prior or prior_of(
+        model, asked, records[0].speed, spread=spread, extrapolate=extrapolate
+    )
+    total = len(methods) + 1
+    found: dict[str, Identified] = {}
+    failed: dict[str, str] = {}
+    for number, method in enumerate(dict.fromkeys(methods), start=1):
+        if progress is not None:
+            progress(number, total, f"identify by {method}")
+        own = _derivatives(model, before) if method == "sindy" else before
+        try:
+            found[method] = _one(
+                model, records, method, own, sensors=sensors, extrapolate=extrapolate,
+                settings=(settings or {}).get(method, {}),
+            )  # fmt: skip
+        except (PmmkitError, np.linalg.LinAlgError) as error:
+            if len(methods) == 1:
+                raise
+            failed[method] = str(error)
+    if not found:
+        raise DataError(
+            [f"{method}: {why}" for method, why in failed.items()], title="No method succeeded"
+        )
+    if progress is not None:
+        progress(total, total, "predict")
+    models = {BEFORE: model, **{method: item.model for method, item in found.items()}}
+    predictions = {
+        name: predict(item, references, window=window, extrapolate=extrapolate)
+        for name, item in models.items()
+        if references
+    }
+    return MethodComparison(
+        model=model, prior=before, found=MappingProxyType(found), failed=MappingProxyType(failed),
+        predictions=MappingProxyType(predictions), window=window,
+    )  # fmt: skip
+
+
+def _rows(what: str, names: Sequence[str], values: Array) -> dict[tuple[str, str], float]:
+    return {(what, name): float(x) for name, x in zip(names, values, strict=True)}
+
+
+def _one(
+    model: Model, records: Sequence[FreeRecord], method: str, prior: Prior, *,
+    sensors: Mapping[str, float] | None, extrapolate: bool, settings: Mapping[str, Any],
+) -> Identified:  # fmt: skip
+    if not prior.names:
+        raise DataError("The sparse regression looks for derivatives, and none was named.")
+    try:
+        return identify(
+            model, records, prior.names, method=method, prior=prior, sensors=sensors,
+            extrapolate=extrapolate, **settings,
+        )  # fmt: skip
+    except ModelError as error:
+        remedy = "Say how well it is known with a narrower prior, or hold it: do not name it."
+        raise DataError(
+            [*error.problems, remedy], title=f"{method} leads to values that cannot be"
+        ) from error
+
+
+def _derivatives(model: Model, prior: Prior) -> Prior:
+    """The part of a prior that belongs to derivatives."""
+    own = [name for name in prior.names if name not in AROUND]
+    homes = dict(zip(own, places(model, own), strict=True))
+    at = [
+        i
+        for i, name in enumerate(prior.names)
+        if name in homes and homes[name][0] in DERIVATIVE_PARTS and "." not in name
+    ]
+    return Prior(
+        names=tuple(prior.names[i] for i in at), mean=prior.mean[at],
+        covariance=prior.covariance[np.ix_(at, at)], origin=prior.origin,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PredictedWindow:
+    """A window of a record, measured and as models sail it.
+
+    Parameters
+    ----------
+    name : str
+        Of the record.
+    t : array (n,)
+        Instants [s], of the record.
+    delta : array (n,)
+        Measured rudder [rad].
+    measured : mapping of str to array (n,)
+        x, y [m], psi [rad], u, v [m/s], r [rad/s], smoothed.
+    predicted : mapping of str to mapping of str to array (n,)
+        The same by model.
+    L : float
+        Length of the ship [m].
+    """
+
+    name: str
+    t: Array
+    delta: Array
+    measured: Mapping[str, Array]
+    predicted: Mapping[str, Mapping[str, Array]]
+    L: float
+
+
+def predicted_window(
+    models: Mapping[str, Model],
+    references: Sequence[Smoothed],
+    *,
+    window: float = 60.0,
+    extrapolate: bool = False,
+) -> PredictedWindow:
+    """The window in which the ship turned most, as models sail it with the measured rudder.
+
+    Parameters
+    ----------
+    models : mapping of str to Model
+        By name.
+    references : sequence of Smoothed
+        From `reference`.
+    window : float
+        Its length [s].
+    extrapolate : bool
+        Allow a speed outside the range of the models' values.
+
+    Returns
+    -------
+    PredictedWindow
+
+    Raises
+    ------
+    DataError
+        If no record is as long as a window.
+    """
+    found = [
+        (float(np.ptp(item.motion["psi"][at])), item, at)
+        for item in references
+        for at in _windows(item.t, window)
+    ]
+    if not found:
+        raise DataError(f"No record is as long as a window of {window:g} s.")
+    _, item, at = max(found, key=lambda entry: entry[0])
+    names = ("x", "y", "psi", "u", "v", "r")
+    return PredictedWindow(
+        name=item.name, t=item.t[at], delta=item.record.delta[at],
+        measured=MappingProxyType({name: item.motion[name][at] for name in names}),
+        predicted=MappingProxyType(
+            {name: _sailed(model, item, at, extrapolate) for name, model in models.items()}
+        ),
+        L=next(iter(models.values())).ship.L,
+    )  # fmt: skip
+
+
+def _windows(t: Array, window: float) -> list[NDArray[np.intp]]:
+    """Instants of the windows, which begin four times in each length."""
+    begins = np.arange(t[0], t[-1] - window + 1e-9, window / 4)
+    rows = [np.flatnonzero((t >= at - 1e-9) & (t <= at + window + 1e-9)) for at in begins]
+    return [at for at in rows if len(at) > 2]
+
+
+def _sailed(
+    model: Model, item: Smoothed, at: NDArray[np.intp], extrapolate: bool
+) -> Mapping[str, Array]:
+    """Motion of a model from the first state of a window."""
+    ready, record = driven(model), item.record
+    binding = bound(ready, (), record.speed, extrapolate=extrapolate)
+    functions = compiled(binding.structure, ESTIMATING)
+    k = binding.base.copy()
+    functions.complete(k)
+    states = binding.structure.states
+    first = np.array([[item.motion[name][at[0]] for name in states]])
+    out = np.empty((len(at), len(states)))
+    functions.windows(
+        record.t[at], record.inputs[at], np.array([0, len(at)]), first, k,
+        STEP * ready.ship.L / record.speed, out,
+    )  # fmt: skip
+    return MappingProxyType({name: out[:, i] for i, name in enumerate(states)})

@@ -1,0 +1,97 @@
+"""A uniform current, and the mean of what several turning circles give."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Current:
+    """A uniform current.
+
+    Parameters
+    ----------
+    x, y : float
+        Velocity along the axes of the record, north and east where it holds latitudes [m/s].
+    covariance : tuple of float
+        Variances of x and of y, and their covariance [m²/s²].
+    origin : str
+        Where it comes from.
+    """
+
+    x: float
+    y: float
+    covariance: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    origin: str = ""
+
+    @property
+    def speed(self) -> float:
+        """Speed [m/s]."""
+        return math.hypot(self.x, self.y)
+
+    @property
+    def direction_deg(self) -> float:
+        """Direction it flows to, from the x axis (north) towards y (east), 0 to 360 [deg]."""
+        return math.degrees(math.atan2(self.y, self.x)) % 360.0
+
+    @property
+    def std(self) -> tuple[float, float]:
+        """Standard uncertainties of x and y [m/s]."""
+        return math.sqrt(self.covariance[0]), math.sqrt(self.covariance[1])
+
+    @property
+    def speed_std(self) -> float:
+        """Standard uncertainty of the speed [m/s]; of a weak current that of its stronger part."""
+        if self.speed <= max(self.std):
+            return max(self.std)
+        return math.sqrt(self.variance_along(math.radians(self.direction_deg)))
+
+    def variance_along(self, heading: float) -> float:
+        """Variance of the component along a heading [m²/s²]."""
+        cos, sin = math.cos(heading), math.sin(heading)
+        xx, yy, xy = self.covariance
+        return max(cos * cos * xx + sin * sin * yy + 2 * cos * sin * xy, 0.0)
+
+
+def mean_current(found: Sequence[Current]) -> Current | None:
+    """Weighted mean of the circles' currents in north and east; their scatter counts too.
+
+    Parameters
+    ----------
+    found : sequence of Current
+        Of turning circles in the same axes.
+
+    Returns
+    -------
+    Current or None
+        None of none.
+    """
+    if not found:
+        return None
+    values = np.array([(item.x, item.y) for item in found])
+    information = [np.linalg.inv(_matrix(item)) for item in found]
+    covariance = np.linalg.inv(np.sum(information, axis=0))
+    mean = covariance @ np.sum(
+        [one @ value for one, value in zip(information, values, strict=True)], axis=0
+    )
+    if len(found) > 1:
+        rest = values - mean
+        covariance = covariance + rest.T @ rest / len(found)
+    ids = ", ".join(item.origin.rpartition(" ")[2] for item in found)
+    return Current(
+        x=float(mean[0]), y=float(mean[1]),
+        covariance=(float(covariance[0, 0]), float(covariance[1, 1]), float(covariance[0, 1])),
+        origin=f"turning circle{'s' if len(found) > 1 else ''} {ids}",
+    )  # fmt: skip
+
+
+def _matrix(current: Current) -> Array:
+    xx, yy, xy = current.covariance
+    return np.array([[xx + 1e-12, xy], [xy, yy + 1e-12]])

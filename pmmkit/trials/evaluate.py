@@ -1,0 +1,269 @@
+"""From the runs of a sea trial to its measures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from pmmkit.errors import DataError, Problem
+from pmmkit.runs.run import Campaign, Run
+from pmmkit.trials.circle import Circle, fit_circle
+from pmmkit.trials.current import Current, mean_current
+from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag
+from pmmkit.trials.orders import Order, astern_order, held_until, rudder_orders
+from pmmkit.trials.path import path_of
+from pmmkit.trials.record import Record, read_record
+from pmmkit.trials.surroundings import noise_of, true_wind
+from pmmkit.trials.table import Trial
+from pmmkit.trials.verdicts import conditions_of, verdicts_of
+
+JUDGED: Final = ("turning", "zigzag", "stopping")
+"""Tests that are evaluated."""
+SPEEDS_DIFFER: Final = 0.05
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Part:
+    """What is known of a run before the current of the others is."""
+
+    run: Run
+    record: Record
+    orders: tuple[Order, ...]
+    circle: Circle | None
+    notes: tuple[str, ...]
+
+
+def evaluate_trials(
+    campaign: Campaign,
+    *,
+    runs: Sequence[str] | None = None,
+    order: Mapping[str, float] | None = None,
+    current: tuple[float, float] | None = None,
+) -> tuple[Trial, ...]:
+    """Measures of the turning circles, zigzags and stops of a sea trial.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Free-running, as `open_campaign` gives it.
+    runs : sequence of str, optional
+        Ids of the runs that are wanted; all by default. The current is always taken from every
+        turning circle of the campaign.
+    order : mapping of str to float, optional
+        Instant of the order by run [s], where the rudder or the engine does not show it.
+    current : tuple of float, optional
+        A current that is known: its velocity along x (north) and y (east) [m/s]. By default each
+        turning circle gives its own, and the other runs are given the mean of the circles'.
+
+    Returns
+    -------
+    tuple of Trial
+        In the order of the campaign.
+
+    Raises
+    ------
+    DataError
+        If the campaign has no such runs, or with everything that keeps runs from being
+        evaluated.
+
+    Notes
+    -----
+    Lengths run along and across the heading of the approach, from where midship was at the order,
+    through the water where the current is known. The order is where the ramp of the rudder (or of
+    the revolutions) begins. Places at a heading come from parabolas through the fixes about it.
+    """
+    wanted = [run for run in campaign.runs if run.test in JUDGED]
+    unknown = sorted(set(runs or ()) - {run.id for run in wanted})
+    if unknown or not wanted:
+        raise DataError(
+            f"{campaign.title!r} has no turning, zigzag or stopping run"
+            f"{' ' + ', '.join(unknown) if unknown else ''}; it has "
+            f"{', '.join(run.id for run in wanted) or 'none'}."
+        )
+    given = {**campaign.trial.get("order", {}), **(order or {})}
+    parts: list[_Part] = []
+    problems: list[Problem] = []
+    for run in wanted:
+        asked = not runs or run.id in runs
+        if not asked and run.test != "turning":
+            continue
+        try:
+            parts.append(_part(run, campaign, given.get(run.id)))
+        except DataError as error:
+            if asked:
+                problems += [replace(item, run=item.run or run.id) for item in error.problems]
+    if problems:
+        raise DataError(problems, title="The trial cannot be evaluated")
+    known = None if current is None else Current(x=current[0], y=current[1], origin="as given")
+    common = known or mean_current(
+        [part.circle.current for part in parts if part.circle and part.record.north]
+    )
+    circles = [part.circle for part in parts if part.circle]
+    return tuple(
+        _trial(part, campaign, common, known, circles)
+        for part in parts
+        if not runs or part.run.id in runs
+    )
+
+
+def evaluate(
+    run: Run,
+    campaign: Campaign,
+    *,
+    order: float | None = None,
+    current: tuple[float, float] | None = None,
+) -> Trial:
+    """Measures of one turning circle, zigzag or stop.
+
+    Parameters
+    ----------
+    run : Run
+        One of the campaign.
+    campaign : Campaign
+        Gives the ship.
+    order : float, optional
+        Instant of the order [s].
+    current : tuple of float, optional
+        As for `evaluate_trials`.
+
+    Returns
+    -------
+    Trial
+
+    Raises
+    ------
+    DataError
+        If the run cannot be evaluated, with the reason.
+    """
+    orders = None if order is None else {run.id: order}
+    return evaluate_trials(campaign, runs=[run.id], order=orders, current=current)[0]
+
+
+def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
+    record = read_record(run)
+    notes = list(record.notes)
+    orders = _orders(run, record, given, notes)
+    circle = None
+    if run.test == "turning":
+        delta = record.others.get("delta")
+        end = float(record.t[-1]) if delta is None else held_until(record.t, delta, orders[0])
+        inside = (record.t >= orders[0].t) & (record.t <= end)
+        held = (part[inside] for part in (record.t, record.x, record.y, record.psi))
+        try:
+            if np.count_nonzero(inside) < 2:
+                raise DataError("The record ends with the order.")
+            circle = fit_circle(*held, pace=campaign.ship.L / run.settings.speed)
+            circle = replace(
+                circle, current=replace(circle.current, origin=f"turning circle {run.id}")
+            )
+        except DataError as error:
+            notes.append(f"No current from this turn. {error}")
+    return _Part(run=run, record=record, orders=tuple(orders), circle=circle, notes=tuple(notes))
+
+
+def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
+    channel = record.others.get("n" if run.test == "stopping" else "delta")
+    rounding = record.step / math.sqrt(12.0)
+    if run.test == "stopping":
+        if given is not None:
+            return [Order(given, rounding, 0.0)]
+        if channel is None:
+            raise DataError(
+                "The record has no revolutions (column n), so the order astern does not show. "
+                "Give its instant: order under [trial], or --order."
+            )
+        return [astern_order(record.t, channel)]
+    nominal = run.settings.rudder
+    if channel is None:
+        if given is None or run.test == "zigzag":
+            raise DataError(
+                "The record has no rudder angle (column delta), so the orders do not show. "
+                + ("Add the column." if run.test == "zigzag" else "Give order under [trial].")
+            )
+        return [Order(given, rounding, nominal)]
+    if given is None:
+        orders = rudder_orders(record.t, channel, nominal, single=run.test == "turning")
+    else:
+        late = record.t >= given - 1e-9
+        held = channel[late][np.abs(channel[late]) > 0.6 * abs(nominal)]
+        level = float(np.median(held)) if len(held) else nominal
+        orders = [Order(given, rounding, level)]
+        if run.test == "zigzag":
+            orders = rudder_orders(record.t, channel, nominal)
+            orders[0] = replace(orders[0], t=given, std=rounding)
+    if nominal and orders[0].level * nominal < 0:
+        notes.append("The rudder goes to the side opposite to rudder_deg.")
+    turned = np.interp(orders[0].t + np.array([0.0, 60.0]), record.t, record.psi)
+    later = record.psi[record.t > orders[0].t]
+    swing = later[np.argmax(np.abs(later - turned[0]))] - turned[0] if len(later) else 0.0
+    if run.test == "turning" and swing * orders[0].level < 0:
+        raise DataError(
+            "The ship turns against the rudder: a positive rudder must turn her to starboard. "
+            'Say rudder_positive = "port" under [campaign], or turn psi.'
+        )
+    return orders
+
+
+def _trial(
+    part: _Part,
+    campaign: Campaign,
+    common: Current | None,
+    known: Current | None,
+    others: Sequence[Circle],
+) -> Trial:
+    run, record, ship = part.run, part.record, campaign.ship
+    notes = list(part.notes)
+    own = part.circle.current if part.circle else None
+    shared = common if record.north or known is not None else None
+    current = known or own or shared
+    if current is None:
+        notes.append("The current is not known: lengths and speeds are over ground.")
+    elif current is shared and known is None:
+        notes.append(f"The current is that of {current.origin}.")
+    noise = (
+        part.circle.noise
+        if part.circle
+        else noise_of(record, others, campaign.trial.get("position_std"), notes)
+    )
+    path = path_of(
+        record, part.orders[0], L=ship.L, speed=run.settings.speed, current=current, noise=noise
+    )
+    approach = path.approach
+    if not approach.measured:
+        notes.append("The record has no approach: speed as stated, heading of the first samples.")
+    elif abs(approach.speed / run.settings.speed - 1.0) > SPEEDS_DIFFER:
+        notes.append(
+            f"The approach speed is {approach.speed:.2f} m/s by the positions; the campaign file "
+            f"says {run.settings.speed:.2f} m/s."
+        )
+    level = math.degrees(part.orders[0].level)
+    switch = run.settings.switch if run.settings.switch is not None else run.settings.rudder
+    if run.test == "turning":
+        found = of_turning(path, part.orders[0], part.circle, notes)
+    elif run.test == "zigzag":
+        found, _ = of_zigzag(path, part.orders, abs(switch), notes)
+    else:
+        found = of_stopping(path, part.orders[0], notes)
+    metrics, std = found.frozen()
+    wind = true_wind(record, path)
+    conditions = conditions_of(
+        L=ship.L, draught=ship.d, depth=campaign.water.depth,
+        wind=None if wind is None else wind.speed, current_known=current is not None,
+    )  # fmt: skip
+    return Trial(
+        run=run.id, test=run.test, name=ship.name, L=ship.L, speed=approach.speed,
+        speed_std=approach.speed_std, heading_deg=math.degrees(approach.heading) % 360.0,
+        rudder_deg=level, order=part.orders[0].t,
+        orders=tuple(one.t - part.orders[0].t for one in part.orders), metrics=metrics, std=std,
+        verdicts=verdicts_of(
+            run.test, metrics, std, L=ship.L, speed=approach.speed, rudder_deg=level,
+            switch_deg=math.degrees(abs(switch)), conditions=conditions,
+        ),
+        current=current, wind=wind, noise=noise, notes=tuple(notes), t=path.t, x=path.x, y=path.y,
+        psi=path.psi, x_ground=path.x_ground, y_ground=path.y_ground,
+        delta=record.others.get("delta", np.full(len(record.t), np.nan)),
+    )  # fmt: skip

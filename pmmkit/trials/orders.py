@@ -1,0 +1,201 @@
+"""The instants of the orders, from the record of the rudder or of the revolutions."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.trials.local import white_noise
+
+Array = NDArray[np.float64]
+
+LOW: Final = 0.2
+HIGH: Final = 0.7
+BEGUN: Final = 0.03
+"""Share of the way from which a control is under way, where it gets there within a sample."""
+EASED: Final = 0.7
+"""A rudder below this share of the ordered angle is no longer held."""
+LASTING: Final = 3
+LASTING_TIME: Final = 1.0
+"""Samples and seconds that a control must stay beyond a level."""
+FLAT: Final = 0.2
+"""The median of a rudder that is held lies so near the ordered angle, as a share of it."""
+
+
+@dataclass(frozen=True)
+class Order:
+    """An order.
+
+    Parameters
+    ----------
+    t : float
+        Its instant [s].
+    std : float
+        Standard uncertainty of that [s].
+    level : float
+        What was reached: rudder angle [rad] or revolutions [1/s].
+    """
+
+    t: float
+    std: float
+    level: float
+
+
+def rudder_orders(t: Array, delta: Array, nominal: float, *, single: bool = False) -> list[Order]:
+    """When the rudder was ordered to each new side, from its angle.
+
+    The rudder moves at a steady rate: the line through 20 and 70 % of the way is followed back to
+    where the way begins.
+
+    Parameters
+    ----------
+    t, delta : array (n,)
+        Increasing times [s] and the rudder angle [rad].
+    nominal : float
+        Angle that was ordered [rad]; only its size counts.
+    single : bool
+        Whether there is one order, a turn: it is the one that is held longest, and rudder that
+        kept the course before does not count.
+
+    Returns
+    -------
+    list of Order
+        The first from amidships, the others from side to side.
+
+    Raises
+    ------
+    DataError
+        If the rudder never comes near the angle, or is there from the first sample on.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 60.0)
+    >>> delta = np.radians(np.clip(2.5 * (t - 20.0), 0.0, 35.0))
+    >>> [round(order.t, 2) for order in rudder_orders(t, delta, np.radians(35))]
+    [20.0]
+    """
+    size = abs(nominal)
+    most = float(np.abs(delta).max())
+    if most < 0.5 * size:
+        raise DataError(
+            f"The rudder angle reaches {math.degrees(most):.1f}°, ordered were "
+            f"{math.degrees(size):.1f}°. Check the column delta, its unit, and rudder_deg."
+        )
+    size = float(np.median(np.abs(delta)[np.abs(delta) > 0.6 * min(size, most)]))
+    side = np.where(delta > 0.5 * size, 1, np.where(delta < -0.5 * size, -1, 0))
+    runs = _held(t, delta, side, size)
+    if single and runs:
+        runs = [max(runs, key=lambda item: float(t[item[1] - 1] - t[item[0]]))]
+    noise = white_noise(delta)
+    orders: list[Order] = []
+    state, rest = 0, 0.0
+    for start, _, value in runs:
+        if value == state:
+            continue
+        if state == 0:
+            if start == 0:
+                raise DataError(
+                    "The record begins with the rudder over, so the instant of the order does not "
+                    "show. Give it: order under [trial], or --order."
+                )
+            quiet = delta[: max(start - round(0.5 * (start)), 1)]
+            rest = float(np.median(quiet)) if len(quiet) else 0.0
+            rest = 0.0 if abs(rest) > 0.3 * size else rest
+        origin = rest if state == 0 else state * size
+        orders.append(_back(t, delta, start, origin, value * size, noise))
+        state = value
+    if not orders:
+        raise DataError("The rudder never stays over. Check the column delta.")
+    return orders
+
+
+def _held(
+    t: Array, delta: Array, side: NDArray[np.int64], size: float
+) -> list[tuple[int, int, int]]:
+    """First index, index past the last, and side of each stretch in which the rudder is held."""
+    edges = np.concatenate(([0], np.flatnonzero(np.diff(side)) + 1, [len(side)])).tolist()
+    least = LASTING_TIME - 1e-9
+    return [
+        (start, stop, int(side[start]))
+        for start, stop in itertools.pairwise(edges)
+        if side[start]
+        and stop - start >= LASTING
+        and t[stop - 1] - t[start] >= least
+        and abs(float(np.median(np.abs(delta[start:stop]))) / size - 1.0) < FLAT
+    ]
+
+
+def _back(t: Array, values: Array, start: int, origin: float, goal: float, noise: float) -> Order:
+    """The beginning of a ramp that is on its way at an index."""
+    share = (values - origin) / (goal - origin)
+    low = start
+    while low > 0 and share[low - 1] >= LOW:
+        low -= 1
+    high = low
+    while high < len(share) - 1 and share[high] < HIGH:
+        high += 1
+    step = float(np.median(np.diff(t)))
+    t_low, t_high = _through(t, share, low, LOW), _through(t, share, high, HIGH)
+    level = float(goal)
+    if t_high - t_low < step:
+        while low > 1 and share[low - 1] > max(BEGUN, 4.0 * noise / abs(goal - origin)):
+            low -= 1
+        between = 0.5 * float(t[max(low - 1, 0)] + t[low])
+        return Order(between, step / math.sqrt(12.0), level)
+    began = t_low - LOW / (HIGH - LOW) * (t_high - t_low)
+    rate = (HIGH - LOW) * abs(goal - origin) / (t_high - t_low)
+    return Order(began, math.hypot(0.1 * step, 1.5 * noise / rate), level)
+
+
+def _through(t: Array, share: Array, index: int, level: float) -> float:
+    if index == 0 or share[index] == share[index - 1]:
+        return float(t[index])
+    part = (level - share[index - 1]) / (share[index] - share[index - 1])
+    return float(t[index - 1] + np.clip(part, 0.0, 1.0) * (t[index] - t[index - 1]))
+
+
+def held_until(t: Array, delta: Array, order: Order) -> float:
+    """Last instant at which the rudder is still held after an order [s]."""
+    over = delta * math.copysign(1.0, order.level) >= EASED * abs(order.level)
+    reached = np.flatnonzero(over & (t > order.t))
+    if not len(reached):
+        return float(t[-1])
+    eased = np.flatnonzero(~over[reached[0] :])
+    lasting = [place for place in eased if not over[reached[0] + place :][:LASTING].any()]
+    return float(t[reached[0] + lasting[0] - 1]) if lasting else float(t[-1])
+
+
+def astern_order(t: Array, n: Array) -> Order:
+    """When the engine was reversed, from the revolutions.
+
+    Parameters
+    ----------
+    t, n : array (n,)
+        Increasing times [s] and revolutions [1/s].
+
+    Raises
+    ------
+    DataError
+        If the revolutions do not fall to half.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 60.0)
+    >>> n = np.clip(1.5 - 0.1 * (t - 20.0), -0.9, 1.5)
+    >>> round(astern_order(t, n).t, 2)
+    20.0
+    """
+    ahead = float(np.median(n[: max(len(n) // 20, 5)]))
+    if ahead <= 0 or float(n.min()) > 0.5 * ahead:
+        raise DataError(
+            "The revolutions do not fall to half of those of the approach, so the order astern "
+            "does not show. Give its instant: order under [trial], or --order."
+        )
+    start = int(np.argmax(n < 0.5 * ahead))
+    return _back(t, n, start, ahead, 0.0, white_noise(n))

@@ -1,0 +1,205 @@
+"""The path of a trial in axes of its approach, with and without the current."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.trials.current import Current
+from pmmkit.trials.local import local, white_noise
+from pmmkit.trials.noise import PositionNoise, straight_line
+from pmmkit.trials.orders import Order
+from pmmkit.trials.record import GAP, Record
+
+Array = NDArray[np.float64]
+
+APPROACH: Final = 2.0
+"""Ship lengths of the approach that its heading and speed are taken from, at least 60 s."""
+SMOOTHED: Final = 0.15
+"""Half of the window of local fits in ship lengths over the approach speed, at least 3 samples."""
+FEW: Final = 5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Approach:
+    """The run before the order.
+
+    Parameters
+    ----------
+    heading, heading_std : float
+        Mean heading on the record's axes and its standard uncertainty [rad].
+    speed, speed_std : float
+        Through the water as far as the current is known [m/s].
+    measured : bool
+        False where the record begins too late and the stated speed is taken.
+    """
+
+    heading: float
+    heading_std: float
+    speed: float
+    speed_std: float
+    measured: bool
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Path:
+    """A path from the order on: origin where midship was then, x along the approach.
+
+    Parameters
+    ----------
+    t, x, y, psi : array (n,)
+        Time from the order, place without the current, heading from that of the approach.
+    x_ground, y_ground : array (n,)
+        The place as measured.
+    approach : Approach
+        The run before the order.
+    current : Current or None
+        What was removed.
+    noise : PositionNoise
+        Of the fixes.
+    psi_noise : float
+        Standard deviation of a single heading [rad].
+    half, step, grid : float
+        Half of the window of local fits, usual time between samples [s], spacing of the digits of
+        the positions [m].
+    L : float
+        Ship length [m].
+    """
+
+    t: Array
+    x: Array
+    y: Array
+    psi: Array
+    x_ground: Array
+    y_ground: Array
+    approach: Approach
+    current: Current | None
+    noise: PositionNoise
+    psi_noise: float
+    half: float
+    step: float
+    grid: float
+    L: float
+
+    def place(self, at: float) -> tuple[float, float]:
+        """Smoothed place at an instant [m]."""
+        return (
+            local(self.t, self.x, at, self.half).value,
+            local(self.t, self.y, at, self.half).value,
+        )
+
+    def velocity(self, at: float, half: float | None = None) -> tuple[float, float]:
+        """Smoothed velocity through the water along and across the approach [m/s]."""
+        window = 2.0 * self.half if half is None else half
+        return local(self.t, self.x, at, window).slope, local(self.t, self.y, at, window).slope
+
+    def variance(self, at: float, across: bool) -> float:
+        """Variance of the way from the order along or across the approach [m²]."""
+        here, there = (local(self.t, self.x, one, self.half) for one in (0.0, at))
+        found = self.noise.of_difference(at, here.leverage + there.leverage) + self.grid**2 / 6.0
+        if self.current is not None:
+            heading = self.approach.heading + (0.5 * math.pi if across else 0.0)
+            found += self.current.variance_along(heading) * at**2
+        for one in (here, there):
+            if one.gap > GAP * self.step:
+                bend = abs(local(self.t, self.psi, at, max(self.half, one.gap)).slope)
+                found += (bend * self.approach.speed * one.gap**2 / 16.0) ** 2
+        return found
+
+    def heading(self, at: float) -> tuple[float, float, float]:
+        """Smoothed heading, its standard uncertainty [rad] and the yaw rate [rad/s]."""
+        found = local(self.t, self.psi, at, self.half)
+        return found.value, self.psi_noise * math.sqrt(found.leverage), found.slope
+
+
+def path_of(
+    record: Record,
+    order: Order,
+    *,
+    L: float,
+    speed: float,
+    current: Current | None,
+    noise: PositionNoise,
+) -> Path:
+    """The path of a record from an order on.
+
+    Parameters
+    ----------
+    record : Record
+        From `read_record`.
+    order : Order
+        The first order.
+    L, speed : float
+        Ship length [m]; the stated speed [m/s], taken where the record has no approach.
+    current : Current or None
+        To be removed.
+    noise : PositionNoise
+        Of the fixes.
+
+    Raises
+    ------
+    DataError
+        If the record ends before the order, or begins after it.
+    """
+    t = record.t
+    if not t[0] - record.step <= order.t < t[-1]:
+        raise DataError(
+            f"The order at t = {order.t:.4g} s lies outside the record, {t[0]:.6g} to "
+            f"{t[-1]:.6g} s. Check the instant of the order."
+        )
+    drift = (0.0, 0.0) if current is None else (current.x, current.y)
+    psi_noise = white_noise(record.psi)
+    before = (t <= order.t) & (t >= order.t - max(60.0, APPROACH * L / speed))
+    measured = np.count_nonzero(before) >= FEW
+    if measured:
+        some = record.psi[before]
+        heading = float(np.mean(some))
+        heading_std = float(np.std(some)) / math.sqrt(max(len(some) / 10.0, 1.0))
+        (vx, sx), (vy, sy) = (
+            straight_line(t[before], part[before], noise) for part in (record.x, record.y)
+        )
+        found = math.hypot(vx - drift[0], vy - drift[1])
+        drift_variance = 0.0 if current is None else current.variance_along(heading)
+        speed_std = math.sqrt(0.5 * (sx**2 + sy**2) + drift_variance)
+    else:
+        heading = float(np.mean(record.psi[: int(np.searchsorted(t, order.t)) + 2]))
+        heading_std, found, speed_std = psi_noise, speed, math.nan
+    approach = Approach(
+        heading=heading,
+        heading_std=heading_std,
+        speed=found,
+        speed_std=speed_std,
+        measured=bool(measured),
+    )
+    half = max(SMOOTHED * L / speed, 3.0 * record.step)
+    since = t - order.t
+    ground = _turned(record.x, record.y, heading)
+    water = _turned(record.x - drift[0] * since, record.y - drift[1] * since, heading)
+    at = max(0.0, float(since[0]))
+    zero = [local(since, part, at, half).value for part in water]
+    return Path(
+        t=since,
+        x=water[0] - zero[0],
+        y=water[1] - zero[1],
+        psi=record.psi - heading,
+        x_ground=ground[0] - zero[0],
+        y_ground=ground[1] - zero[1],
+        approach=approach,
+        current=current,
+        noise=noise,
+        psi_noise=psi_noise,
+        half=half,
+        step=record.step,
+        grid=record.grid,
+        L=L,
+    )
+
+
+def _turned(x: Array, y: Array, heading: float) -> tuple[Array, Array]:
+    cos, sin = math.cos(heading), math.sin(heading)
+    return x * cos + y * sin, y * cos - x * sin

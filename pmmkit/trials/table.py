@@ -1,0 +1,187 @@
+"""What a sea trial gives: measures with their uncertainties and the limits beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.simulation.imo import Verdict
+from pmmkit.trials.current import Current
+from pmmkit.trials.noise import PositionNoise
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+
+UNITS: Final = {"_deg": "deg", "_L": "L", "_deg_s": "deg/s"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wind:
+    """Mean true wind of a run.
+
+    Parameters
+    ----------
+    speed : float
+        Speed of the mean wind [m/s].
+    direction_deg : float
+        Where it comes from, from the x axis of the record (north) towards y (east) [deg].
+    spread : float
+        Standard deviation of the speed [m/s].
+    """
+
+    speed: float
+    direction_deg: float
+    spread: float
+
+    def __str__(self) -> str:
+        return f"{self.speed:.1f} m/s from {self.direction_deg:03.0f}° (± {self.spread:.1f} m/s)"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trial:
+    """A turning circle, zigzag or stop as it was measured.
+
+    Parameters
+    ----------
+    run, test : str
+        Id of the run; ``turning``, ``zigzag`` or ``stopping``.
+    name : str
+        Of the ship.
+    L, speed, speed_std : float
+        Ship length [m]; approach speed through the water as far as the current is known, and its
+        standard uncertainty [m/s].
+    heading_deg, rudder_deg : float
+        Of the approach; ordered rudder as it was reached, positive to starboard [deg].
+    order : float
+        Instant of the order on the clock of the record [s].
+    orders : tuple of float
+        Instants of all orders, from the first [s].
+    metrics, std : mapping of str to float
+        Numbers by the names that `simulate` gives them, and their standard uncertainties;
+        lengths in metres, and with ``_L`` in ship lengths. NaN where the record does not show
+        them.
+    verdicts : tuple of Verdict
+        Criteria of IMO MSC.137(76) that the run is judged by.
+    current : Current or None
+        The current that was removed.
+    wind : Wind or None
+        Mean true wind.
+    noise : PositionNoise
+        Of the fixes.
+    notes : tuple of str
+        What a reader must know.
+    t : array (n,)
+        Time from the order [s].
+    x, y, psi : array (n,)
+        Path of midship along and to starboard of the approach without the current [m], heading
+        from that of the approach [rad].
+    x_ground, y_ground : array (n,)
+        The path as measured [m].
+    delta : array (n,)
+        Rudder angle; NaN where it was not recorded [rad].
+    """
+
+    run: str
+    test: str
+    name: str
+    L: float
+    speed: float
+    speed_std: float
+    heading_deg: float
+    rudder_deg: float
+    order: float
+    orders: tuple[float, ...]
+    metrics: Mapping[str, float]
+    std: Mapping[str, float]
+    verdicts: tuple[Verdict, ...] = ()
+    current: Current | None = None
+    wind: Wind | None = None
+    noise: PositionNoise = field(default_factory=lambda: PositionNoise(fast=0.0))
+    notes: tuple[str, ...] = ()
+    t: Array = field(repr=False)
+    x: Array = field(repr=False)
+    y: Array = field(repr=False)
+    psi: Array = field(repr=False)
+    x_ground: Array = field(repr=False)
+    y_ground: Array = field(repr=False)
+    delta: Array = field(repr=False)
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a measure: run, measure, value, std, unit, limit and whether it is met."""
+        limits = {_metric(verdict): verdict for verdict in self.verdicts}
+        found = []
+        for name, value in self.metrics.items():
+            verdict = limits.get(name)
+            found.append(
+                {
+                    "run": self.run, "test": self.test, "measure": name, "value": value,
+                    "std": self.std.get(name, math.nan), "unit": unit_of(name),
+                    "limit": math.nan if verdict is None else verdict.limit,
+                    "passed": None if verdict is None else verdict.passed,
+                    "probability": None if verdict is None else verdict.probability,
+                }
+            )  # fmt: skip
+        return found
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The rows as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+
+def unit_of(metric: str) -> str:
+    """Unit of a metric by its name.
+
+    Examples
+    --------
+    >>> unit_of("advance"), unit_of("advance_L"), unit_of("time_90"), unit_of("speed_ratio")
+    ('m', 'L', 's', '-')
+    """
+    for ending, unit in UNITS.items():
+        if metric.endswith(ending):
+            return unit
+    if metric.startswith(("time", "reach", "period", "initial_turning_time")):
+        return "s"
+    return "-" if metric.startswith("speed") else "m"
+
+
+def _metric(verdict: Verdict) -> str:
+    """Name of the metric that a verdict judges."""
+    overshoots = {"first": "overshoot_1_deg", "second": "overshoot_2_deg"}
+    first, _, rest = verdict.criterion.partition("_")
+    if rest.startswith("overshoot"):
+        return overshoots[first]
+    if verdict.criterion == "initial_turning":
+        return "initial_turning_distance_L"
+    return f"{verdict.criterion}_L"
+
+
+class Measures:
+    """Numbers with their standard uncertainties, as they are collected."""
+
+    def __init__(self, L: float) -> None:
+        self.L = L
+        self.values: dict[str, float] = {}
+        self.stds: dict[str, float] = {}
+
+    def add(self, name: str, value: float, std: float) -> None:
+        """A number that is no length."""
+        self.values[name], self.stds[name] = float(value), float(std)
+
+    def length(self, name: str, value: float, std: float) -> None:
+        """A length, in metres and in ship lengths."""
+        self.add(name, value, std)
+        self.add(f"{name}_L", value / self.L, std / self.L)
+
+    def frozen(self) -> tuple[Mapping[str, float], Mapping[str, float]]:
+        """The numbers and their uncertainties, read-only."""
+        return MappingProxyType(self.values), MappingProxyType(self.stds)
