@@ -57,8 +57,10 @@ class Innovations:
         return np.where(self.gated, np.nan, values)
 
     def log_likelihood(self) -> float:
-        """Of the residuals that were taken in; a gated one counts as one at the gate."""
-        terms = np.minimum(self.residuals**2 / self.variances, GATE**2) + np.log(self.variances)
+        """Of the residuals; a gated one counts as the smallest that was not taken in."""
+        square = self.residuals**2 / self.variances
+        most = np.min(square[self.gated]) if self.gated.any() else np.inf
+        terms = np.minimum(square, most) + np.log(self.variances)
         return float(-0.5 * np.nansum(terms))
 
 

@@ -48,7 +48,8 @@ def free_records(
     wind : bool
         Whether to take over a measured wind.
     shortest : float, optional
-        Segments shorter than this are left out [s]; by default ten ship lengths.
+        Segments shorter than this are left out [s]; by default ten ship lengths at the speed of
+        the approach, or a third of the record where that is less.
 
     Returns
     -------
@@ -66,8 +67,9 @@ def free_records(
     A campaign's wind is relative, at midship. The true wind over ground follows with heading and
     velocity: those of the columns u, v, else those of the positions.
     """
-    least = shortest or 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
-    found = usable(run, shortest=least)
+    t = np.asarray(run.data["t"].values, float)
+    lengths = 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
+    found = usable(run, shortest=shortest or min(lengths, float(np.nanmax(t) - np.nanmin(t)) / 3))
     return tuple(_record(segment, model, rudder, channels, wind) for segment in found.segments)
 
 

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
+FAR: Final = 4.0
+"""Standard deviations from the prior from which a value is pointed at."""
 WHITE: Final = 1.5
 """Variance of the residuals over that of white ones up to which they count as white."""
 METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
@@ -164,6 +166,10 @@ def identify(
         raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
     if not records:
         raise DataError("There is no record to identify from.")
+    given = [record.name for record in records]
+    twice = sorted({name for name in given if given.count(name) > 1})
+    if twice:
+        raise DataError(f"Several records are named {', '.join(twice)}: give each its own name.")
     started = time.perf_counter()
     speed = records[0].speed
     asked = tuple(names) if names is not None else tuple(model.parts["hull_polynomial"].values)
@@ -215,6 +221,13 @@ def _told(
         [prior.mean[i] if name in unseen else found.values[i] for i, name in enumerate(prior.names)]
     )
     made = _with_values(model, prior.names, kept, covariance, f"{method} on free-running records")
+    away = (np.array(found.values) - prior.mean) / prior.std
+    notes += tuple(
+        f"{name} lies {abs(x):.1f} standard deviations from what was known before: check signs, "
+        f"prior and sensors"
+        for name, x in zip(prior.names, away.tolist(), strict=True)
+        if abs(x) > FAR
+    )
     return Identified(
         method=method, names=prior.names, values=np.array(found.values), std=std,
         covariance=covariance, prior=prior, unseen=unseen, model=made, seconds=seconds,
