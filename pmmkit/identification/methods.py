@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.forces import fit_to_forces
@@ -220,14 +220,26 @@ def _told(
     kept = np.array(
         [prior.mean[i] if name in unseen else found.values[i] for i, name in enumerate(prior.names)]
     )
-    made = _with_values(model, prior.names, kept, covariance, f"{method} on free-running records")
+    try:
+        made = _with_values(
+            model, prior.names, kept, covariance, f"{method} on free-running records"
+        )
+    except ModelError as error:
+        raise DataError(
+            f"The records drive a value out of its range: {error} Narrow the prior of that value, "
+            f"or hold it (leave it out of the names)."
+        ) from error
     away = (np.array(found.values) - prior.mean) / prior.std
-    notes += tuple(
-        f"{name} lies {abs(x):.1f} standard deviations from what was known before: check signs, "
-        f"prior and sensors"
+    far = [
+        f"{name} {abs(x):.0f}"
         for name, x in zip(prior.names, away.tolist(), strict=True)
         if abs(x) > FAR
-    )
+    ]
+    if far:
+        notes += (
+            f"far from what was known before, in its standard deviations: {', '.join(far)}; check "
+            f"signs, prior and sensors",
+        )
     return Identified(
         method=method, names=prior.names, values=np.array(found.values), std=std,
         covariance=covariance, prior=prior, unseen=unseen, model=made, seconds=seconds,
