@@ -1,0 +1,7 @@
+"""Where a model fails, and which effect or fault is missing."""
+
+from pmmkit.diagnosis.candidate import Candidate, polynomial
+from pmmkit.diagnosis.coverage import Visible
+from pmmkit.diagnosis.diagnose import Diagnosis, Finding, diagnose_captive
+
+__all__ = ["Candidate", "Diagnosis", "Finding", "Visible", "diagnose_captive", "polynomial"]

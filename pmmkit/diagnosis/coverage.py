@@ -1,0 +1,143 @@
+"""What these runs could show at all, before anybody looks at the residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.contest import TRANSIENT_FAULT, evidence_at
+from pmmkit.diagnosis.system import WIDER, Block, System
+
+Array = NDArray[np.float64]
+SHOWS: Final = 12.0
+"""Squared signal over noise at its usual size from which an effect can be seen."""
+HIDES: Final = 15.0
+"""Squared signal over noise that an effect hidden from these runs cannot exceed (95 %)."""
+MIMICS: Final = 0.6
+"""Share of a signature from which another effect is called its mimic."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Visible:
+    """What the runs could show of one effect.
+
+    Parameters
+    ----------
+    name, family : str
+        The effect.
+    signal : float
+        Squared signal over noise at its usual size, what the base can absorb taken off.
+    hides : float
+        Share of the usual size that could hide.
+    shown : bool
+        Whether these runs can show it.
+    why : str
+        Why not, in words.
+    mimics : mapping of str to float
+        Effects that can stand for it, with the share of its signature that they reproduce.
+    """
+
+    name: str
+    family: str
+    signal: float
+    hides: float
+    shown: bool
+    why: str
+    mimics: Mapping[str, float]
+
+
+def coverage(system: System) -> tuple[Visible, ...]:
+    """Coverage of every candidate by the runs of a system; the forces do not enter but by noise.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+
+    Returns
+    -------
+    tuple of Visible
+        The most visible first.
+    """
+    best: dict[str, tuple[float, Block]] = {}
+    for block in system.blocks:
+        signal = _signal(system, block)
+        name = block.candidate.name
+        if name not in best or signal > best[name][0]:
+            best[name] = (signal, block)
+    found = []
+    for name, (signal, block) in best.items():
+        shown = signal >= SHOWS
+        found.append(
+            Visible(
+                name=name,
+                family=block.candidate.family,
+                signal=signal,
+                hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
+                shown=shown,
+                why="" if shown else _why(block.candidate, signal),
+                mimics=_mimics(system, block, signal, best) if shown else {},
+            )
+        )
+    return tuple(sorted(found, key=lambda item: -item.signal))
+
+
+def _at_usual_size(block: Block) -> Array:
+    """Coefficients at the usual size, in units of the prior."""
+    count = block.columns.stop - block.columns.start
+    if block.candidate is TRANSIENT_FAULT:
+        return np.full(count, 1.0 / WIDER)
+    sizes = np.array(block.candidate.typical)
+    centre = block.candidate.centre
+    usual: Array = np.array(centre) / (WIDER * np.abs(sizes)) if centre else np.sign(sizes) / WIDER
+    return usual
+
+
+def _signal(system: System, block: Block) -> float:
+    a = _at_usual_size(block)
+    return float(a @ system.gram[block.columns, block.columns] @ a)
+
+
+def _why(candidate: Candidate, signal: float) -> str:
+    if candidate.excites and signal == 0.0:
+        return f"these runs hold no {' and no '.join(candidate.excites)}"
+    if signal < 0.1:
+        return "the base absorbs it: its coefficients take it over"
+    return "too small beside noise, run scatter and floor"
+
+
+def _mimics(
+    system: System, block: Block, signal: float, others: Mapping[str, tuple[float, Block]]
+) -> dict[str, float]:
+    """Effects that reproduce most of a signature."""
+    a = _at_usual_size(block)
+    found = {}
+    for name, (_, other) in others.items():
+        if name == block.candidate.name:
+            continue
+        G = system.gram[other.columns, other.columns]
+        cross = system.gram[other.columns, block.columns] @ a
+        share = float(cross @ np.linalg.lstsq(G, cross, rcond=1e-9)[0]) / signal
+        if share >= MIMICS:
+            found[name] = share
+    return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def remainder(system: System, blocks: Sequence[Block]) -> float:
+    """ln evidence that something smooth is left beside some effects, larger than the floor."""
+    own = [np.arange(block.columns.start, block.columns.stop) for block in blocks]
+    floor = np.arange(system.floor_columns.start, system.floor_columns.stop)
+    at = np.concatenate([*own, floor]) if own else floor
+    size = np.ones(len(at))
+    without = evidence_at(system, np.concatenate(own)) if own else 0.0
+    found = -math.inf
+    for factor in (2.0, 4.0, 8.0):
+        size[len(at) - len(floor) :] = math.sqrt(factor**2 - 1.0)
+        found = max(found, evidence_at(system, at, size) - without)
+    return found

@@ -1,0 +1,255 @@
+"""Faults of a measurement: one size for all runs and channels is what betrays them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.base import Base, Forces
+from pmmkit.diagnosis.candidate import Candidate, spread_over
+from pmmkit.diagnosis.views import View
+from pmmkit.effects.state import State
+
+Array = NDArray[np.float64]
+STEP: Final = 1e-4
+SWAY: Final = ("pure_sway", "sway_yaw")
+YAW: Final = ("pure_yaw", "yaw_drift", "sway_yaw", "yaw_rudder")
+
+
+def _one(view: View, forces: Forces | Mapping[str, Array]) -> Mapping[str, Array]:
+    return spread_over(view, {channel: [values] for channel, values in forces.items()}, 1)
+
+
+def _turned(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """The model stands turned by a degree on the carriage: its drift is larger than stated."""
+    del value
+
+    def moved(view: View) -> tuple[State, float]:
+        m = view.motion
+        c, s = math.cos(STEP), math.sin(STEP)
+        return m.with_(
+            u=c * m.u + s * m.v, v=c * m.v - s * m.u, udot=c * m.udot + s * m.vdot,
+            vdot=c * m.vdot - s * m.udot,
+        ), view.speed  # fmt: skip
+
+    return _one(view, base.change(view, moved, math.degrees(STEP)))
+
+
+def _drift_of_the_tank(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Water that moves across the tank to starboard [m/s]."""
+    del value
+    step = 1e-4
+
+    def moved(view: View) -> tuple[State, float]:
+        m, psi = view.motion, view.heading
+        return m.with_(
+            u=m.u - step * np.sin(psi), v=m.v - step * np.cos(psi),
+            udot=m.udot - step * np.cos(psi) * m.r, vdot=m.vdot + step * np.sin(psi) * m.r,
+        ), view.speed  # fmt: skip
+
+    return _one(view, base.change(view, moved, step))
+
+
+def _zero(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Constant newtons of the gauges."""
+    del base, value
+    constant, zero = view.project(np.ones(len(view.t))), np.zeros(view.rows)
+    return spread_over(view, {"Y": [constant, zero], "N": [zero, constant]}, 2)
+
+
+def _predicted(view: View, base: Base) -> Forces:
+    """Harmonics of what the gauges show according to the base."""
+    return {
+        channel: view.project(values)
+        for channel, values in base.forces(view.motion, view.speed).items()
+    }
+
+
+def _turn(harmonics: Array, factors: list[complex]) -> Array:
+    """Harmonics multiplied by complex factors (those of a filter)."""
+    found = np.zeros_like(harmonics)
+    found[0] = (factors[0] * harmonics[0]).real
+    for n in range(1, (len(harmonics) - 1) // 2 + 1):
+        value = (harmonics[2 * n - 1] - 1j * harmonics[2 * n]) * factors[n]
+        found[2 * n - 1], found[2 * n] = value.real, -value.imag
+    return found
+
+
+def _orders(view: View) -> range:
+    return range((view.rows - 1) // 2 + 1)
+
+
+def _clock(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Forces that come a second late."""
+    del value
+    factors = [-1j * n * view.omega for n in _orders(view)]
+    return _one(view, {c: _turn(x, factors) for c, x in _predicted(view, base).items()})
+
+
+def _filter(view: View, base: Base, corner: float) -> Mapping[str, Array]:
+    """A one-pole filter of a corner frequency [Hz] on the forces."""
+    factors = [1.0 / (1.0 + 1j * n * view.omega / (2 * math.pi * corner)) - 1.0
+               for n in _orders(view)]  # fmt: skip
+    return _one(view, {c: _turn(x, factors) for c, x in _predicted(view, base).items()})
+
+
+def _cross_talk(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Share of one channel in another: Y in X (0), X in Y (1)."""
+    found = _predicted(view, base)
+    if "X" not in found or "Y" not in found:
+        return {}
+    return _one(view, {"X": found["Y"]} if value == 0.0 else {"Y": found["X"]})
+
+
+def _gain(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    del value
+    found = _predicted(view, base)
+    return _one(view, {"Y": found["Y"]}) if "Y" in found else {}
+
+
+def _point(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    del value
+    found = _predicted(view, base)
+    return _one(view, {"N": base.ship.L * found["Y"]}) if {"Y", "N"} <= set(found) else {}
+
+
+def _inertia(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """A share of the ship's mass left in the forces."""
+    del value
+    m, mass = view.motion, base.ship.mass
+    return _one(
+        view,
+        {"X": view.project(-mass * (m.udot - m.v * m.r)),
+         "Y": view.project(-mass * (m.vdot + m.u * m.r))},
+    )  # fmt: skip
+
+
+def _amplitude(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Sway larger than stated by a share, in tests that sway."""
+    del value
+    if view.run.test not in SWAY:
+        return {}
+
+    def moved(view: View) -> tuple[State, float]:
+        m = view.motion
+        return m.with_(v=m.v * (1 + STEP), vdot=m.vdot * (1 + STEP)), view.speed
+
+    return _one(view, base.change(view, moved, STEP))
+
+
+def _phase(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Rams a degree out of step in tests that yaw: sway in proportion to the yaw rate."""
+    del value
+    if view.run.test not in YAW or view.omega == 0.0:
+        return {}
+
+    def moved(view: View) -> tuple[State, float]:
+        m = view.motion
+        gain = STEP * view.speed / view.omega
+        return m.with_(v=m.v + gain * m.r, vdot=m.vdot + gain * m.rdot), view.speed
+
+    return _one(view, base.change(view, moved, math.degrees(STEP)))
+
+
+def _carriage(view: View, base: Base, speed: float) -> Mapping[str, Array]:
+    """The carriage faster than stated by a share, at one speed."""
+    if speed == 0.0 or abs(view.speed / speed - 1) > 0.02:
+        return {}
+
+    def moved(view: View) -> tuple[State, float]:
+        m = view.motion
+        v = m.v if view.run.dynamic and view.run.test in SWAY else m.v * (1 + STEP)
+        return m.with_(u=m.u * (1 + STEP), v=v), view.speed * (1 + STEP)
+
+    return _one(view, base.change(view, moved, STEP))
+
+
+def _creep(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    """Gauges that creep over a record [N/min, N m/min]."""
+    del base, value
+    grown, zero = view.project(view.t / 60.0), np.zeros(view.rows)
+    return spread_over(view, {"Y": [grown, zero], "N": [zero, grown]}, 2)
+
+
+FAULTS: Final = (
+    Candidate(
+        name="fault_misalignment", family="alignment", kind="fault",
+        summary="The model stands turned on the carriage.", coefficients=("turned [deg]",),
+        typical=(0.26,), columns=_turned, check="turn the model by 180° and repeat static drift",
+    ),
+    Candidate(
+        name="current", family="alignment", kind="fault",
+        summary="Water moves across the tank.", coefficients=("current [m/s]",),
+        typical=(0.0075,), columns=_drift_of_the_tank,
+        check="static drift at low speed, or after a longer wait",
+    ),
+    Candidate(
+        name="fault_gauge_zero", family="asymmetry", kind="fault",
+        summary="Gauges that do not show zero at rest: constant newtons.",
+        coefficients=("Y [N]", "N [N m]"), typical=(2.4, 3.5), columns=_zero,
+        check="zero records before and after, and a slow run",
+    ),
+    Candidate(
+        name="fault_time_lag", family="timing", kind="fault",
+        summary="Forces come later than the motion.", coefficients=("lag [s]",), typical=(0.04,),
+        columns=_clock, check="a knock that both clocks see",
+    ),
+    Candidate(
+        name="fault_filter_lag", family="timing", kind="fault",
+        summary="A filter on the forces and not on the motion.", coefficients=("share [-]",),
+        typical=(0.1,), centre=(1.0,), columns=_filter, parameter="corner [Hz]",
+        grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0),
+        check="the filter's settings; a knock",
+    ),
+    Candidate(
+        name="fault_cross_talk", family="gauges", kind="fault",
+        summary="One channel of the balance shows part of another.", coefficients=("share [-]",),
+        typical=(0.010,), columns=_cross_talk, grid=(0.0, 1.0),
+        parameter="Y in X (0), X in Y (1)", check="pull with weights along each axis",
+    ),
+    Candidate(
+        name="fault_gauge_gain", family="gauges", kind="fault",
+        summary="The side force gauge shows too much.", coefficients=("share [-]",),
+        typical=(0.03,), columns=_gain, check="weights; oscillate the dry model",
+    ),
+    Candidate(
+        name="fault_moment_point", family="gauges", kind="fault",
+        summary="Moments about another point than stated.", coefficients=("x over L [-]",),
+        typical=(0.01,), columns=_point, check="a weight at a known lever",
+    ),
+    Candidate(
+        name="fault_inertia", family="gauges", kind="fault",
+        summary="Part of the model's inertia left in the forces.", coefficients=("mass share [-]",),
+        typical=(0.02,), columns=_inertia, check="oscillate the dry model; weigh it",
+    ),
+    Candidate(
+        name="fault_pmm_amplitude", family="rig", kind="fault",
+        summary="Sway larger than stated.", coefficients=("share [-]",), typical=(0.03,),
+        columns=_amplitude, check="measure the motion",
+    ),
+    Candidate(
+        name="fault_pmm_phase", family="rig", kind="fault",
+        summary="Rams out of step: pure yaw sways.", coefficients=("phase [deg]",), typical=(1.0,),
+        columns=_phase, check="record both rams",
+    ),
+    Candidate(
+        name="fault_gauge_drift", family="gauges", kind="fault",
+        summary="Gauges that creep during a run.",
+        coefficients=("Y [N/min]", "N [N m/min]"), typical=(2.0, 3.0), columns=_creep,
+        check="zero records after each run",
+    ),
+)  # fmt: skip
+
+
+def carriage_fault(speeds: tuple[float, ...]) -> Candidate:
+    """The carriage's speed wrong at one of the speeds tested."""
+    return Candidate(
+        name="fault_carriage_speed", family="rig", kind="fault",
+        summary="The carriage is faster than stated at one speed.", coefficients=("share [-]",),
+        typical=(0.010,), columns=_carriage, grid=speeds, parameter="speed [m/s]",
+        check="an independent speed log", excites=("several speeds",),
+    )  # fmt: skip

@@ -1,0 +1,10 @@
+"""A virtual towing tank with effects hidden in its records, to test what a diagnosis finds.
+
+It shares no formula with the package: the catalogue's forms are written here again by hand, and the
+foreign truth puts each effect in at its physical source.
+"""
+
+from .sizes import SHIP, SIZES, WATER
+from .tank import EFFECTS, INSIDE, OUTSIDE, hidden_campaign
+
+__all__ = ["EFFECTS", "INSIDE", "OUTSIDE", "SHIP", "SIZES", "WATER", "hidden_campaign"]

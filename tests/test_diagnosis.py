@@ -1,0 +1,151 @@
+"""Effects hidden in a virtual tank that shares no formula with the diagnosis."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hidden_effects import hidden_campaign
+
+from pmmkit.diagnosis import diagnose_captive
+from pmmkit.diagnosis.contest import log_evidence
+from pmmkit.diagnosis.diagnose import odds
+from pmmkit.errors import DataError
+
+BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
+        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+
+
+def diagnosed(effects, seed=11, programme="full", **settings):
+    return diagnose_captive(hidden_campaign(programme, effects, seed=seed, **settings), BASE)
+
+
+def effects_of(found):
+    return [names for names, _ in found.group]
+
+
+# The rule of evidence
+
+
+def test_evidence_is_the_ratio_of_two_normal_densities():
+    """N(E c, I + E E') over N(0, I), written out with its determinant."""
+    rng = np.random.default_rng(3)
+    E, z, c = rng.normal(size=(12, 3)), rng.normal(size=12), np.array([0.5, -1.0, 0.0])
+    V = np.eye(12) + E @ E.T
+    away = z - E @ c
+    expected = 0.5 * (z @ z - away @ np.linalg.solve(V, away) - np.linalg.slogdet(V)[1])
+    assert log_evidence(E.T @ E, E.T @ z, c) == pytest.approx(expected, rel=1e-10)
+
+
+def test_odds_are_words_and_end_at_a_thousand():
+    assert odds(math.log(20.0)) == "about 20 to 1"
+    assert odds(300.0) == "over 1000 to 1"
+
+
+# Nothing hidden
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("noise", ["standard", "hard"])
+def test_a_campaign_without_an_effect_is_noise(seed, noise):
+    found = diagnosed({}, seed=seed, noise=noise)
+    assert found.verdict == "noise"
+    assert found.group == ()
+    assert found.findings == ()
+
+
+@pytest.mark.parametrize("effect", ["fault_gauge_gain", "fault_moment_point"])
+def test_what_the_base_absorbs_is_noise_and_listed_as_not_testable(effect):
+    found = diagnosed({effect: 1.0})
+    assert found.verdict == "noise"
+    listed = {item.name: item for item in found.not_testable}
+    assert "absorbs" in listed[effect].why
+    assert listed[effect].hides > 10.0
+
+
+# One effect hidden
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "modulus_sway_drag", "crossflow_drag", "yaw_sway_coupling", "memory", "lagged_crossflow",
+        "nonlinear_added_mass", "heel_coupling", "asymmetry", "froude_linear", "resistance_curve",
+        "rudder_stall", "surge_yaw_coupling", "fault_misalignment", "current", "fault_gauge_zero",
+        "fault_cross_talk", "fault_pmm_amplitude", "fault_transient",
+    ],
+)  # fmt: skip
+def test_a_hidden_effect_is_named(effect):
+    found = diagnosed({effect: 1.0})
+    assert found.verdict == "missing_effect"
+    assert effects_of(found) == [(effect,)]
+    (finding,) = found.findings
+    assert finding.effect == effect
+    assert found.chance < 0.01
+
+
+def test_a_clock_that_is_late_cannot_be_told_from_a_filter():
+    """A filter is a lag and a little attenuation: a lag may be either, both are named."""
+    found = diagnosed({"fault_time_lag": 1.0})
+    assert set(effects_of(found)) == {("fault_time_lag",), ("fault_filter_lag",)}
+    assert "knock" in found.findings[0].separating_test
+
+
+def test_a_filter_is_found_with_its_corner():
+    """2.07 Hz; 2.0 is the nearest of the grid."""
+    found = diagnosed({"fault_filter_lag": 1.0})
+    assert effects_of(found)[0] == ("fault_filter_lag",)
+    assert (found.findings[0].parameter, found.findings[0].value) == ("corner [Hz]", 2.0)
+
+
+def test_the_size_of_a_fault_is_found_with_its_uncertainty():
+    """0.26° of misalignment; 3 % of PMM amplitude; 2.4 N and -3.5 N m of zero error."""
+    for effect, expected in (
+        ("fault_misalignment", [0.26]), ("fault_pmm_amplitude", [0.03]),
+        ("fault_gauge_zero", [2.4, -3.5]),
+    ):  # fmt: skip
+        (finding,) = diagnosed({effect: 1.0}).findings
+        values, std = (np.array(list(x.values())) for x in (finding.coefficients, finding.std))
+        np.testing.assert_array_less(np.abs(np.abs(values) - np.abs(expected)), 4.0 * std)
+
+
+def test_two_effects_are_named_together():
+    found = diagnosed({"yaw_sway_coupling": 1.0, "fault_gauge_zero": 1.0})
+    assert effects_of(found)[0] == ("fault_gauge_zero", "yaw_sway_coupling")
+
+
+def test_the_same_data_give_the_same_answer():
+    one, two = (diagnosed({"memory": 1.0}) for _ in range(2))
+    assert one.entries == two.entries
+    assert one.findings == two.findings
+
+
+# What the runs can show
+
+
+def test_one_speed_cannot_show_what_changes_with_speed():
+    found = diagnosed({}, programme="small")
+    hidden = {item.name for item in found.not_testable}
+    assert {"froude_linear", "froude_nonlinear", "resistance_curve"} <= hidden
+
+
+def test_coverage_grows_with_the_programme():
+    small, full = (
+        {item.name: item.signal for item in diagnosed({}, programme=name).covered}
+        for name in ("small", "full")
+    )
+    for name in ("crossflow_drag", "yaw_sway_coupling", "memory", "fault_misalignment"):
+        assert full[name] > small[name]
+
+
+def test_something_outside_the_catalogue_is_not_given_a_bare_name():
+    for effect in ("outside_acceleration_drag", "outside_hysteresis", "outside_dead_zone"):
+        found = diagnosed({effect: 1.0})
+        assert found.verdict == "unexplained" or "not_the_whole_story" in found.flags, effect
+
+
+def test_free_running_campaigns_are_refused_for_now():
+    campaign = hidden_campaign("small").with_(kind="free-running")
+    with pytest.raises(DataError, match="captive"):
+        diagnose_captive(campaign)
