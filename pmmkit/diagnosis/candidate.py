@@ -76,10 +76,25 @@ def polynomial(
 
     Parameters
     ----------
+    name, family, summary : str
+        As in `Candidate`.
     sizes : mapping of str to float
         Derivatives with their typical sizes.
+    check : str
+        A run or a check that shows it.
     law : callable, optional
         From the base and the speed to a factor of each derivative, for dependence on speed.
+    excites : tuple of str
+        What a campaign must hold.
+
+    Returns
+    -------
+    Candidate
+
+    Examples
+    --------
+    >>> polynomial("sway_drag", "hull", "Drag of sway.", {"Yv|v|": -0.02}).coefficients
+    ('Yv|v|',)
     """
     names = tuple(sizes)
 
