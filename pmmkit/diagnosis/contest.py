@@ -10,7 +10,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
@@ -76,13 +75,6 @@ def build(
         Size of what is too small to matter, over the largest force of a channel: the user's
         uncertainty of everything that is smooth in the motion.
     """
-    with threadpool_limits(1):
-        return _built(tuple(views), base, candidates, floor)
-
-
-def _built(
-    views: tuple[View, ...], base: Base, candidates: Sequence[Candidate], floor: float
-) -> System:
     channels = channels_of(views, base)
     base = fitted(base, channels, views)
     predicted = {
@@ -118,7 +110,7 @@ def _built(
         )
         for place, c in enumerate(channels)
     ]  # fmt: skip
-    return _assembled(views, base, channels, scatter, raw, pieces)
+    return _assembled(tuple(views), base, channels, scatter, raw, pieces)
 
 
 def _sizes(candidate: Candidate) -> Array:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.base import Base
@@ -178,8 +179,16 @@ def diagnose_captive(
     sizes from the catalogue and a price of ln 2K per effect. Nothing is named unless chance gives
     so much evidence in less than 1 % of campaigns without any effect.
     """
-    views = views_of(campaign)
-    usable = [view for view in views if view.force]
+    with threadpool_limits(1):
+        return _diagnosed(campaign, structure, floor, candidates, seed)
+
+
+def _diagnosed(
+    campaign: Campaign, structure: str | Sequence[str] | Structure, floor: float,
+    candidates: Sequence[Candidate] | None, seed: int,
+) -> Diagnosis:  # fmt: skip
+    """The diagnosis on one thread: the matrices are too small for more."""
+    usable = [view for view in views_of(campaign) if view.force]
     if not usable:
         raise DataError(
             "No run states its noise: a diagnosis needs histories of steady or oscillating runs."
