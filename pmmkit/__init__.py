@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
+    from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
@@ -67,6 +68,7 @@ __all__ = [
     "catalogue",
     "contributions",
     "converted",
+    "diagnose",
     "estimate",
     "estimated_model",
     "evaluate_trials",
@@ -109,6 +111,7 @@ __all__ = [
 _HOMES: Final = {
     "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
+    "diagnosis.diagnose": ("diagnose",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "identification": ("fit_to_forces", "free_records", "identify"),

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hidden_effects import hidden_campaign
 
-from pmmkit.diagnosis import diagnose_captive
+from pmmkit.diagnosis import diagnose, diagnose_captive
 from pmmkit.diagnosis.contest import log_evidence
 from pmmkit.diagnosis.diagnose import odds
 from pmmkit.errors import DataError
+from pmmkit.model import load_model
+from pmmkit.structures import STRUCTURES
 
 BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
         "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
@@ -143,6 +146,18 @@ def test_something_outside_the_catalogue_is_not_given_a_bare_name():
     for effect in ("outside_acceleration_drag", "outside_hysteresis", "outside_dead_zone"):
         found = diagnosed({effect: 1.0})
         assert found.verdict == "unexplained" or "not_the_whole_story" in found.flags, effect
+
+
+def test_a_model_a_structure_and_a_list_are_the_same_base():
+    campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
+    answers = [diagnose(base, campaign) for base in ("cubic", STRUCTURES["cubic"].derivatives)]
+    made = load_model("s175-3dof")
+    hull = {name: x for name, x in made.parts["hull_polynomial"].values.items()
+            if name not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}  # fmt: skip
+    part = replace(made.parts["hull_polynomial"], values=hull)
+    answers.append(diagnose(made.with_(parts={**made.parts, "hull_polynomial": part}), campaign))
+    for found in answers:
+        assert effects_of(found)[0] == ("yaw_sway_coupling",)
 
 
 def test_free_running_campaigns_are_refused_for_now():

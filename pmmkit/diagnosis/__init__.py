@@ -2,6 +2,14 @@
 
 from pmmkit.diagnosis.candidate import Candidate, polynomial
 from pmmkit.diagnosis.coverage import Visible
-from pmmkit.diagnosis.diagnose import Diagnosis, Finding, diagnose_captive
+from pmmkit.diagnosis.diagnose import Diagnosis, Finding, diagnose, diagnose_captive
 
-__all__ = ["Candidate", "Diagnosis", "Finding", "Visible", "diagnose_captive", "polynomial"]
+__all__ = [
+    "Candidate",
+    "Diagnosis",
+    "Finding",
+    "Visible",
+    "diagnose",
+    "diagnose_captive",
+    "polynomial",
+]

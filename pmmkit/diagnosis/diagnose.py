@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,10 +21,12 @@ from pmmkit.diagnosis.faults import FAULTS, carriage_fault
 from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.diagnosis.views import views_of
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
+from pmmkit.model import Model, load_model
 from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
-from pmmkit.structures import Structure, structure_of
+from pmmkit.structures import STRUCTURES, Structure, structure_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -133,6 +136,46 @@ class Diagnosis:
                 for item in self.covered
             ]
         ).sort_values("log_evidence", ascending=False, ignore_index=True)  # fmt: skip
+
+
+def diagnose(
+    model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, **settings: Any
+) -> Diagnosis:
+    """Name what a model lacks that captive tests show.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        A model, whose derivatives of hull and added mass are the base; the name of a structure, of
+        a library ship or a file; or a list of derivatives. The values are fitted to the tests.
+    campaign : Campaign
+        Captive tests with histories.
+    **settings
+        As for `diagnose_captive`.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running.
+    """
+    if isinstance(model, Structure) or (isinstance(model, str) and model in STRUCTURES):
+        return diagnose_captive(campaign, model, **settings)
+    if isinstance(model, (str, Path)):
+        model = load_model(model)
+    if not isinstance(model, Model):
+        return diagnose_captive(campaign, model, **settings)
+    names = [
+        name
+        for effect in ("hull_polynomial", "added_mass")
+        if effect in model.parts
+        for name in model.parts[effect].values
+        if catalogue()[effect].parameter(name) is None
+    ]
+    return diagnose_captive(campaign, names, **settings)
 
 
 def diagnose_captive(
