@@ -16,8 +16,9 @@ from types import MappingProxyType
 
 import pmmkit as pk
 from pmmkit.effects.cross_flow import hoerner_cd
+from pmmkit.empirical import friction_coefficient
 from pmmkit.model import Model, Part
-from pmmkit.ship import Ship, Water
+from pmmkit.ship import Ship, Water, viscosity
 
 KNOT = 1852 / 3600
 L, B, D_MEAN, MASS = 170.0, 28.0, 5.104, 19_137e3
@@ -37,7 +38,7 @@ PRINTED = {
 def resistance_coefficient(speed: float) -> float:
     """Xuu' from the ITTC 1957 line, form factor 1.2, allowance 0.0004, residuary 0.0006."""
     wetted = 1.7 * L * D_MEAN + VOLUME / D_MEAN
-    friction = 0.075 / (math.log10(speed * L / (WATER.nu or 1.19e-6)) - 2) ** 2
+    friction = friction_coefficient(speed * L / viscosity(WATER))
     return -(1.2 * friction + 0.0004 + 0.0006) * wetted / L**2
 
 

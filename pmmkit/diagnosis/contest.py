@@ -315,10 +315,12 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
     index = {id(block): np.arange(block.columns.start, block.columns.stop)
              for block in system.blocks}  # fmt: skip
 
+    near = {name: _near(system, index, own) for name, own in by_name.items()}
+
     def entry(names: Sequence[str]) -> Entry:
         grids = [by_name[name] for name in names]
         if len(names) > 1:
-            grids = [_near(system, index, own) for own in grids]
+            grids = [near[name] for name in names]
         found = []
         for blocks in _product(grids):
             at = np.concatenate([index[id(block)] for block in blocks])
@@ -339,7 +341,7 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
     if most > 1:
         wanted = {tuple(sorted(pair)) for pair in combinations(best, 2)}
         wanted |= {tuple(sorted((a, b))) for a in best[:4] for b in by_name if b != a}
-        pairs = sorted((entry(pair) for pair in wanted), key=lambda x: -x.log_evidence)
+        pairs = sorted((entry(pair) for pair in sorted(wanted)), key=lambda x: -x.log_evidence)
         found += pairs
     if most > 2 and pairs:
         triples = {
@@ -348,7 +350,7 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
             for name in by_name
             if name not in pair.names
         }
-        found += [entry(names) for names in triples]
+        found += [entry(names) for names in sorted(triples)]
     return sorted(found, key=lambda x: -x.log_evidence)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Final
 
@@ -203,4 +202,3 @@ PHYSICS: Final = (
         check="drift with rudder at both signs of each", excites=("rudder",),
     ),
 )  # fmt: skip
-DEGREE: Final = math.radians(1.0)

@@ -108,7 +108,9 @@ def _pieces(run: Run, campaign: Campaign, rig: Rig) -> list[View]:
     """
     if run.kind != "history" or not run.dynamic:
         return [_view(prepare(run, campaign), rig)]
-    times = np.asarray(run.data["t"].values, float)
+    data = run.data
+    run = run.with_(loader=lambda: data)
+    times = np.asarray(data["t"].values, float)
     omega = run.settings.omega or 1.0
     covered = (times[-1] - times[0]) * omega / (2 * math.pi)
     for count in (int(covered + 0.5), int(covered + 0.5) - 1):

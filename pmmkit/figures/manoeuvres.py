@@ -143,12 +143,17 @@ def spiral(track: Track) -> Figure:
                 angles, rates, color=style.colour(number), marker=style.marker(number), ms=4,
                 ls="-" if number == 0 else "--", label=text,
             )  # fmt: skip
-        axis.axhline(0.0, color=style.REFERENCE, lw=0.6)
-        axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
-        axis.set_xlabel("rudder δ, positive turns to starboard [deg]")
-        axis.set_ylabel("steady yaw rate r [deg/s]")
-        style.legend_below(figure, [axis])
+        _rate_over_rudder(figure, axis)
     return figure
+
+
+def _rate_over_rudder(figure: Figure, axis: Axes) -> None:
+    """Axes of a spiral: both zeros, names with units, the legend below."""
+    axis.axhline(0.0, color=style.REFERENCE, lw=0.6)
+    axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
+    axis.set_xlabel("rudder δ, positive turns to starboard [deg]")
+    axis.set_ylabel("steady yaw rate r [deg/s]")
+    style.legend_below(figure, [axis])
 
 
 def steady_turns(curve: SpiralCurve) -> Figure:
@@ -179,11 +184,7 @@ def steady_turns(curve: SpiralCurve) -> Figure:
                 curve.neutral_deg - half, curve.neutral_deg + half, color=style.colour(1),
                 alpha=0.15, lw=0, label=f"loop {curve.loop_width_deg:.2f}° wide",
             )  # fmt: skip
-        axis.axhline(0.0, color=style.REFERENCE, lw=0.6)
-        axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
-        axis.set_xlabel("rudder δ, positive turns to starboard [deg]")
-        axis.set_ylabel("steady yaw rate r [deg/s]")
-        style.legend_below(figure, [axis])
+        _rate_over_rudder(figure, axis)
     return figure
 
 

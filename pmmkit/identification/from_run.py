@@ -67,7 +67,9 @@ def free_records(
     A campaign's wind is relative, at midship. The true wind over ground follows with heading and
     velocity: those of the columns u, v, else those of the positions.
     """
-    t = np.asarray(run.data["t"].values, float)
+    data = run.data
+    run = run.with_(loader=lambda: data)
+    t = np.asarray(data["t"].values, float)
     lengths = 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
     found = usable(run, shortest=shortest or min(lengths, float(np.nanmax(t) - np.nanmin(t)) / 3))
     return tuple(_record(segment, model, rudder, channels, wind) for segment in found.segments)

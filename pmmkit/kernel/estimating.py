@@ -219,6 +219,34 @@ def turned_back(residual: float, kind: int) -> float:
     return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
 
 
+def take_in(
+    measured: Array, kinds: Places, variances: Array, z: Array, P: Array, k: Array,
+    starts: Places, places: Places, slopes: Array, about: Array, change: Array, gate: float,
+    h: Array, gain: Array, left: Array, residuals: Array, spreads: Array,
+) -> None:  # fmt: skip
+    """Take in the measurements of an instant, one after another, but for those beyond the gate."""
+    n, m = len(z), len(z) - NS
+    for q in range(len(kinds)):
+        residuals[q] = math.nan
+        spreads[q] = math.nan
+        if math.isnan(measured[q]):
+            continue
+        shown = expected(kinds[q], z, k, h)
+        drifted(kinds[q], z, h, starts, places, slopes)
+        for j in range(m):
+            shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
+        residual = turned_back(measured[q] - shown, kinds[q])
+        spread = variances[q]
+        for i in range(n):
+            if h[i] != 0.0:
+                for j in range(n):
+                    spread += h[i] * P[i, j] * h[j]
+        residuals[q], spreads[q] = residual, spread
+        if residual * residual > gate * gate * spread:
+            continue
+        correct(z, P, h, residual, variances[q], gain, left)
+
+
 def extended(
     times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
     starts: Places, places: Places, slopes: Array, about: Array, frozen: Array, z: Array,
@@ -233,7 +261,7 @@ def extended(
     interval go there for the smoother. Gives 0; 1 if the mass matrix becomes indefinite, 2 if the
     motion is lost.
     """
-    N, c, n = len(times), len(kinds), len(z)
+    N, n = len(times), len(z)
     m = n - NS
     k, work = np.zeros(len(base)), np.zeros((6, NS))
     A, B = np.zeros((NS, NS)), np.zeros((NS, m))
@@ -285,25 +313,10 @@ def extended(
         for j in range(m):
             change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
         constants(base, starts, places, slopes, change, k)
-        for q in range(c):
-            residuals[t, q] = math.nan
-            spreads[t, q] = math.nan
-            if math.isnan(measured[t, q]):
-                continue
-            shown = expected(kinds[q], z, k, h)
-            drifted(kinds[q], z, h, starts, places, slopes)
-            for j in range(m):
-                shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
-            residual = turned_back(measured[t, q] - shown, kinds[q])
-            spread = variances[q]
-            for i in range(n):
-                if h[i] != 0.0:
-                    for j in range(n):
-                        spread += h[i] * P[i, j] * h[j]
-            residuals[t, q], spreads[t, q] = residual, spread
-            if residual * residual > gate * gate * spread:
-                continue
-            correct(z, P, h, residual, variances[q], gain, left)
+        take_in(
+            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
+            gain, left, residuals[t], spreads[t],
+        )  # fmt: skip
         if store:
             for i in range(n):
                 kept[t, n + i] = z[i]
@@ -371,7 +384,7 @@ def unscented(
     residuals: Array, spreads: Array,
 ) -> int:  # fmt: skip
     """Unscented Kalman filter with 2n equally weighted points; as `extended`."""
-    N, c, n = len(times), len(kinds), len(z)
+    N, n = len(times), len(z)
     m = n - NS
     k, work, h = np.zeros(len(base)), np.zeros((6, NS)), np.zeros(n)
     points, y, change = np.zeros((2 * n, n)), np.zeros(NS), np.zeros(m)
@@ -426,25 +439,10 @@ def unscented(
         for j in range(m):
             change[j] = z[NS + j] - about[j]
         constants(base, starts, places, slopes, change, k)
-        for q in range(c):
-            residuals[t, q] = math.nan
-            spreads[t, q] = math.nan
-            if math.isnan(measured[t, q]):
-                continue
-            shown = expected(kinds[q], z, k, h)
-            drifted(kinds[q], z, h, starts, places, slopes)
-            for j in range(m):
-                shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
-            residual = turned_back(measured[t, q] - shown, kinds[q])
-            spread = variances[q]
-            for i in range(n):
-                if h[i] != 0.0:
-                    for j in range(n):
-                        spread += h[i] * P[i, j] * h[j]
-            residuals[t, q], spreads[t, q] = residual, spread
-            if residual * residual > gate * gate * spread:
-                continue
-            correct(z, P, h, residual, variances[q], gain, left)
+        take_in(
+            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
+            gain, left, residuals[t], spreads[t],
+        )  # fmt: skip
         for i in range(n):
             means[t, i] = z[i]
             means[t, n + i] = P[i, i]

@@ -22,7 +22,7 @@ ESTIMATING: Final = ("engine.py", "estimating.py")
 ENTRIES: Final = (
     "rates", "complete", "self_propulsion", "run", "probe", "sample", "run_many", "settle",
     "repeat", "constants", "advance", "linearised", "correct", "predict", "extended", "smoothed",
-    "unscented", "windows", "along",
+    "unscented", "windows", "along", "take_in",
 )  # fmt: skip
 """Functions that are called from outside the module."""
 _FACTORS: Final = {
