@@ -129,12 +129,12 @@ def test_the_same_data_give_the_same_answer():
 
 
 def test_the_order_of_equals_does_not_hang_on_the_process():
-    """Sets of one evidence (two faults that the base absorbs) stand in one order in all sessions."""
+    """Sets of one evidence, as of two faults that the base absorbs, stand in one order."""
     code = (
-        "import sys; sys.path[:0] = [{tests!r}]\n"
+        f"import sys; sys.path[:0] = [{str(Path(__file__).parent)!r}]\n"
         "from test_diagnosis import diagnosed\n"
-        "print([item.names for item in diagnosed({{}}, programme='small').entries])"
-    ).format(tests=str(Path(__file__).parent))
+        "print([item.names for item in diagnosed({}, programme='small').entries])"
+    )
     said = {
         subprocess.run(
             [sys.executable, "-c", code], capture_output=True, text=True, check=True,
