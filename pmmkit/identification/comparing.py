@@ -16,7 +16,7 @@ from pmmkit.identification.filters import STEP
 from pmmkit.identification.methods import METHODS, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Prediction, predict
-from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.kernel.generate import ESTIMATING
@@ -202,7 +202,7 @@ def compare_methods(
         )
     if not records:
         raise DataError("There is no record to identify from.")
-    asked = tuple(names) if names is not None else tuple(model.parts["hull_polynomial"].values)
+    asked = asked_names(model, names)
     before = prior or prior_of(
         model, asked, records[0].speed, spread=spread, extrapolate=extrapolate
     )

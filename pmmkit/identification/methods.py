@@ -16,7 +16,7 @@ from pmmkit.identification.binding import AROUND
 from pmmkit.identification.filters import kalman
 from pmmkit.identification.forces import fit_to_forces
 from pmmkit.identification.parameters import places, with_parameters
-from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
@@ -172,7 +172,7 @@ def identify(
         raise DataError(f"Several records are named {', '.join(twice)}: give each its own name.")
     started = time.perf_counter()
     speed = records[0].speed
-    asked = tuple(names) if names is not None else tuple(model.parts["hull_polynomial"].values)
+    asked = asked_names(model, names)
     before = prior or prior_of(model, asked, speed, spread=spread, extrapolate=extrapolate)
     shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
     if method in ("ekf", "ukf"):

@@ -50,6 +50,11 @@ class Prior:
         return np.sqrt(np.diagonal(self.covariance))
 
 
+def asked_names(model: Model, names: Sequence[str] | None) -> tuple[str, ...]:
+    """The names asked for; all derivatives of the hull where none are."""
+    return tuple(model.parts["hull_polynomial"].values if names is None else names)
+
+
 def prior_of(
     model: Model,
     names: Sequence[str],

@@ -247,6 +247,14 @@ def take_in(
         correct(z, P, h, residual, variances[q], gain, left)
 
 
+def grown(diffusion: float, fading: float, time: float) -> float:
+    """Variance that process noise adds over an interval to a value that may forget."""
+    if fading > 0.0:
+        rate = 2.0 * fading
+        return diffusion * (1.0 - math.exp(-rate * time)) / rate
+    return diffusion * time
+
+
 def extended(
     times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
     starts: Places, places: Places, slopes: Array, about: Array, frozen: Array, z: Array,
@@ -288,10 +296,7 @@ def extended(
                 if not math.fabs(y[i]) < 1e12:
                     return 2
             for i in range(n):
-                noise[i] = diffusion[i] * time
-                if i >= NS and fading[i - NS] > 0.0:
-                    rate = 2.0 * fading[i - NS]
-                    noise[i] = diffusion[i] * (1.0 - math.exp(-rate * time)) / rate
+                noise[i] = grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
             predict(P, A, B, keep, noise)
             for i in range(NS):
                 z[i] = y[i]
@@ -431,11 +436,7 @@ def unscented(
                     points[p, i] -= z[i]
             P[:, :] = points.T.copy() @ points / (2.0 * n)
             for i in range(n):
-                grown = diffusion[i] * time
-                if i >= NS and fading[i - NS] > 0.0:
-                    rate = 2.0 * fading[i - NS]
-                    grown = diffusion[i] * (1.0 - math.exp(-rate * time)) / rate
-                P[i, i] += grown
+                P[i, i] += grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
         for j in range(m):
             change[j] = z[NS + j] - about[j]
         constants(base, starts, places, slopes, change, k)
