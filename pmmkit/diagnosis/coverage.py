@@ -10,8 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.candidate import Candidate
-from pmmkit.diagnosis.contest import TRANSIENT_FAULT, evidence_at
+from pmmkit.diagnosis.contest import evidence_at
 from pmmkit.diagnosis.system import WIDER, Block, System
 
 Array = NDArray[np.float64]

@@ -14,8 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.base import Base
+from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.candidate import Candidate
-from pmmkit.diagnosis.contest import Entry, build, contest, gate
+from pmmkit.diagnosis.contest import Entry, contest, gate
 from pmmkit.diagnosis.coverage import Visible, coverage, remainder
 from pmmkit.diagnosis.faults import FAULTS, carriage_fault
 from pmmkit.diagnosis.physics import PHYSICS

@@ -1,10 +1,11 @@
-"""All runs as one whitened linear system: base projected off, candidates as blocks of columns."""
+"""All runs as one linear system by channel: forces, base, and the columns of what may differ."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -15,6 +16,7 @@ from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.views import View
 
 Array = NDArray[np.float64]
+Places = NDArray[np.intp]
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
 FEATURES: Final = 96
@@ -23,15 +25,11 @@ SMOOTH: Final = 0.8
 """Length scale of the floor over the range of each variable."""
 TRANSIENT: Final = (0.7, 1.5, 3.0)
 TYPICAL_TRANSIENT: Final = 0.08
-OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03)
-GAINS: Final = (0.0, 0.002, 0.004, 0.006, 0.01, 0.02)
-SETTINGS: Final = (0.0, 0.015, 0.03, 0.06)
-"""Run scatter that is tried: offset over the channel's scale, gain, drift setting [deg]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Channel:
-    """Rows of one channel.
+    """Rows of one channel: the means and harmonics of all views that have it.
 
     Parameters
     ----------
@@ -41,10 +39,14 @@ class Channel:
         Views that have it.
     rows : tuple of slice
         Their rows.
+    runs : tuple of array
+        Rows of each run.
     y : array (n,)
         Forces.
     design : array (n, p)
         Base.
+    noise : tuple of array (m, m)
+        Covariance of the noise of each run's rows.
     scale : float
         Root mean square over the views of the force over U² [N/(m/s)²].
     """
@@ -52,8 +54,10 @@ class Channel:
     name: str
     views: tuple[int, ...]
     rows: tuple[slice, ...]
+    runs: tuple[Places, ...]
     y: Array
     design: Array
+    noise: tuple[Array, ...]
     scale: float
 
 
@@ -61,9 +65,14 @@ class Channel:
 class Scatter:
     """What differs from run to run: offset over the scale, gain, drift setting [deg]."""
 
-    offset: float
-    gain: float
-    drift: float
+    offset: float = 0.003
+    gain: float = 0.004
+    drift: float = 0.0
+
+    @property
+    def sizes(self) -> Array:
+        """The three, in the order of the columns of `run_columns`."""
+        return np.array([self.offset, self.gain, self.drift])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +82,11 @@ class Block:
     candidate: Candidate
     value: float
     columns: slice
+
+    @property
+    def places(self) -> Places:
+        """Places of the columns in the system."""
+        return np.arange(self.columns.start, self.columns.stop)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,48 +142,55 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
         having = [i for i, view in enumerate(views) if name in view.force]
         if not having:
             continue
-        rows, begin = [], 0
-        for i in having:
-            rows.append(slice(begin, begin + views[i].rows))
-            begin += views[i].rows
+        edges = np.cumsum([0, *(views[i].rows for i in having)]).tolist()
+        rows = tuple(slice(a, b) for a, b in pairwise(edges))
         y = np.concatenate([views[i].force[name] for i in having])
         design = (
             np.concatenate([base.design(views[i], name) for i in having])
             if names else np.zeros((len(y), 0))
         )  # fmt: skip
         sizes = [float(np.linalg.norm(views[i].force[name])) / views[i].speed ** 2 for i in having]
-        scale = float(np.sqrt(np.mean(np.square(sizes))))
+        groups: dict[str, list[int]] = {}
+        for place, i in enumerate(having):
+            groups.setdefault(views[i].run.id, []).append(place)
         found.append(
             Channel(
-                name=name, views=tuple(having), rows=tuple(rows), y=y, design=design, scale=scale
+                name=name, views=tuple(having), rows=rows, y=y, design=design,
+                runs=tuple(
+                    np.concatenate([np.arange(rows[p].start, rows[p].stop) for p in own])
+                    for own in groups.values()
+                ),
+                noise=tuple(
+                    _diagonal([views[having[p]].covariance[name] for p in own])
+                    for own in groups.values()
+                ),
+                scale=float(np.sqrt(np.mean(np.square(sizes)))),
             )
-        )
+        )  # fmt: skip
     return tuple(found)
 
 
-def noise(channel: Channel, views: Sequence[View]) -> Array:
-    """Covariance of the noise of a channel (n, n), a block per view."""
-    V = np.zeros((len(channel.y), len(channel.y)))
-    for i, rows in zip(channel.views, channel.rows, strict=True):
-        V[rows, rows] = views[i].covariance[channel.name]
-    return V
+def _diagonal(blocks: Sequence[Array]) -> Array:
+    """Blocks along the diagonal of a square array."""
+    size = sum(len(block) for block in blocks)
+    whole, begin = np.zeros((size, size)), 0
+    for block in blocks:
+        end = begin + len(block)
+        whole[begin:end, begin:end] = block
+        begin = end
+    return whole
 
 
-def random_effects(
-    channel: Channel, views: Sequence[View], base: Base, predicted: Array
-) -> dict[str, Array]:
-    """Columns of what each run draws for itself: offset, gain, drift setting (n, runs)."""
-    ids = list(dict.fromkeys(views[i].run.id for i in channel.views))
-    n = len(channel.y)
-    offset, gain, drift = (np.zeros((n, len(ids))) for _ in range(3))
+def run_columns(channel: Channel, views: Sequence[View], base: Base, predicted: Array) -> Array:
+    """What each run draws for itself, at size one: offset, gain, degree of drift (n, 3)."""
+    found = np.zeros((len(channel.y), 3))
     for i, rows in zip(channel.views, channel.rows, strict=True):
         view = views[i]
-        column = ids.index(view.run.id)
-        offset[rows.start, column] = channel.scale * base.reference**2
-        gain[rows, column] = predicted[rows]
+        found[rows.start, 0] = channel.scale * base.reference**2
+        found[rows, 1] = predicted[rows]
         if view.run.settings.drift and not view.run.dynamic:
-            drift[rows, column] = _by_drift(view, base, channel.name)
-    return {"offset": offset, "gain": gain, "drift": drift}
+            found[rows, 2] = _by_drift(view, base, channel.name)
+    return found
 
 
 def _by_drift(view: View, base: Base, channel: str) -> Array:
@@ -227,36 +248,10 @@ def transient_columns(
     return found
 
 
-def whitened(V: Array, *parts: Array) -> list[Array]:
-    """Parts multiplied by the inverse root of a covariance."""
-    from scipy.linalg import cholesky, solve_triangular
-
-    root = cholesky(V, lower=True, check_finite=False)
-    return [solve_triangular(root, part, lower=True, check_finite=False) for part in parts]
-
-
-def log_likelihood(V: Array, design: Array, y: Array) -> float:
-    """Restricted likelihood of rows with covariance V, the design projected off."""
-    from scipy.linalg import cholesky, solve_triangular
-
-    try:
-        root = cholesky(V, lower=True, check_finite=False)
-    except np.linalg.LinAlgError:
-        return -math.inf
-    X, z = (solve_triangular(root, part, lower=True, check_finite=False) for part in (design, y))
-    Q, R = np.linalg.qr(X)
-    left = z - Q @ (Q.T @ z)
-    diagonal = np.abs(np.diagonal(R))
-    log_det = 2.0 * np.sum(np.log(np.diagonal(root))) + 2.0 * np.sum(
-        np.log(diagonal[diagonal > 1e-12 * diagonal.max(initial=1.0)])
-    )
-    return float(-0.5 * (log_det + left @ left))
-
-
 def candidate_columns(
     candidate: Candidate, value: float, channels: Sequence[Channel], views: Sequence[View],
     base: Base,
-) -> dict[str, Array]:  # fmt: skip
+) -> Mapping[str, Array]:  # fmt: skip
     """Columns of a candidate by channel (n, q)."""
     by_view = [candidate.columns(view, base, value) for view in views]
     found = {}
