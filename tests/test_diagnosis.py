@@ -15,7 +15,7 @@ from hidden_effects import hidden_campaign
 
 from pmmkit.diagnosis import diagnose, diagnose_captive
 from pmmkit.diagnosis.contest import log_evidence
-from pmmkit.diagnosis.diagnose import odds
+from pmmkit.diagnosis.findings import odds
 from pmmkit.errors import DataError
 from pmmkit.model import load_model
 from pmmkit.structures import STRUCTURES

@@ -2,7 +2,8 @@
 
 from pmmkit.diagnosis.candidate import Candidate, polynomial
 from pmmkit.diagnosis.coverage import Visible
-from pmmkit.diagnosis.diagnose import Diagnosis, Finding, diagnose, diagnose_captive
+from pmmkit.diagnosis.diagnose import diagnose, diagnose_captive
+from pmmkit.diagnosis.findings import Diagnosis, Finding
 
 __all__ = [
     "Candidate",

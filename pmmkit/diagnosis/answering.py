@@ -1,0 +1,175 @@
+"""What a system answers: nothing, effects with their rivals, or something unknown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pmmkit.diagnosis.build import TRANSIENT_FAULT
+from pmmkit.diagnosis.contest import Entry, contest, gate
+from pmmkit.diagnosis.coverage import Visible, coverage, remainder
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
+from pmmkit.diagnosis.given import best_blocks, knowing
+from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels
+from pmmkit.diagnosis.system import Block, System
+
+Array = NDArray[np.float64]
+CHANCE: Final = 0.01
+"""A best effect that chance alone gives more often than this is no finding."""
+LEAST: Final = 1.0
+"""Least ln evidence of a finding, the price of the catalogue's size taken off."""
+RIVALS: Final = math.log(20.0)
+"""Sets within these odds of the best cannot be told from it."""
+SMOOTH: Final = 3.0
+"""ln evidence from which something smooth is left that the answer does not explain."""
+
+
+def answer(
+    system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0
+) -> Diagnosis:  # fmt: skip
+    """Ask a system which effects the base lacks.
+
+    Parameters
+    ----------
+    system : System
+        As `captive_system` gives it.
+    given : sequence of str
+        Effects that the base has already; they are fitted with it.
+    floor : float
+        What counts as too small to matter, over the rms force of a channel.
+    seed : int
+        Of the draws that calibrate chance.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    UnknownNameError
+        If an effect that is given does not take part.
+    """
+    with threadpool_limits(1):
+        return _answered(system, tuple(given), floor, seed)
+
+
+def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
+    known = taken_as_given(system, given)
+    entries = contest(known.system)
+    covered = coverage(known.system)
+    singles = [item for item in entries if len(item.names) == 1]
+    chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
+    best = entries[0]
+    named = chance < CHANCE and best.log_evidence > LEAST
+    blocks = blocks_of(known.system, best) if named else []
+    left = remainder(known.system, blocks)
+    verdict: Verdict = "missing_effect" if named else "noise"
+    if not named and left > SMOOTH:
+        verdict = "unexplained"
+    group = [
+        (item.names, math.exp(item.log_evidence - best.log_evidence))
+        for item in entries
+        if item.log_evidence > best.log_evidence - RIVALS and len(item.names) <= len(best.names)
+    ]
+    return Diagnosis(
+        verdict=verdict, group=tuple(group) if named else (),
+        flags=("not_the_whole_story",) if named and left > SMOOTH else (),
+        findings=_findings(system, best, known.blocks, blocks, covered, floor), chance=chance,
+        covered=covered, entries=tuple(entries), floor=floor, base=system.base.values, given=given,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Given:
+    """A system that knows effects, and the grid points at which it has them."""
+
+    system: System
+    blocks: tuple[Block, ...]
+
+
+def taken_as_given(system: System, names: Sequence[str]) -> Given:
+    """A system beside effects that the base has, one after another at their best grid points.
+
+    Two neighbouring points stand for a value between them.
+
+    Parameters
+    ----------
+    system : System
+        Of the base alone.
+    names : sequence of str
+        Effects.
+
+    Raises
+    ------
+    UnknownNameError
+        If one does not take part.
+    """
+    blocks = []
+    for name in names:
+        near = best_blocks(system, name, 2)
+        system = knowing(system, near)
+        blocks.append(near[0])
+    return Given(system=system, blocks=tuple(blocks))
+
+
+def blocks_of(system: System, entry: Entry) -> list[Block]:
+    """The effects of a set at their best grid points."""
+    return [
+        next(b for b in system.blocks if b.candidate.name == name and b.value == value)
+        for name, value in zip(entry.names, entry.values, strict=True)
+    ]
+
+
+def _findings(
+    system: System, entry: Entry, given: Sequence[Block], blocks: Sequence[Block],
+    covered: Sequence[Visible], floor: float,
+) -> tuple[Finding, ...]:  # fmt: skip
+    """Each effect of a set, with the held-out errors without and with it."""
+    if not blocks:
+        return ()
+    together = [*given, *blocks]
+    fit = joint_fit(system, together, floor=floor)
+    after = held_out(system, together)
+    visible = {item.name: item for item in covered}
+    return tuple(
+        _finding(
+            block, fit, visible[block.candidate.name], odds(entry.log_evidence),
+            held_out(system, [item for item in together if item is not block]), after,
+        )
+        for block in blocks
+    )  # fmt: skip
+
+
+def _finding(
+    block: Block, fit: JointFit, visible: Visible, evidence: str, before: HeldOut, after: HeldOut
+) -> Finding:
+    c = block.candidate
+    values, std = _coefficients(block, fit)
+    old, new = before.of_channel(), after.of_channel()
+    return Finding(
+        effect=c.name, family=c.family, kind=c.kind, summary=c.summary,
+        coefficients=dict(zip(c.coefficients, values, strict=True)),
+        std=dict(zip(c.coefficients, std, strict=True)),
+        typical=dict(zip(c.coefficients, c.typical, strict=True)),
+        value=block.value, parameter=c.parameter, evidence=evidence,
+        rivals=tuple(visible.mimics), separating_test=c.check,
+        error_before=before.share(), error_after=after.share(),
+        errors={name: (old[name], new[name]) for name in new},
+    )  # fmt: skip
+
+
+def _coefficients(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
+    """Values and standard deviations; of a transient its rms share over runs and channels."""
+    if block.candidate is not TRANSIENT_FAULT:
+        values, std = fit.of(labels(block.candidate))
+        return values.tolist(), std.tolist()
+    at = [i for i, name in enumerate(fit.names) if name.startswith(TRANSIENT_FAULT.name)]
+    values, std = fit.values[at], fit.std[at]
+    size = float(np.sqrt(np.mean(values**2)))
+    return [size], [float(np.sqrt(np.sum((values * std) ** 2)) / (len(at) * size))]
