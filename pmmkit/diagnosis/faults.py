@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.base import Base, Forces
-from pmmkit.diagnosis.candidate import Candidate, spread_over
+from pmmkit.diagnosis.candidate import Candidate, Columns, spread_over
 from pmmkit.diagnosis.views import View
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.state import State
 
 Array = NDArray[np.float64]
@@ -175,81 +176,40 @@ def _creep(view: View, base: Base, value: float) -> Mapping[str, Array]:
     return spread_over(view, {"Y": [grown, zero], "N": [zero, grown]}, 2)
 
 
+def _fault(
+    name: str, columns: Columns, *, grid: tuple[float, ...] = (0.0,),
+    centre: tuple[float, ...] = (),
+) -> Candidate:  # fmt: skip
+    """A fault of the catalogue with its columns."""
+    effect = effect_of(name)
+    inner = [item.text for item in effect.parameters if item.typical is None]
+    return Candidate(
+        name=name, family=effect.family, kind="fault", summary=effect.summary,
+        coefficients=tuple(f"{item.name} [{item.unit}]" for item in effect.coefficients),
+        typical=tuple(item.typical or 0.0 for item in effect.coefficients), columns=columns,
+        grid=grid, parameter="".join(inner), centre=centre, check=effect.check,
+        excites=effect.excites,
+    )  # fmt: skip
+
+
 FAULTS: Final = (
-    Candidate(
-        name="fault_misalignment", family="alignment", kind="fault",
-        summary="The model stands turned on the carriage.", coefficients=("turned [deg]",),
-        typical=(0.26,), columns=_turned, check="turn the model by 180° and repeat static drift",
+    _fault("fault_misalignment", _turned),
+    _fault("current", _drift_of_the_tank),
+    _fault("fault_gauge_zero", _zero),
+    _fault("fault_time_lag", _clock),
+    _fault(
+        "fault_filter_lag", _filter, grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0), centre=(1.0,)
     ),
-    Candidate(
-        name="current", family="alignment", kind="fault",
-        summary="Water moves across the tank.", coefficients=("current [m/s]",),
-        typical=(0.0075,), columns=_drift_of_the_tank,
-        check="static drift at low speed, or after a longer wait",
-    ),
-    Candidate(
-        name="fault_gauge_zero", family="asymmetry", kind="fault",
-        summary="Gauges that do not show zero at rest: constant newtons.",
-        coefficients=("Y [N]", "N [N m]"), typical=(2.4, 3.5), columns=_zero,
-        check="zero records before and after, and a slow run",
-    ),
-    Candidate(
-        name="fault_time_lag", family="timing", kind="fault",
-        summary="Forces come later than the motion.", coefficients=("lag [s]",), typical=(0.04,),
-        columns=_clock, check="a knock that both clocks see",
-    ),
-    Candidate(
-        name="fault_filter_lag", family="timing", kind="fault",
-        summary="A filter on the forces and not on the motion.", coefficients=("share [-]",),
-        typical=(0.1,), centre=(1.0,), columns=_filter, parameter="corner [Hz]",
-        grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0),
-        check="the filter's settings; a knock",
-    ),
-    Candidate(
-        name="fault_cross_talk", family="gauges", kind="fault",
-        summary="One channel of the balance shows part of another.", coefficients=("share [-]",),
-        typical=(0.010,), columns=_cross_talk, grid=(0.0, 1.0),
-        parameter="Y in X (0), X in Y (1)", check="pull with weights along each axis",
-    ),
-    Candidate(
-        name="fault_gauge_gain", family="gauges", kind="fault",
-        summary="The side force gauge shows too much.", coefficients=("share [-]",),
-        typical=(0.03,), columns=_gain, check="weights; oscillate the dry model",
-    ),
-    Candidate(
-        name="fault_moment_point", family="gauges", kind="fault",
-        summary="Moments about another point than stated.", coefficients=("x over L [-]",),
-        typical=(0.01,), columns=_point, check="a weight at a known lever",
-    ),
-    Candidate(
-        name="fault_inertia", family="gauges", kind="fault",
-        summary="Part of the model's inertia left in the forces.", coefficients=("mass share [-]",),
-        typical=(0.02,), columns=_inertia, check="oscillate the dry model; weigh it",
-    ),
-    Candidate(
-        name="fault_pmm_amplitude", family="rig", kind="fault",
-        summary="Sway larger than stated.", coefficients=("share [-]",), typical=(0.03,),
-        columns=_amplitude, check="measure the motion",
-    ),
-    Candidate(
-        name="fault_pmm_phase", family="rig", kind="fault",
-        summary="Rams out of step: pure yaw sways.", coefficients=("phase [deg]",), typical=(1.0,),
-        columns=_phase, check="record both rams",
-    ),
-    Candidate(
-        name="fault_gauge_drift", family="gauges", kind="fault",
-        summary="Gauges that creep during a run.",
-        coefficients=("Y [N/min]", "N [N m/min]"), typical=(2.0, 3.0), columns=_creep,
-        check="zero records after each run",
-    ),
-)  # fmt: skip
+    _fault("fault_cross_talk", _cross_talk, grid=(0.0, 1.0)),
+    _fault("fault_gauge_gain", _gain),
+    _fault("fault_moment_point", _point),
+    _fault("fault_inertia", _inertia),
+    _fault("fault_pmm_amplitude", _amplitude),
+    _fault("fault_pmm_phase", _phase),
+    _fault("fault_gauge_drift", _creep),
+)
 
 
 def carriage_fault(speeds: tuple[float, ...]) -> Candidate:
     """The carriage's speed wrong at one of the speeds tested."""
-    return Candidate(
-        name="fault_carriage_speed", family="rig", kind="fault",
-        summary="The carriage is faster than stated at one speed.", coefficients=("share [-]",),
-        typical=(0.010,), columns=_carriage, grid=speeds, parameter="speed [m/s]",
-        check="an independent speed log", excites=("several speeds",),
-    )  # fmt: skip
+    return _fault("fault_carriage_speed", _carriage, grid=speeds)

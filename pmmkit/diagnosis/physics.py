@@ -1,204 +1,146 @@
-"""Effects of ship and water that a base model may lack."""
+"""Effects of ship and water that a base model may lack, as the catalogue defines them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from inspect import signature
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.conventions import force_unit
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate, polynomial, spread_over
 from pmmkit.diagnosis.views import View
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.memory import kept
+from pmmkit.effects.primitives import over_arrays
+from pmmkit.effects.terms import BY_SPEED
 
 Array = NDArray[np.float64]
-STRIPS: Final = 41
-"""Stations over the length of a cross-flow integral."""
+CHANNELS: Final = ("X", "Y", "N")
+LAGS: Final = (0.15, 0.3, 0.5, 0.8)
+GRIDS: Final[Mapping[str, tuple[str, tuple[float, ...]]]] = {
+    "crossflow_drag": ("growth", (0.0, 0.8, 2.0)),
+    "memory": ("lag", LAGS),
+    "lagged_crossflow": ("lag", LAGS),
+}
+"""The nonlinear parameter of an effect, and the values at which it is tried."""
 
 
-def _unit(base: Base, channel: str, motion_speed: Array) -> Array:
-    unit = force_unit(
-        channel, base.convention.system, L=base.ship.L, d=base.ship.d, volume=base.ship.volume,
-        rho=base.water.rho, g=base.water.g, U=1.0,
-    )  # fmt: skip
-    return unit * motion_speed**2
+def histories(
+    effect: Effect, view: View, base: Base, values: Mapping[str, float]
+) -> dict[str, Array]:
+    """Force of an effect of the catalogue along a view, its states at rest [N, N m].
 
+    Parameters
+    ----------
+    effect : Effect
+        With a force or a share of the mass matrix.
+    view : View
+        Motion.
+    base : Base
+        Ship, water, and the speed at which F is zero.
+    values : mapping of str to float
+        Parameters; coefficients that are not named are zero, other parameters at their default.
 
-def _primed(view: View, base: Base) -> tuple[Array, Array, Array, Array]:
-    """U, v', r', v̇' along a view."""
-    motion, L = view.motion, base.ship.L
-    U = motion.speed
-    return U, motion.v / U, motion.r * L / U, motion.vdot * L / U**2
-
-
-def _crossflow(view: View, base: Base, growth: float) -> Mapping[str, Array]:
-    """Drag of each strip; CD grows to the ends as 1 + growth (2x)²."""
-    U, v, r, _ = _primed(view, base)
-    x = np.linspace(-0.5, 0.5, STRIPS)
-    weight = np.full(STRIPS, 1.0 / (STRIPS - 1))
-    weight[[0, -1]] /= 2.0
-    flow = v[:, None] + r[:, None] * x
-    drag = -np.abs(flow) * flow * (1.0 + growth * (2.0 * x) ** 2) * weight
-    ratio = base.ship.d / base.ship.L if base.convention.system == "prime" else 1.0
-    return spread_over(
-        view,
-        {
-            "Y": [view.project(_unit(base, "Y", U) * ratio * drag.sum(axis=1))],
-            "N": [view.project(_unit(base, "N", U) * ratio * (drag @ x))],
-        },
-        1,
-    )
-
-
-def _late(view: View, base: Base, lag: float, history: Array) -> Array:
-    """What is missing of harmonics that build up late: those of a lag less those without.
-
-    The lag is in ship lengths over the speed; a static run has had the time.
+    Returns
+    -------
+    dict of channel to array (n,)
     """
-    plain = view.project(history)
-    if view.omega == 0.0:
-        return np.zeros(view.rows)
-    rate = view.omega * lag * base.ship.L / view.speed
+    motion, ship, water = view.motion, base.ship, base.water
+    there: dict[str, Any] = {
+        "u": motion.u, "v": motion.v, "r": motion.r, "U": motion.speed, "L": ship.L, "d": ship.d,
+        "rho": water.rho, "g": water.g, "Fn0": ship.froude(base.reference, water.g),
+        **dict.fromkeys(effect.states, 0.0), **dict.fromkeys(effect.options, 0),
+    }  # fmt: skip
+    for item in effect.parameters:
+        if item.name in values:
+            there[item.name] = values[item.name]
+            if item.form:
+                there[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
+        elif item.name not in there:
+            there[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
+    assert effect.force is not None
+    asked = {name: there[name] for name in signature(effect.force).parameters}
+    found: dict[str, Array] = {}
+    for output, force in zip(effect.outputs, over_arrays(effect.force)(**asked), strict=True):
+        if output in CHANNELS:
+            found[output] = force
+        elif output.endswith("dot"):
+            found[output[0]] = force * getattr(motion, output[1:])
+    return found
+
+
+def _missing(view: View, base: Base, lag: float, harmonics: Array) -> Array:
+    """What a lag takes from harmonics; a static run has had the time."""
     found = np.zeros(view.rows)
     for n in range(1, (view.rows - 1) // 2 + 1):
-        share = 1.0 / (1.0 + 1j * n * rate) - 1.0
-        late = (plain[2 * n - 1] - 1j * plain[2 * n]) * share
+        lost = 1.0 - kept(n, view.omega, lag, base.ship.L, view.speed)
+        late = (harmonics[2 * n - 1] - 1j * harmonics[2 * n]) * lost
         found[2 * n - 1], found[2 * n] = late.real, -late.imag
     return found
 
 
-def _lagged(power: int):  # type: ignore[no-untyped-def]
-    def columns(view: View, base: Base, lag: float) -> Mapping[str, Array]:
-        U, v, _, _ = _primed(view, base)
-        zero = np.zeros(view.rows)
-        side = _late(view, base, lag, _unit(base, "Y", U) * v**power)
-        turn = _late(view, base, lag, _unit(base, "N", U) * v**power)
-        return spread_over(view, {"Y": [side, zero], "N": [zero, turn]}, 2)
+def from_catalogue(name: str) -> Candidate:
+    """An effect of the catalogue as it takes part in the contest.
 
-    return columns
+    Parameters
+    ----------
+    name : str
+        Of an effect whose parameters have usual sizes.
+
+    Examples
+    --------
+    >>> from_catalogue("memory").coefficients
+    ('Yv_late', 'Nv_late')
+    """
+    effect = effect_of(name)
+    sizes = {item.name: item.typical for item in effect.coefficients if item.typical is not None}
+    family = effect.family.replace("_", " ")
+    if effect.kind == "terms":
+        return polynomial(
+            name, family, effect.summary, sizes, check=effect.check, excites=effect.excites,
+            law=_by_speed if any(label.endswith(BY_SPEED) for label in sizes) else None,
+        )  # fmt: skip
+    inner, grid = GRIDS.get(name, ("", (0.0,)))
+
+    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
+        parts: dict[str, list[Array]] = {}
+        for label in sizes:
+            for channel, force in histories(
+                effect, view, base, {label: 1.0, inner: value}
+            ).items():
+                part = view.project(force)
+                if effect.states:
+                    part = _missing(view, base, value, part)
+                parts.setdefault(channel, []).append(part)
+        return spread_over(view, parts, len(sizes))
+
+    known = effect.parameter(inner)
+    return Candidate(
+        name=name, family=family, kind="physics", summary=effect.summary,
+        coefficients=tuple(sizes), typical=tuple(sizes.values()), columns=columns, grid=grid,
+        parameter=known.text if known else "", check=effect.check, excites=effect.excites,
+    )  # fmt: skip
 
 
-def _added(view: View, base: Base, value: float) -> Mapping[str, Array]:
-    """v² v̇ in Y and N."""
-    del value
-    U, v, _, vdot = _primed(view, base)
-    zero = np.zeros(view.rows)
-    return spread_over(
-        view,
-        {
-            "Y": [view.project(_unit(base, "Y", U) * v**2 * vdot), zero],
-            "N": [zero, view.project(_unit(base, "N", U) * v**2 * vdot)],
-        },
-        2,
-    )
-
-
-def _with_speed(base: Base, speed: float) -> Mapping[str, float]:
+def _by_speed(base: Base, speed: float) -> Mapping[str, float]:
     F = base.law(speed)
-    return dict.fromkeys((*_LINEAR_FN, *_CUBIC_FN), F)
+    return {
+        item.name: F
+        for name in ("froude_linear", "froude_nonlinear")
+        for item in effect_of(name).parameters
+    }
 
 
-def _resistance(view: View, base: Base, value: float) -> Mapping[str, Array]:
-    """Resistance over F and F²."""
-    del value
-    U = view.motion.speed
-    F = base.law(view.speed)
-    plain = view.project(_unit(base, "X", U))
-    return spread_over(view, {"X": [plain * F, plain * F**2]}, 2)
-
-
-_LINEAR_FN: Final = {"Yv F": -0.0010, "Nv F": 0.0003, "Yr F": -0.00045, "Nr F": -0.00012}
-_CUBIC_FN: Final = {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008}
-LAGS: Final = (0.15, 0.3, 0.5, 0.8)
-
-PHYSICS: Final = (
-    polynomial(
-        "modulus_sway_drag", "cross flow", "Drag of sway with the square of its velocity.",
-        {"Yv|v|": -0.020, "Nv|v|": 0.004},
-        check="static drift at 15 to 25°, or pure sway at a third amplitude",
-    ),
-    polynomial(
-        "modulus_yaw_drag", "cross flow", "Drag of yaw with the square of its rate.",
-        {"Yr|r|": 0.0022, "Nr|r|": -0.0017}, check="pure yaw at r' 0.8, or circular motion",
-    ),
-    Candidate(
-        name="crossflow_drag", family="cross flow", kind="physics",
-        summary="Drag of the flow across each section, in one proportion of force and moment.",
-        coefficients=("CD",), typical=(0.55,), columns=_crossflow, grid=(0.0, 0.8, 2.0),
-        parameter="growth of CD to the ends",
-        check="yaw with drift at large r/v, so that the flow changes side inside the hull",
-    ),
-    polynomial(
-        "yaw_sway_coupling", "hull coupling", "Products of sway and yaw in side force and moment.",
-        {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156},
-        check="yaw with drift at two drift angles of both signs",
-    ),
-    polynomial(
-        "surge_yaw_coupling", "surge", "Surge force of sway and yaw together.", {"Xvr": 0.0039},
-        check="yaw with drift at two drift angles",
-    ),
-    polynomial(
-        "surge_fourth_order", "surge", "Surge force with the fourth power of sway.",
-        {"Xvvvv": 0.05}, check="static drift to 20°",
-    ),
-    polynomial(
-        "froude_linear", "speed", "Linear derivatives that change with the Froude number.",
-        _LINEAR_FN, law=_with_speed, check="a third speed", excites=("several speeds",),
-    ),
-    polynomial(
-        "froude_nonlinear", "speed", "Cubic derivatives that change with the Froude number.",
-        _CUBIC_FN, law=_with_speed, check="amplitude steps at the extreme speeds",
-        excites=("several speeds",),
-    ),
-    Candidate(
-        name="resistance_curve", family="speed", kind="physics",
-        summary="Resistance that does not go with the square of the speed.",
-        coefficients=("X F", "X FF"), typical=(-4e-5, -2.5e-5), columns=_resistance,
-        check="resistance at more speeds", excites=("several speeds",),
-    ),
-    polynomial(
-        "asymmetry", "asymmetry", "A constant side force and moment, with the square of the speed.",
-        {"Y0": 1.0e-4, "N0": -4.5e-5}, check="a straight run without the propeller",
-    ),
-    polynomial(
-        "even_hull_terms", "asymmetry", "Forces that are the same to port and to starboard.",
-        {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003},
-        check="static drift to both sides",
-    ),
-    Candidate(
-        name="memory", family="memory", kind="physics",
-        summary="Part of the sway force builds up late, so that damping falls with frequency.",
-        coefficients=("Yv late", "Nv late"), typical=(0.2 * 0.0116, 0.2 * 0.00385),
-        columns=_lagged(1), grid=LAGS, parameter="lag in L/U",
-        check="pure sway at ω' = 1 and 6 beside static drift",
-    ),
-    Candidate(
-        name="lagged_crossflow", family="memory", kind="physics",
-        summary="The cubic sway force lags behind the motion.",
-        coefficients=("Yvvv late", "Nvvv late"), typical=(0.9 * 0.109, 0.9 * 0.0015),
-        columns=_lagged(3), grid=LAGS, parameter="lag in L/U",
-        check="pure sway at two frequencies and one large amplitude",
-    ),
-    Candidate(
-        name="nonlinear_added_mass", family="memory", kind="physics",
-        summary="Added mass that changes with the sway velocity.",
-        coefficients=("Yvvvdot", "Nvvvdot"), typical=(-0.020, -0.004), columns=_added,
-        check="pure sway at more amplitudes",
-    ),
-    polynomial(
-        "heel_coupling", "heel", "Forces of the heel angle.",
-        {"Yphi": -4e-4, "Nphi": -3e-4, "Yvphiphi": 0.003, "Nvvphi": -0.019},
-        check="static heel of 5 and 10° straight ahead", excites=("roll",),
-    ),
-    polynomial(
-        "rudder_stall", "rudder", "Rudder force that bends over at large angles.",
-        {"Yddd": 0.0045, "Nddd": -0.0022}, check="rudder at 25, 30 and 35°", excites=("rudder",),
-    ),
-    polynomial(
-        "rudder_cross_terms", "rudder", "Rudder force that changes with drift.",
-        {"Yvvd": -0.06, "Yvdd": 0.02, "Nvvd": 0.03, "Nvdd": -0.01},
-        check="drift with rudder at both signs of each", excites=("rudder",),
-    ),
+PHYSICS: Final = tuple(
+    from_catalogue(name)
+    for name in (
+        "modulus_sway_drag", "modulus_yaw_drag", "crossflow_drag", "yaw_sway_coupling",
+        "surge_yaw_coupling", "surge_fourth_order", "froude_linear", "froude_nonlinear",
+        "resistance_curve", "asymmetry", "even_hull_terms", "memory", "lagged_crossflow",
+        "nonlinear_added_mass", "heel_coupling", "rudder_stall", "rudder_cross_terms",
+    )
 )  # fmt: skip

@@ -54,25 +54,59 @@ def strip(middle: float, growth: float, half: float) -> tuple[float, float]:
     return whole, about
 
 
+def ends(middle: float, growth: float, half: float) -> tuple[float, float]:
+    """`strip` with a weight (x/half)², x the distance from the middle.
+
+    Examples
+    --------
+    >>> ends(2.0, 0.0, 3.0), ends(0.0, 2.0, 3.0)
+    ((8.0, 0.0), (0.0, 12.0))
+    """
+    flow, gain = fabs(middle), fabs(growth)
+    square = middle * middle
+    share = square / maximum(gain * gain, 1e-24)
+    one_way = gain <= flow
+    whole = where(
+        one_way,
+        half * where(middle < 0.0, -1.0, 1.0) * (2.0 / 3.0 * square + 0.4 * gain * gain),
+        half * middle * (gain + square / maximum(gain, 1e-12) * share / 15.0),
+    )
+    about = where(
+        one_way,
+        half * half * growth * 0.8 * flow,
+        half
+        * half
+        * where(growth < 0.0, -1.0, 1.0)
+        * (0.5 * square + gain * gain / 3.0 - square * share * share / 30.0),
+    )
+    return whole, about
+
+
 def force(
     v: float, r: float, L: float, d: float, rho: float, form: int, shape: int, CD: float,
-    CrY: float, CrN: float, station: Sequence[float], CD_station: Sequence[float],
+    CrY: float, CrN: float, growth: float, station: Sequence[float], CD_station: Sequence[float],
 ) -> tuple[float, float]:  # fmt: skip
     """Y [N] and N [N m] of the flow across the hull.
 
     -½ ρ d ∫ CD(x) |v + CrY r x| (v + CrY r x) dx over the length, and the same with CrN times x;
-    in closed form where CD is constant, else the sum of 40 strips of constant CD each. The form
-    ``without-sway`` leaves out the part L |v| v of the force, which then stands in the hull.
+    in closed form where CD is constant or grows to the ends as 1 + growth (2x/L)², else the sum of
+    40 strips of constant CD each. The form ``without-sway`` leaves out the part L |v| v of the
+    force, which then stands in the hull.
 
     Examples
     --------
-    >>> force(1.0, 0.0, 100.0, 5.0, 1000.0, 0, 0, 1.0, 1.0, 1.0, (0.0,), (0.0,))
+    >>> force(1.0, 0.0, 100.0, 5.0, 1000.0, 0, 0, 1.0, 1.0, 1.0, 0.0, (0.0,), (0.0,))
     (-250000.0, -0.0)
     """
     half = 0.5 * L
-    if shape == 0:
+    if shape != 1:
         side, _ = strip(v, CrY * r * half, half)
         _, turn = strip(v, CrN * r * half, half)
+        if shape == 2:
+            more, _ = ends(v, CrY * r * half, half)
+            side = side + growth * more
+            _, more = ends(v, CrN * r * half, half)
+            turn = turn + growth * more
     else:
         side, turn = 0.0 * v, 0.0 * v
         short = half / STRIPS
@@ -96,9 +130,14 @@ CROSSFLOW_DRAG: Final = Effect(
     kind="force",
     summary="Drag of the flow across each section, summed over the length.",
     parameters=(
-        Parameter(name="CD", text="drag coefficient of a section on its draught", low=0.0),
+        Parameter(
+            name="CD", text="drag coefficient of a section on its draught", low=0.0, typical=0.55
+        ),
         Parameter(name="CrY", text="factor of the yaw rate in the force", default=1.0),
         Parameter(name="CrN", text="factor of the yaw rate in the moment", default=1.0),
+        Parameter(
+            name="growth", text="growth of CD to the ends", form=("shape", "ends"), low=-1.0
+        ),
         Parameter(
             name="station", text="stations over L from midship, ascending, -0.5 to 0.5",
             form=_TABLE, table=True,
@@ -108,11 +147,12 @@ CROSSFLOW_DRAG: Final = Effect(
             low=0.0,
         ),
     ),
-    options={"form": ("full", "without-sway"), "shape": ("constant", "table")},
+    options={"form": ("full", "without-sway"), "shape": ("constant", "table", "ends")},
     force=force,
     outputs=("Y", "N"),
     source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
     "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",
+    check="yaw with drift at large r/v, so that the flow changes side inside the hull",
 )  # fmt: skip
 EFFECTS: Final = (CROSSFLOW_DRAG,)
 

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from pmmkit.conventions import parse_derivative
 from pmmkit.errors import UnknownNameError
 
-Kind = Literal["force", "mass", "state", "observation"]
+Kind = Literal["force", "mass", "state", "terms", "observation"]
 
 _DIMENSIONS: Mapping[str, tuple[int, int, int]] = MappingProxyType(
     {
@@ -23,7 +23,9 @@ _DIMENSIONS: Mapping[str, tuple[int, int, int]] = MappingProxyType(
         "1/s": (0, -1, 0),
         "m/s": (1, -1, 0),
         "N": (1, -2, 1),
+        "N/min": (1, -3, 1),
         "N m": (2, -2, 1),
+        "N m/min": (2, -3, 1),
         "W": (2, -3, 1),
         "kg m2": (2, 0, 1),
         "N m s": (2, -1, 1),
@@ -53,6 +55,8 @@ class Parameter:
         Values outside are refused.
     table : bool
         Whether it holds a list of any length instead of one number.
+    typical : float or None
+        Usual size, signed where nature has a sign; None for what no diagnosis looks for.
     """
 
     name: str
@@ -63,6 +67,7 @@ class Parameter:
     low: float = -1e12
     high: float = 1e12
     table: bool = False
+    typical: float | None = None
 
     @property
     def scaling(self) -> float:
@@ -87,9 +92,9 @@ class Effect:
     ----------
     name, family : str
         Name in models; the family its file stands for.
-    kind : {"force", "mass", "state", "observation"}
-        What it does: a force, a share of the mass matrix, states of its own, a fault of the
-        measurement.
+    kind : {"force", "mass", "state", "terms", "observation"}
+        What it does: a force, a share of the mass matrix, states of its own; derivatives of the
+        hull polynomial under one name; a fault of the measurement.
     summary : str
         One sentence.
     parameters : tuple of Parameter
@@ -113,6 +118,10 @@ class Effect:
         States that the effect brings.
     astern : bool
         Whether it says what propulsion does astern.
+    check : str
+        A run, or a check at the bench, that shows it.
+    excites : tuple of str
+        What tests must hold to show it at all: ``several speeds``, ``roll``, ``rudder``.
     """
 
     name: str
@@ -128,6 +137,18 @@ class Effect:
     outputs: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     astern: bool = False
+    check: str = ""
+    excites: tuple[str, ...] = ()
+
+    @property
+    def enters(self) -> bool:
+        """Whether it can be a part of a model."""
+        return self.kind in ("force", "mass", "state")
+
+    @property
+    def coefficients(self) -> tuple[Parameter, ...]:
+        """What a diagnosis fits of it: the parameters with a usual size."""
+        return tuple(item for item in self.parameters if item.typical is not None)
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of a name; None where the effect has none of it."""
@@ -167,6 +188,17 @@ class Effect:
 
     def problems(self, values: Mapping[str, object], options: Mapping[str, str]) -> list[str]:
         """What is wrong with values and options given for this effect, in words."""
+        if self.kind == "observation":
+            return [
+                f"{self.name} is a fault of a measurement: it corrects data, it is no part of a "
+                f"model."
+            ]
+        if self.kind == "terms":
+            names = ", ".join(dict.fromkeys(item.name.split(" ")[0] for item in self.parameters))
+            return [
+                f"{self.name} stands for derivatives: give {names} to hull_polynomial "
+                f"(pmmkit.with_effect does)."
+            ]
         found = []
         for name, word in options.items():
             words = self.options.get(name)

@@ -1,0 +1,46 @@
+"""What changes with the Froude number: F = (Fn/Fn0)² - 1 is zero at a speed of reference."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.terms import terms
+
+
+def force(
+    U: float, L: float, rho: float, g: float, X_F: float, X_FF: float, Fn0: float
+) -> tuple[float]:
+    """X [N]: ½ρL²U² (X_F F + X_FF F²) at the speed of the instant.
+
+    Examples
+    --------
+    >>> force(2.0, 4.0, 1000.0, 10.0, -1e-4, 0.0, 0.2)
+    (-48.0...,)
+    """
+    F = U * U / (g * L * Fn0 * Fn0) - 1.0
+    return (0.5 * rho * L * L * U * U * F * (X_F + X_FF * F),)
+
+
+RESISTANCE_CURVE: Final = Effect(
+    name="resistance_curve", family="speed", kind="force",
+    summary="Resistance that does not go with the square of the speed.",
+    parameters=(
+        Parameter(name="X_F", text="multiplies F in X over ½ρL²U²", typical=-4e-5),
+        Parameter(name="X_FF", text="multiplies F² in X over ½ρL²U²", typical=-2.5e-5),
+        Parameter(name="Fn0", text="Froude number at which F = (Fn/Fn0)² - 1 is zero", low=1e-3),
+    ),
+    force=force, outputs=("X",), source="ITTC 7.5-02-02-01",
+    check="resistance at more speeds", excites=("several speeds",),
+)  # fmt: skip
+FROUDE_LINEAR: Final = terms(
+    "froude_linear", "speed", "Linear derivatives that change with the Froude number.",
+    {"Yv F": -0.0010, "Nv F": 0.0003, "Yr F": -0.00045, "Nr F": -0.00012}, source="Yoon 2009",
+    check="a third speed", excites=("several speeds",),
+)  # fmt: skip
+FROUDE_NONLINEAR: Final = terms(
+    "froude_nonlinear", "speed", "Cubic derivatives that change with the Froude number.",
+    {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008}, source="Yoon 2009",
+    check="amplitude steps at the extreme speeds", excites=("several speeds",),
+)  # fmt: skip
+EFFECTS: Final = (RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR)
