@@ -197,9 +197,7 @@ FAULTS: Final = (
     _fault("current", _drift_of_the_tank),
     _fault("fault_gauge_zero", _zero),
     _fault("fault_time_lag", _clock),
-    _fault(
-        "fault_filter_lag", _filter, grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0), centre=(1.0,)
-    ),
+    _fault("fault_filter_lag", _filter, grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0), centre=(1.0,)),
     _fault("fault_cross_talk", _cross_talk, grid=(0.0, 1.0)),
     _fault("fault_gauge_gain", _gain),
     _fault("fault_moment_point", _point),

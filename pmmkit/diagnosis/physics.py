@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from inspect import signature
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.memory import kept
 from pmmkit.effects.primitives import over_arrays
+from pmmkit.effects.speed import resistance
 from pmmkit.effects.terms import BY_SPEED
 
 Array = NDArray[np.float64]
@@ -27,6 +28,8 @@ GRIDS: Final[Mapping[str, tuple[str, tuple[float, ...]]]] = {
     "lagged_crossflow": ("lag", LAGS),
 }
 """The nonlinear parameter of an effect, and the values at which it is tried."""
+ON_A_CARRIAGE: Final[Mapping[str, Callable[..., Any]]] = {"resistance_curve": resistance}
+"""Effects that take the Froude number of the run, whose waves are those of the carriage's speed."""
 
 
 def histories(
@@ -52,7 +55,8 @@ def histories(
     motion, ship, water = view.motion, base.ship, base.water
     there: dict[str, Any] = {
         "u": motion.u, "v": motion.v, "r": motion.r, "U": motion.speed, "L": ship.L, "d": ship.d,
-        "rho": water.rho, "g": water.g, "Fn0": ship.froude(base.reference, water.g),
+        "rho": water.rho, "g": water.g, "Fn": ship.froude(view.speed, water.g),
+        "Fn0": ship.froude(base.reference, water.g),
         **dict.fromkeys(effect.states, 0.0), **dict.fromkeys(effect.options, 0),
     }  # fmt: skip
     for item in effect.parameters:
@@ -62,10 +66,11 @@ def histories(
                 there[item.form[0]] = effect.options[item.form[0]].index(item.form[1])
         elif item.name not in there:
             there[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
-    assert effect.force is not None
-    asked = {name: there[name] for name in signature(effect.force).parameters}
+    function = ON_A_CARRIAGE.get(effect.name, effect.force)
+    assert function is not None
+    asked = {name: there[name] for name in signature(function).parameters}
     found: dict[str, Array] = {}
-    for output, force in zip(effect.outputs, over_arrays(effect.force)(**asked), strict=True):
+    for output, force in zip(effect.outputs, over_arrays(function)(**asked), strict=True):
         if output in CHANNELS:
             found[output] = force
         elif output.endswith("dot"):
@@ -109,9 +114,7 @@ def from_catalogue(name: str) -> Candidate:
     def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
         parts: dict[str, list[Array]] = {}
         for label in sizes:
-            for channel, force in histories(
-                effect, view, base, {label: 1.0, inner: value}
-            ).items():
+            for channel, force in histories(effect, view, base, {label: 1.0, inner: value}).items():
                 part = view.project(force)
                 if effect.states:
                     part = _missing(view, base, value, part)

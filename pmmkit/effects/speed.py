@@ -5,21 +5,35 @@ from __future__ import annotations
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.primitives import sqrt
 from pmmkit.effects.terms import terms
+
+
+def resistance(
+    U: float, Fn: float, L: float, rho: float, X_F: float, X_FF: float, Fn0: float
+) -> tuple[float]:
+    """X [N]: ½ρL²U² (X_F F + X_FF F²), at a speed [m/s] and the Froude number of the waves.
+
+    Examples
+    --------
+    >>> round(resistance(2.0, 0.4, 4.0, 1000.0, -1e-4, 0.0, 0.2)[0], 9)
+    -9.6
+    """
+    F = Fn * Fn / (Fn0 * Fn0) - 1.0
+    return (0.5 * rho * L * L * U * U * F * (X_F + X_FF * F),)
 
 
 def force(
     U: float, L: float, rho: float, g: float, X_F: float, X_FF: float, Fn0: float
 ) -> tuple[float]:
-    """X [N]: ½ρL²U² (X_F F + X_FF F²) at the speed of the instant.
+    """`resistance` of a free ship, whose waves are those of its speed at the instant.
 
     Examples
     --------
-    >>> force(2.0, 4.0, 1000.0, 10.0, -1e-4, 0.0, 0.2)
-    (-48.0...,)
+    >>> round(force(2.0, 4.0, 1000.0, 10.0, -1e-4, 0.0, 0.2)[0], 9)
+    -4.8
     """
-    F = U * U / (g * L * Fn0 * Fn0) - 1.0
-    return (0.5 * rho * L * L * U * U * F * (X_F + X_FF * F),)
+    return resistance(U, U / sqrt(g * L), L, rho, X_F, X_FF, Fn0)
 
 
 RESISTANCE_CURVE: Final = Effect(
