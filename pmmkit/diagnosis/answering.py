@@ -130,20 +130,25 @@ def _findings(
     system: System, entry: Entry, given: Sequence[Block], blocks: Sequence[Block],
     covered: Sequence[Visible], floor: float,
 ) -> tuple[Finding, ...]:  # fmt: skip
-    """Each effect of a set, with the held-out errors without and with it."""
+    """Each effect of a set, with the held-out errors without and with it; the largest first."""
     if not blocks:
         return ()
     together = [*given, *blocks]
     fit = joint_fit(system, together, floor=floor)
     after = held_out(system, together)
     visible = {item.name: item for item in covered}
-    return tuple(
+    found = [
         _finding(
-            block, fit, visible[block.candidate.name], odds(entry.log_evidence),
-            held_out(system, [item for item in together if item is not block]), after,
+            block,
+            fit,
+            visible[block.candidate.name],
+            odds(entry.log_evidence),
+            held_out(system, [item for item in together if item is not block]),
+            after,
         )
         for block in blocks
-    )  # fmt: skip
+    ]
+    return tuple(sorted(found, key=lambda item: -item.error_before))  # fmt: skip
 
 
 def _finding(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.faults import FAULTS, carriage_fault
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.fitting import effects_of
 from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import System
 from pmmkit.diagnosis.views import views_of
@@ -51,20 +53,52 @@ def diagnose(
     DataError
         If the campaign is free-running.
     """
+    base = derivatives_of(model)
+    given = (*base.effects, *settings.pop("given", ()))
+    return diagnose_captive(campaign, base.structure, given=given, **settings)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseModel:
+    """What a model or a structure gives as base of a diagnosis.
+
+    Parameters
+    ----------
+    source : Model, str, tuple of str or Structure
+        Where it comes from.
+    structure : str, tuple of str or Structure
+        Derivatives.
+    effects : tuple of str
+        Effects beside them that a diagnosis knows.
+    """
+
+    source: Model | str | tuple[str, ...] | Structure
+    structure: str | tuple[str, ...] | Structure
+    effects: tuple[str, ...] = ()
+
+
+def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> BaseModel:
+    """Derivatives and effects that a model, a structure or a list of derivatives has.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        As for `diagnose`.
+    """
     if isinstance(model, Structure) or (isinstance(model, str) and model in STRUCTURES):
-        return diagnose_captive(campaign, model, **settings)
+        return BaseModel(source=model, structure=model)
     if isinstance(model, (str, Path)):
         model = load_model(model)
     if not isinstance(model, Model):
-        return diagnose_captive(campaign, model, **settings)
-    names = [
+        return BaseModel(source=tuple(model), structure=tuple(model))
+    names = tuple(
         name
         for effect in ("hull_polynomial", "added_mass")
         if effect in model.parts
         for name in model.parts[effect].values
         if catalogue()[effect].parameter(name) is None
-    ]
-    return diagnose_captive(campaign, names, **settings)
+    )
+    return BaseModel(source=model, structure=names, effects=effects_of(model))
 
 
 def diagnose_captive(

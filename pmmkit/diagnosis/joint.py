@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +33,11 @@ Array = NDArray[np.float64]
 ALONE: Final = 1e-6
 """A condition whose rows have less than this to do with all others cannot be predicted."""
 
+CHANGED: Final = 0.02
+"""Share by which an error must change to count as changed."""
+DEPENDENT: Final = 1e-10
+"""A column with less than this that others do not explain is left out."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointFit:
@@ -43,7 +48,7 @@ class JointFit:
     names : tuple of str
         Derivatives of the base, then the effects' coefficients as ``effect: coefficient``.
     values : array (n,)
-        Fitted.
+        Fitted; NaN where the runs do not determine one.
     covariance : array (n, n)
         With noise, run scatter, the smooth floor and the effects' prior sizes.
     """
@@ -87,19 +92,24 @@ class HeldOut:
     error: Array
     force: Array
 
-    def of_channel(self, test: str | None = None) -> dict[str, float]:
-        """Root mean square error by channel [N, N m], of one test type or of all."""
+    def of_channel(
+        self, test: str | None = None, *, kind: Literal["error", "force"] = "error"
+    ) -> dict[str, float]:
+        """Root mean square of error or force by channel [N, N m], of one test type or of all."""
         at = [i for i, name in enumerate(self.tests) if test in (None, name)]
-        return dict(zip(self.channels, _rms(self.error[at]).tolist(), strict=True))
+        values = self.error if kind == "error" else self.force
+        return dict(zip(self.channels, _rms(values[at]).tolist(), strict=True))
 
     def share(self) -> float:
         """Errors over the channels' rms forces, root mean square over the channels."""
         return float(_rms((_rms(self.error) / _rms(self.force))[:, None])[0])
 
     def better_than(self, other: HeldOut) -> float:
-        """Share of conditions and channels in which the error is smaller than another's."""
-        both = np.isfinite(self.error) & np.isfinite(other.error)
-        return float(np.mean(self.error[both] < other.error[both])) if both.any() else 0.0
+        """Share of conditions and channels with a smaller error, of those that change at all."""
+        known = np.isfinite(self.error) & np.isfinite(other.error)
+        new, old = self.error[known], other.error[known]
+        changed = np.abs(new - old) > CHANGED * old
+        return float(np.mean(new[changed] < old[changed])) if changed.any() else 0.0
 
     def to_pandas(self) -> pd.DataFrame:
         """A row per condition and channel: condition, test, channel, error, force."""
@@ -249,7 +259,7 @@ def _solved(stack: _Stack) -> _Solved:
     size = np.where(size > 0, size, 1.0)
     Q, R = np.linalg.qr(whole[:, :-1] / size)
     pivots = np.abs(np.diagonal(R))
-    R = R + np.diag(np.where(pivots > 1e-10, 0.0, 1e10))
+    R = R + np.diag(np.where(pivots > DEPENDENT, 0.0, 1.0 / DEPENDENT))
     return _Solved(
         Q=Q[: len(stack.white)], R=R, size=size,
         solution=np.linalg.solve(R, Q.T @ whole[:, -1]) / size,
@@ -276,10 +286,10 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     found = _solved(stack)
     inverse = np.linalg.inv(found.R) / found.size[:, None]
     count = len(stack.names)
+    lost = np.diagonal(found.R)[:count] > 0.5 / DEPENDENT
     covariance = (inverse @ inverse.T)[:count, :count] * np.outer(stack.unit, stack.unit)
-    return JointFit(
-        names=stack.names, values=found.solution[:count] * stack.unit, covariance=covariance
-    )  # fmt: skip
+    values = np.where(lost, np.nan, found.solution[:count] * stack.unit)
+    return JointFit(names=stack.names, values=values, covariance=covariance)
 
 
 def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:

@@ -1,0 +1,85 @@
+"""The commands about what a model lacks; what does the work is imported when they run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, stem
+
+Base = Annotated[
+    str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
+]
+Floor = Annotated[
+    float,
+    typer.Option(
+        min=0.0, max=0.5,
+        help="What is smooth and too small to matter, over the rms force of a channel: your own "
+        "uncertainty.",
+    ),
+]  # fmt: skip
+Drawn = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
+
+
+@app.command()
+def diagnose(
+    model: Base,
+    campaign: Campaign,
+    floor: Floor = 0.005,
+    given: Annotated[
+        str | None,
+        typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
+    ] = None,
+    figures: Drawn = True,
+    data: Data = None,
+    out: Out = None,
+    json: Json = False,
+) -> None:  # fmt: skip
+    """Name the effect, or the fault of the measurement, that the model lacks."""
+    from pmmkit.cli import diagnosing
+
+    finish(
+        diagnosing.diagnose(
+            model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor,
+            given=(given or "").replace(",", " ").split(), drawn=figures, data=data,
+        ),
+        json,
+    )  # fmt: skip
+
+
+@app.command()
+def add(
+    model: Annotated[str, typer.Argument(help="Library ship or model file.")],
+    effects: Annotated[
+        list[str] | None, typer.Argument(help="Effects to add, one after another.")
+    ] = None,
+    fit: Annotated[
+        Path, typer.Option("--fit", help="Campaign to which the model is fitted with them.")
+    ] = ...,  # type: ignore[assignment]
+    target: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Model file to write.")
+    ] = None,
+    undo: Annotated[
+        bool, typer.Option("--undo", help="Take the effect that was added last out again.")
+    ] = False,
+    why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
+    floor: Floor = 0.005,
+    figures: Drawn = True,
+    data: Data = None,
+    out: Out = None,
+    json: Json = False,
+) -> None:  # fmt: skip
+    """Add effects to a model, fit them together with it, and show how the error falls."""
+    from pmmkit.cli import adding
+
+    if undo == bool(effects):
+        raise typer.BadParameter("Name an effect to add, or say --undo.")
+    finish(
+        adding.add(
+            model, effects or [], fit, target or Path(f"{Path(model).stem}-extended.toml"),
+            undo=undo, why=why, floor=floor, drawn=figures, data=data, out=out,
+        ),
+        json,
+    )  # fmt: skip

@@ -1,0 +1,260 @@
+"""From a joint fit to a model: derivatives with their covariance, effects with their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.diagnosis.adding import with_effect, without_effect
+from pmmkit.diagnosis.base import Base
+from pmmkit.diagnosis.entering import HULL
+from pmmkit.diagnosis.joint import JointFit, labels
+from pmmkit.diagnosis.system import Block
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.terms import BY_SPEED
+from pmmkit.errors import UnknownNameError
+from pmmkit.model import Model
+from pmmkit.model.model import Part, needs_roll
+from pmmkit.runs.run import Campaign
+from pmmkit.tables import DerivativeTable, converted
+
+Array = NDArray[np.float64]
+ADDED: Final = "Added "
+"""How a step begins in the history of a model."""
+
+
+def fitted_table(
+    fit: JointFit, base: Base, campaign: Campaign, Fn: Sequence[float] = ()
+) -> DerivativeTable:
+    """The derivatives of a joint fit, those of effects that are derivatives among them.
+
+    Parameters
+    ----------
+    fit : JointFit
+        Of the base with effects.
+    base : Base
+        What the derivatives mean, and the speed at which F is zero.
+    campaign : Campaign
+        The tests.
+    Fn : sequence of float
+        Froude numbers of the rows; one pooled row without them. Needed where derivatives change
+        with the speed.
+
+    Returns
+    -------
+    DerivativeTable
+        In the convention of the base. Derivatives that the runs do not determine are NaN.
+    """
+    rows = np.asarray(Fn, float) if len(Fn) else np.array([np.nan])
+    law = [base.law(campaign.ship.speed(x, campaign.water.g)) if len(Fn) else 0.0 for x in rows]
+    places = [_place(label) for label in fit.names]
+    names = tuple(dict.fromkeys(place[0] for place in places if place is not None))
+    weights = np.zeros((len(rows), len(names), len(fit.names)))
+    for column, place in enumerate(places):
+        if place is not None:
+            weights[:, names.index(place[0]), column] = law if place[1] else 1.0
+    shape = (len(rows), len(names))
+    known = np.isfinite(fit.values)
+    lost = np.any(weights[:, :, ~known] != 0.0, axis=2)
+    inside = weights[:, :, known]
+    value = np.where(lost, np.nan, inside @ fit.values[known])
+    flat = inside.reshape(-1, int(known.sum()))
+    covariance = flat @ fit.covariance[np.ix_(known, known)] @ flat.T
+    covariance[lost.ravel()], covariance[:, lost.ravel()] = np.nan, np.nan
+    return DerivativeTable(
+        names=names, Fn=rows, value=value, covariance=covariance.reshape(*shape, *shape),
+        dof=np.full(shape, np.inf), method=np.full(shape, "joint fit"),
+        runs=np.full(shape, len(campaign.runs)), convention=base.convention, ship=campaign.ship,
+        water=campaign.water,
+    )  # fmt: skip
+
+
+def _place(label: str) -> tuple[str, bool] | None:
+    """Derivative that a coefficient adds to, and whether it does so with the speed."""
+    name = label.rsplit(": ", 1)[-1]
+    plain = name.removesuffix(BY_SPEED)
+    try:
+        parse_derivative(plain)
+    except UnknownNameError:
+        return None
+    return plain, plain != name
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refit:
+    """A model with fitted values, and what could not be taken over.
+
+    Parameters
+    ----------
+    model : Model
+        With the values.
+    notes : tuple of str
+        Derivatives that were kept or left out, and why.
+    """
+
+    model: Model
+    notes: tuple[str, ...]
+
+
+def refitted(
+    model: Model, fit: JointFit, effects: Sequence[Block], base: Base, campaign: Campaign
+) -> Refit:
+    """A model with the values of a joint fit.
+
+    Parameters
+    ----------
+    model : Model
+        Gives its convention, its scale and all other parts.
+    fit : JointFit
+        Of the model's derivatives together with effects.
+    effects : sequence of Block
+        The effects of the fit. Those of the ship enter the model; faults of the measurement do
+        not: they correct what the fit saw.
+    base : Base
+        Of the fit.
+    campaign : Campaign
+        The tests.
+
+    Returns
+    -------
+    Refit
+        Non-dimensional values carry over to the model's scale. A derivative that the runs do not
+        determine keeps its value.
+    """
+    varies = any(place is not None and place[1] for place in map(_place, fit.names))
+    Fn = (model.Fn or _froude_numbers(campaign)) if varies else ()
+    table = converted(fitted_table(fit, base, campaign, Fn), _target(model.convention))
+    known = [name for name in table.names if np.isfinite(table[name]).all()]
+    kept = [name for name in table.names if name not in known]
+    rudder = [name for name in known if parse_derivative(name).count("d")]
+    steered = "rudder_abkowitz" in model.parts
+    roll = [] if model.rolls else [name for name in known if needs_roll(name)]
+    left = [*([] if steered else rudder), *roll]
+    notes = []
+    if kept:
+        notes.append(f"Not determined by these runs, kept as they were: {', '.join(kept)}.")
+    if left:
+        notes.append(f"Fitted, but the model has no place for them: {', '.join(left)}.")
+    taken = table.select([name for name in known if name not in left])
+    changed = _with_table(model, taken, Fn, rudder if steered else [], campaign)
+    for block in effects:
+        if block.candidate.kind == "physics" and not _is_terms(block):
+            changed = _with_part(changed, block, fit, _froude_numbers(campaign))
+    return Refit(model=changed, notes=tuple(notes))
+
+
+def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -> Model:
+    """A model with an effect that is a part of its own, at the values of a fit."""
+    c = block.candidate
+    values, _ = fit.of(labels(c))
+    bare = without_effect(model, c.name) if c.name in model.parts else model
+    made = with_effect(
+        bare, c.name, value=block.value, Fn=Fn,
+        coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
+    )  # fmt: skip
+    return made.with_(history=model.history)
+
+
+def _is_terms(block: Block) -> bool:
+    return all(_place(name) is not None for name in block.candidate.coefficients)
+
+
+def _target(convention: Convention) -> Convention:
+    """What a table can be converted to: expansions about other points cannot be reached."""
+    surge = "u" if convention.surge == "delta-u" else convention.surge
+    return replace(convention, surge=surge, U="instantaneous")
+
+
+def _froude_numbers(campaign: Campaign) -> tuple[float, ...]:
+    found = {
+        round(campaign.ship.froude(run.settings.speed, campaign.water.g), 6)
+        for run in campaign.runs
+    }
+    return tuple(sorted(found))
+
+
+def _with_table(
+    model: Model, table: DerivativeTable, Fn: Sequence[float], rudder: Sequence[str],
+    campaign: Campaign,
+) -> Model:  # fmt: skip
+    """A model with the values and the covariance of a table."""
+    parts = dict(model.parts)
+    source = f"measured: {campaign.title or campaign.ship.name}"
+    for name in table.names:
+        home = _home(name, rudder)
+        part = parts.get(home, Part(effect=home))
+        column = table[name]
+        value = tuple(column.tolist()) if len(Fn) else float(column[0])
+        parts[home] = replace(
+            part, values=MappingProxyType({**part.values, name: value}),
+            sources=MappingProxyType({**part.sources, name: source}),
+        )  # fmt: skip
+    size = table.value.size
+    covariance = table.covariance.reshape(size, size)
+    rows = model.Fn or tuple(Fn)
+    copies = max(len(rows), 1) // max(len(Fn), 1)
+    spread = np.tile(covariance, (copies, copies))
+    return model.with_(
+        parts=MappingProxyType(parts), Fn=rows, covariance=(spread + spread.T) / 2,
+        covariance_names=table.names, convention=_target(model.convention),
+    )  # fmt: skip
+
+
+def _home(name: str, rudder: Sequence[str]) -> str:
+    if name in rudder:
+        return "rudder_abkowitz"
+    accelerates = any(factor.endswith("dot") for factor in parse_derivative(name).factors)
+    return "added_mass" if accelerates else HULL
+
+
+def effects_of(model: Model) -> tuple[str, ...]:
+    """What of a model is fitted beside its derivatives.
+
+    Parameters
+    ----------
+    model : Model
+        A model: its effects with coefficients of usual sizes, and the faults of the measurement
+        that its history knows.
+    """
+    parts = [name for name in model.parts if catalogue()[name].coefficients]
+    steps = [name_of_step(line) for line in model.history if line.startswith(ADDED)]
+    varying = [name for name, own in _OF_SPEED.items() if any(_varies(model, x) for x in own)]
+    faults = [name for name in steps if is_fault(name)]
+    return tuple(dict.fromkeys([*parts, *varying, *faults]))
+
+
+_OF_SPEED: Final = {
+    "froude_linear": ("Yv", "Yr", "Nv", "Nr"),
+    "froude_nonlinear": ("Yvvv", "Yrrr", "Nvvv", "Nrrr"),
+    "resistance_curve": ("Xuu",),
+}
+"""Effects of the speed, and the derivatives that vary with it where a model has them."""
+
+
+def _varies(model: Model, name: str) -> bool:
+    """Whether a model has different values of a derivative at its Froude numbers."""
+    value = model.parts[HULL].values.get(name) if HULL in model.parts else None
+    return isinstance(value, tuple) and len(set(value)) > 1
+
+
+def name_of_step(line: str) -> str:
+    """The effect that a line of a model's history added.
+
+    Examples
+    --------
+    >>> name_of_step("Added memory (over 1000 to 1): error of left-out conditions …")
+    'memory'
+    """
+    return line.removeprefix(ADDED).split(":")[0].split(" (")[0]
+
+
+def is_fault(effect: str) -> bool:
+    """Whether an effect is a fault of the measurement."""
+    known = catalogue().get(effect)
+    return known is not None and known.kind == "observation"

@@ -1,0 +1,179 @@
+"""Diagnosis: evidence of every effect, what the runs could show, how the error falls."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.diagnosis.fitting import is_fault
+from pmmkit.errors import DataError
+from pmmkit.figures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from pmmkit.diagnosis.findings import Diagnosis
+    from pmmkit.diagnosis.session import ErrorFall
+
+_MOST: Final = 14
+"""Effects in the figure of evidence."""
+_CERTAIN: Final = math.log(1000.0)
+_KINDS: Final = {False: ("ship and water", style.ORDERED[0]), True: ("measurement", "#e3871c")}
+
+
+def evidence(found: Diagnosis) -> Figure:
+    """ln evidence of the best single effects and sets, the named group marked.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        As `diagnose` gives it.
+
+    Returns
+    -------
+    Figure
+    """
+    named = [names for names, _ in found.group]
+    singles = [item for item in found.entries if len(item.names) == 1][:_MOST]
+    sets = [item for item in found.entries if len(item.names) > 1 and item.names in named]
+    shown = sorted([*sets, *singles], key=lambda item: -item.log_evidence)[:_MOST]
+    with style.styled():
+        figure = style.canvas(1.0 + 0.3 * len(shown))
+        axis = figure.subplots()
+        for place, item in enumerate(shown):
+            label, colour = _KINDS[all(is_fault(name) for name in item.names)]
+            axis.barh(
+                place, item.log_evidence, height=0.62, color=colour,
+                alpha=1.0 if item.names in named else 0.35,
+            )  # fmt: skip
+            axis.barh(place, 0.0, color=colour, label=label)
+        axis.axvline(0.0, color=style.INK, lw=0.8)
+        axis.axvline(_CERTAIN, color=style.LIMIT, lw=1.0, ls="--", label="1000 to 1")
+        axis.set_yticks(range(len(shown)), [_words(item.names) for item in shown])
+        axis.set_ylim(len(shown) - 0.4, -0.6)
+        axis.set_xscale("symlog", linthresh=10.0)
+        axis.grid(visible=False, axis="y")
+        axis.set_xlabel("ln evidence against no effect [-]   (full colour: named)")
+        style.legend_below(figure, [axis])
+    return figure
+
+
+def coverage(found: Diagnosis) -> Figure:
+    """Share of its usual size that each effect could have and hide from these runs.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        As `diagnose` gives it.
+
+    Returns
+    -------
+    Figure
+    """
+    items = sorted(found.covered, key=lambda item: item.hides)
+    sizes = [min(item.hides, _LARGEST) for item in items]
+    with style.styled():
+        figure = style.canvas(1.0 + 0.22 * len(items))
+        axis = figure.subplots()
+        for place, (item, size) in enumerate(zip(items, sizes, strict=True)):
+            colour = style.ORDERED[1] if item.shown else style.REFERENCE
+            axis.barh(
+                place, size, height=0.62, color=colour,
+                label="these runs can show it" if item.shown else "they cannot",
+            )  # fmt: skip
+        axis.axvline(1.0, color=style.INK, lw=0.8)
+        axis.set_yticks(range(len(items)), [_words((item.name,)) for item in items])
+        axis.set_ylim(len(items) - 0.4, -0.6)
+        axis.set_xscale("log")
+        axis.grid(visible=False, axis="y")
+        axis.set_xlabel("size that could hide, over the usual size [-]")
+        style.legend_below(figure, [axis])
+    return figure
+
+
+_LARGEST: Final = 30.0
+
+
+def error_fall(fall: ErrorFall) -> Figure:
+    """Held-out error after each step: by channel, and by test type.
+
+    Parameters
+    ----------
+    fall : ErrorFall
+        As `Session.fall` gives it.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    DataError
+        If there is no step.
+    """
+    if not fall.errors:
+        raise DataError("There is no step to draw.")
+    frame = fall.to_pandas()
+    tests = [name for name in dict.fromkeys(frame["test"]) if name != "all"]
+    channels = fall.errors[0].channels
+    with style.styled():
+        figure = style.canvas(4.2)
+        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.4))
+        whole = frame[frame["test"] == "all"]
+        _bars(
+            left, fall.steps,
+            [[_per_cent(whole, step, channel=channel) for channel in channels]
+             for step in fall.steps],
+            [f"{channel}\n{_in_newtons(whole, fall.steps, channel)}" for channel in channels],
+        )  # fmt: skip
+        left.set_ylabel("error of left-out conditions,\n% of the channel's rms force")
+        _bars(
+            right, fall.steps,
+            [[_per_cent(frame[frame["test"] == test], step) for test in tests]
+             for step in fall.steps],
+            [test.replace("_", "\n") for test in tests],
+        )  # fmt: skip
+        left.set_title("by channel")
+        right.set_title("by test type, root mean square of the channels")
+        style.legend_below(figure, [left])
+    return figure
+
+
+def _bars(axis: Axes, steps: tuple[str, ...], values: list[list[float]], places: list[str]) -> None:
+    width = 0.8 / len(steps)
+    for number, (step, heights) in enumerate(zip(steps, values, strict=True)):
+        at = np.arange(len(places)) + (number - 0.5 * (len(steps) - 1)) * width
+        label = _words((step,)) if number == 0 else f"+ {_words((step,))}"
+        axis.bar(at, heights, width=0.92 * width, color=style.colour(number), label=label)
+    axis.set_xticks(range(len(places)), places)
+    axis.grid(visible=False, axis="x")
+
+
+def _per_cent(frame: object, step: str, channel: str | None = None) -> float:
+    import pandas as pd
+
+    assert isinstance(frame, pd.DataFrame)
+    own = frame[frame["step"] == step]
+    if channel is not None:
+        own = own[own["channel"] == channel]
+    shares = own["share"].dropna()
+    return 100.0 * float(np.sqrt(np.mean(shares**2))) if len(shares) else 0.0
+
+
+def _in_newtons(frame: object, steps: tuple[str, ...], channel: str) -> str:
+    """The fall of a channel in its unit."""
+    import pandas as pd
+
+    assert isinstance(frame, pd.DataFrame)
+    own = frame[frame["channel"] == channel].set_index("step")["error"]
+    unit = "N" if channel in "XY" else "N m"
+    if len(steps) == 1:
+        return f"{own[steps[0]]:.3g} {unit}"
+    return f"{own[steps[0]]:.3g} → {own[steps[-1]]:.3g} {unit}"
+
+
+def _words(names: tuple[str, ...]) -> str:
+    return ",\n".join(name.replace("_", " ") for name in names)
