@@ -63,7 +63,9 @@ def test_the_model_that_comes_out_has_the_values_of_the_virtual_ship(session):
         assert abs(got - want) < max(4 * spread, 0.03 * abs(want)), name
     assert made.convention == truth.convention
     assert "fault_misalignment" not in made.parts
-    assert made.values("memory")["Yv_late"] == pytest.approx(-0.2 * 0.0116, rel=0.25)
+    late = made.values("memory")
+    assert -0.006 < late["Yv_late"] < -0.0012, "a fifth of Yv is hidden, -0.0023"
+    assert 0.15 < late["lag"] < 0.45, "0.283 L/U is hidden"
     assert [line.split(":")[0] for line in made.history[-3:]] == [
         "Added yaw_sway_coupling", "Added fault_misalignment", "Added memory",
     ]  # fmt: skip

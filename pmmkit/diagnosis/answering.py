@@ -16,7 +16,7 @@ from pmmkit.diagnosis.contest import Entry, contest, gate
 from pmmkit.diagnosis.coverage import Visible, coverage, remainder
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
 from pmmkit.diagnosis.given import best_blocks, knowing
-from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels
+from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels, refined
 from pmmkit.diagnosis.system import Block, System
 
 Array = NDArray[np.float64]
@@ -133,7 +133,8 @@ def _findings(
     """Each effect of a set, with the held-out errors without and with it; the largest first."""
     if not blocks:
         return ()
-    together = [*given, *blocks]
+    together = refined(system, [*given, *blocks])
+    blocks = together[len(given) :]
     fit = joint_fit(system, together, floor=floor)
     after = held_out(system, together)
     visible = {item.name: item for item in covered}

@@ -41,6 +41,8 @@ class Candidate:
         Values of a nonlinear parameter; one without meaning where there is none.
     parameter : str
         What the grid is, with unit.
+    continuous : bool
+        Whether values between those of the grid have a meaning.
     centre : tuple of float
         Values about which coefficients are expected; zeros where absent.
     check : str
@@ -58,6 +60,7 @@ class Candidate:
     columns: Columns
     grid: tuple[float, ...] = (0.0,)
     parameter: str = ""
+    continuous: bool = False
     centre: tuple[float, ...] = ()
     check: str = ""
     excites: tuple[str, ...] = field(default=())

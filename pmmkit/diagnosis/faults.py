@@ -178,7 +178,7 @@ def _creep(view: View, base: Base, value: float) -> Mapping[str, Array]:
 
 def _fault(
     name: str, columns: Columns, *, grid: tuple[float, ...] = (0.0,),
-    centre: tuple[float, ...] = (),
+    centre: tuple[float, ...] = (), continuous: bool = False,
 ) -> Candidate:  # fmt: skip
     """A fault of the catalogue with its columns."""
     effect = effect_of(name)
@@ -187,8 +187,8 @@ def _fault(
         name=name, family=effect.family, kind="fault", summary=effect.summary,
         coefficients=tuple(f"{item.name} [{item.unit}]" for item in effect.coefficients),
         typical=tuple(item.typical or 0.0 for item in effect.coefficients), columns=columns,
-        grid=grid, parameter="".join(inner), centre=centre, check=effect.check,
-        excites=effect.excites,
+        grid=grid, parameter="".join(inner), centre=centre, continuous=continuous,
+        check=effect.check, excites=effect.excites,
     )  # fmt: skip
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.build import TRANSIENT_FAULT, prior_sizes
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.system import (
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 ALONE: Final = 1e-6
 """A condition whose rows have less than this to do with all others cannot be predicted."""
 
+PARAMETER: Final = "nonlinear parameter"
+"""Name of what a fit moves a nonlinear parameter by, to know its uncertainty."""
 CHANGED: Final = 0.02
 """Share by which an error must change to count as changed."""
 DEPENDENT: Final = 1e-10
@@ -50,7 +53,8 @@ class JointFit:
     values : array (n,)
         Fitted; NaN where the runs do not determine one.
     covariance : array (n, n)
-        With noise, run scatter, the smooth floor and the effects' prior sizes.
+        With noise, run scatter, the smooth floor, the effects' prior sizes, and what is not known
+        of their nonlinear parameters.
     """
 
     names: tuple[str, ...]
@@ -282,7 +286,9 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     -------
     JointFit
     """
-    stack = _stack(system, effects, floor=floor)
+    first = _solved(_stack(system, effects))
+    tangents = _tangents(system, effects, first.solution)
+    stack = _stack(system, [*effects, *tangents], floor=floor)
     found = _solved(stack)
     inverse = np.linalg.inv(found.R) / found.size[:, None]
     count = len(stack.names)
@@ -290,6 +296,84 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     covariance = (inverse @ inverse.T)[:count, :count] * np.outer(stack.unit, stack.unit)
     values = np.where(lost, np.nan, found.solution[:count] * stack.unit)
     return JointFit(names=stack.names, values=values, covariance=covariance)
+
+
+def _tangents(system: System, effects: Sequence[Block], solution: Array) -> list[Block]:
+    """The change of each effect with its nonlinear parameter, as effects of their own."""
+    made = []
+    at = len([name for c in system.channels for name in system.base.names[c.name]])
+    for block in effects:
+        width = len(block.places)
+        if block.candidate.continuous:
+            sizes = solution[at : at + width] * _sizes(block)
+            made.append(_tangent(block, sizes))
+        at += width
+    return made
+
+
+def _tangent(block: Block, sizes: Array) -> Block:
+    c, value, step = block.candidate, block.value, 0.02 * block.value
+
+    def columns(view: View, base: Base, _: float) -> Mapping[str, Array]:
+        more, less = c.columns(view, base, value + step), c.columns(view, base, value - step)
+        return {
+            name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more
+        }  # fmt: skip
+
+    spread = 0.5 * (max(c.grid) - min(c.grid)) / len(c.grid)
+    own = Candidate(
+        name=c.name, family=c.family, kind=c.kind, summary=c.summary, columns=columns,
+        coefficients=(PARAMETER,), typical=(spread,),
+    )  # fmt: skip
+    return Block(candidate=own, value=0.0, columns=slice(0, 1))
+
+
+def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
+    """Effects with their nonlinear parameters off the grid, where the runs are explained best.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    effects : sequence of Block
+        Effects at points of their grids.
+
+    Returns
+    -------
+    tuple of Block
+        One parameter after another, each searched between the neighbours of its grid point.
+    """
+    from scipy.optimize import minimize_scalar
+
+    found = list(effects)
+    for place, block in enumerate(effects):
+        if not block.candidate.continuous:
+            continue
+        grid = sorted(block.candidate.grid)
+        at = grid.index(block.value)
+        low, high = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
+        if at == 0:
+            low = max(2 * grid[0] - grid[1], 0.5 * grid[0])
+        if at == len(grid) - 1:
+            high = 2 * grid[-1] - grid[-2]
+
+        def misfit(value: float, place: int = place, block: Block = block) -> float:
+            others = [*found[:place], replace(block, value=value), *found[place + 1 :]]
+            return _misfit(_stack(system, others))
+
+        result = minimize_scalar(
+            misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
+        )
+        found[place] = replace(block, value=float(result.x))
+    return tuple(found)
+
+
+def _misfit(stack: _Stack) -> float:
+    """Squared residuals with those of the prior, at the best coefficients."""
+    found = _solved(stack)
+    left = stack.white[:, -1] - stack.white[:, :-1] @ found.solution
+    away = found.solution[stack.begin :] - stack.centre
+    return float(left @ left + away @ away)
 
 
 def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:

@@ -125,7 +125,8 @@ def from_catalogue(name: str) -> Candidate:
     return Candidate(
         name=name, family=family, kind="physics", summary=effect.summary,
         coefficients=tuple(sizes), typical=tuple(sizes.values()), columns=columns, grid=grid,
-        parameter=known.text if known else "", check=effect.check, excites=effect.excites,
+        parameter=known.text if known else "", continuous=known is not None,
+        check=effect.check, excites=effect.excites,
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import ADDED, is_fault, name_of_step, refitted
-from pmmkit.diagnosis.joint import HeldOut, held_out, joint_fit
+from pmmkit.diagnosis.joint import HeldOut, held_out, joint_fit, refined
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.files import write_text
@@ -119,7 +119,7 @@ class Session:
 
     def blocks(self) -> tuple[Block, ...]:
         """The effects of the base at the values of their nonlinear parameters."""
-        return taken_as_given(self.system, self.given).blocks
+        return refined(self.system, taken_as_given(self.system, self.given).blocks)
 
     def fall(self) -> ErrorFall:
         """Held-out errors of the base and after each step."""

@@ -23,6 +23,8 @@ FEATURES: Final = 96
 """Random features of the smooth floor, per channel."""
 SMOOTH: Final = 0.8
 """Length scale of the floor over the range of each variable."""
+LEAST: Final = 1e-4
+"""Least standard deviation of a mean or harmonic, over the channel's rms force."""
 TRANSIENT: Final = (0.7, 1.5, 3.0)
 TYPICAL_TRANSIENT: Final = 0.08
 
@@ -150,6 +152,7 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
             if names else np.zeros((len(y), 0))
         )  # fmt: skip
         sizes = [float(np.linalg.norm(views[i].force[name])) / views[i].speed ** 2 for i in having]
+        scale = float(np.sqrt(np.mean(np.square(sizes))))
         groups: dict[str, list[int]] = {}
         for place, i in enumerate(having):
             groups.setdefault(views[i].run.id, []).append(place)
@@ -161,13 +164,20 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
                     for own in groups.values()
                 ),
                 noise=tuple(
-                    _diagonal([views[having[p]].covariance[name] for p in own])
+                    _diagonal([_noise(views[having[p]], name, scale) for p in own])
                     for own in groups.values()
                 ),
-                scale=float(np.sqrt(np.mean(np.square(sizes)))),
+                scale=scale,
             )
         )  # fmt: skip
     return tuple(found)
+
+
+def _noise(view: View, channel: str, scale: float) -> Array:
+    """Covariance of the harmonics of a view; none is known better than a share of the force."""
+    least = (LEAST * scale * view.speed**2) ** 2
+    found: Array = view.covariance[channel] + least * np.eye(view.rows)
+    return found
 
 
 def _diagonal(blocks: Sequence[Array]) -> Array:
