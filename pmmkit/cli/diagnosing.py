@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,17 +9,14 @@ from pathlib import Path
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
+from pmmkit.cli.options import stem
 from pmmkit.cli.tracks import check_folder
-from pmmkit.diagnosis.diagnose import diagnose as diagnosed
 from pmmkit.diagnosis.findings import Diagnosis, Finding
+from pmmkit.diagnosis.session import begin
 from pmmkit.files import atomic_folder
+from pmmkit.report.loop import VERDICTS, loop_of, write_diagnosis
 from pmmkit.runs.campaign_file import open_campaign
-
-_VERDICTS = {
-    "noise": "Nothing is missing that these runs could show.",
-    "missing_effect": "An effect is missing.",
-    "unexplained": "Something is missing, and it is not in the catalogue.",
-}
+from pmmkit.structures import STRUCTURES
 
 
 def diagnose(
@@ -52,7 +48,11 @@ def diagnose(
     opened = open_campaign(campaign, data=data)
     checked = examine(opened)
     refuse(checked)
-    found = diagnosed(model, opened, floor=floor, given=given)
+    session = begin(model, opened, floor=floor)
+    for effect in given:
+        session = session.add(effect, "known to be there")
+    loop = loop_of(session, model)
+    found = loop.diagnosis
     content = {
         **found.to_dict(), "campaign": opened.title, "model": model,
         "checks": findings_of(checked),
@@ -60,11 +60,9 @@ def diagnose(
     with atomic_folder(out) as folder:
         (folder / "diagnosis.json").write_text(json_text(content) + "\n", encoding="utf-8")
         found.to_pandas().to_csv(folder / "effects.csv", index=False)
+        loop.fall.to_pandas().to_csv(folder / "error_fall.csv", index=False)
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.diagnosis")
-            save = importlib.import_module("pmmkit.figures").save
-            save(figures.evidence(found), folder / "evidence.svg")
-            save(figures.coverage(found), folder / "coverage.svg")
+            write_diagnosis(loop, folder / "report.html", title=opened.title, runs=len(opened.runs))
         files = sorted(file.name for file in folder.iterdir())
     lines = [
         f"{opened.title}: {len(opened.runs)} runs against {model}",
@@ -72,11 +70,22 @@ def diagnose(
         *words(found),
         "", f"Results: {out}",
     ]  # fmt: skip
-    if found.findings and found.findings[0].kind == "physics":
-        lines.append(
-            f"Next: pmmkit add {model} {' '.join(found.best)} --fit {campaign} -o model2.toml"
-        )
+    lines += _next(model, campaign, found)
     return Outcome(content={"out": str(out), "files": files, **content}, lines=lines)
+
+
+def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
+    """The command that puts the findings into the model."""
+    if not found.findings:
+        return []
+    names = " ".join(item.effect for item in found.findings)
+    if model in STRUCTURES:
+        reduced = f"{stem(campaign)}-reduced"
+        return [
+            f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
+            f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o model2.toml",
+        ]
+    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o model2.toml"]
 
 
 def words(found: Diagnosis) -> list[str]:
@@ -89,7 +98,7 @@ def words(found: Diagnosis) -> list[str]:
     """
     lines = [
         f"What is smooth and below {100 * found.floor:g} % of a channel's rms force is left alone.",
-        f"Verdict: {_VERDICTS[found.verdict]}",
+        f"Verdict: {VERDICTS[found.verdict]}",
     ]
     if found.given:
         lines.append(f"The base has already: {', '.join(found.given)}.")

@@ -14,12 +14,13 @@ from pmmkit.cli.findings import findings_of
 from pmmkit.cli.results import write_reduction
 from pmmkit.cli.tracks import check_folder
 from pmmkit.conventions import CHANNELS
+from pmmkit.diagnosis.session import begin
 from pmmkit.errors import MissingPartError, ModelError, SimulationError
 from pmmkit.files import datasets_folder
 from pmmkit.model import Model, load_model
 from pmmkit.progress import shown
 from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.report import Reference, Turns, changes, tables
+from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
 from pmmkit.report.words import percent
 from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.simulation import froude_sweep, simulate
@@ -45,6 +46,7 @@ def reduce(
     parts: str | None = None,
     reference: str | None = None,
     reference_name: str | None = None,
+    asked: str | None = None,
 ) -> Outcome:
     """Reduce a campaign and write everything.
 
@@ -62,6 +64,8 @@ def reduce(
         Library ship, model file or derivative table to compare with.
     reference_name : str, optional
         Its name in the report.
+    asked : str, optional
+        A simpler structure: the report ends with what it lacks.
 
     Returns
     -------
@@ -79,8 +83,12 @@ def reduce(
     model, why = _model(found, donor)
     turns, why_not = _turns(found, model, reference, beside)
     why += why_not
+    loop = None
+    if asked:
+        say(f"Diagnosing what the structure {asked} lacks ...")
+        loop = loop_of(begin(asked, opened), f"one set of derivatives ({asked}) over all speeds")
     say("Writing tables, figures and the report ...")
-    files = write_reduction(found, out, model=model, reference=beside, turns=turns)
+    files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
     content = {
         "campaign": opened.title,
         "out": str(out),
@@ -96,8 +104,9 @@ def reduce(
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
         "changes": changes(turns.tracks) if turns and len(turns.tracks) > 1 else {},
+        "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
-    lines = [*_words(found, beside, turns, why), "", f"Results: {out.resolve()}"]
+    lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
     return Outcome(content=content, lines=[*lines, f"Report:  {out.resolve() / 'report.html'}"])
 
 
@@ -120,7 +129,21 @@ def demo(out: Path) -> Outcome:
         parts="s175-3dof",
         reference="s175-3dof",
         reference_name="Son and Nomoto 1981",
+        asked="cubic",
     )
+
+
+def _missing(loop: Loop | None) -> list[str]:
+    """What a simpler structure lacks, and how the error falls with it."""
+    if loop is None:
+        return []
+    steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
+    return [
+        "",
+        f"What {loop.base} lacks: {', '.join(loop.diagnosis.best) or 'nothing'}. Error of "
+        "left-out conditions, in per cent of the rms force:",
+        "  " + ", ".join(f"{name} {100 * item.share():.1f}" for name, item in steps),
+    ]
 
 
 def _reference(given: str, name: str | None) -> Reference:

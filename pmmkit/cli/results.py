@@ -12,7 +12,7 @@ from pmmkit.cli.tracks import put_track, sweep_frame
 from pmmkit.files import atomic_folder
 from pmmkit.model import Model, save_model
 from pmmkit.reduction import Reduction
-from pmmkit.report import Reference, Turns, write_report
+from pmmkit.report import Loop, Reference, Turns, write_report
 from pmmkit.tables import write
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ def write_reduction(
     model: Model | None,
     reference: Reference | None = None,
     turns: Turns | None = None,
+    loop: Loop | None = None,
 ) -> list[str]:
     """Everything that a reduction gives, into one folder.
 
@@ -41,6 +42,8 @@ def write_reduction(
         Values to compare with in the report.
     turns : Turns, optional
         Turning circles with the model.
+    loop : Loop, optional
+        What a simpler model lacks.
 
     Returns
     -------
@@ -68,6 +71,7 @@ def write_reduction(
             folder / "report.html",
             reference=reference,
             turns=turns,
+            loop=loop,
         )
         return sorted(file.name for file in folder.iterdir())
 

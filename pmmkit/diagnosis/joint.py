@@ -104,9 +104,10 @@ class HeldOut:
         values = self.error if kind == "error" else self.force
         return dict(zip(self.channels, _rms(values[at]).tolist(), strict=True))
 
-    def share(self) -> float:
-        """Errors over the channels' rms forces, root mean square over the channels."""
-        return float(_rms((_rms(self.error) / _rms(self.force))[:, None])[0])
+    def share(self, test: str | None = None) -> float:
+        """Errors of one test type or of all over the channels' rms forces, over the channels."""
+        at = [i for i, name in enumerate(self.tests) if test in (None, name)]
+        return float(_rms((_rms(self.error[at]) / _rms(self.force))[:, None])[0])
 
     def better_than(self, other: HeldOut) -> float:
         """Share of conditions and channels with a smaller error, of those that change at all."""

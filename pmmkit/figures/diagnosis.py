@@ -116,24 +116,21 @@ def error_fall(fall: ErrorFall) -> Figure:
     """
     if not fall.errors:
         raise DataError("There is no step to draw.")
-    frame = fall.to_pandas()
-    tests = [name for name in dict.fromkeys(frame["test"]) if name != "all"]
+    tests = list(dict.fromkeys(fall.errors[0].tests))
     channels = fall.errors[0].channels
+    by_channel = [item.of_channel() for item in fall.errors]
+    force = fall.errors[0].of_channel(kind="force")
     with style.styled():
         figure = style.canvas(4.2)
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.4))
-        whole = frame[frame["test"] == "all"]
         _bars(
-            left, fall.steps,
-            [[_per_cent(whole, step, channel=channel) for channel in channels]
-             for step in fall.steps],
-            [f"{channel}\n{_in_newtons(whole, fall.steps, channel)}" for channel in channels],
+            left, fall.steps, [[100 * own[x] / force[x] for x in channels] for own in by_channel],
+            [f"{x}\n{_in_newtons([own[x] for own in by_channel], x)}" for x in channels],
         )  # fmt: skip
         left.set_ylabel("error of left-out conditions,\n% of the channel's rms force")
         _bars(
             right, fall.steps,
-            [[_per_cent(frame[frame["test"] == test], step) for test in tests]
-             for step in fall.steps],
+            [[100 * item.share(test) for test in tests] for item in fall.errors],
             [test.replace("_", "\n") for test in tests],
         )  # fmt: skip
         left.set_title("by channel")
@@ -152,27 +149,11 @@ def _bars(axis: Axes, steps: tuple[str, ...], values: list[list[float]], places:
     axis.grid(visible=False, axis="x")
 
 
-def _per_cent(frame: object, step: str, channel: str | None = None) -> float:
-    import pandas as pd
-
-    assert isinstance(frame, pd.DataFrame)
-    own = frame[frame["step"] == step]
-    if channel is not None:
-        own = own[own["channel"] == channel]
-    shares = own["share"].dropna()
-    return 100.0 * float(np.sqrt(np.mean(shares**2))) if len(shares) else 0.0
-
-
-def _in_newtons(frame: object, steps: tuple[str, ...], channel: str) -> str:
+def _in_newtons(errors: list[float], channel: str) -> str:
     """The fall of a channel in its unit."""
-    import pandas as pd
-
-    assert isinstance(frame, pd.DataFrame)
-    own = frame[frame["channel"] == channel].set_index("step")["error"]
     unit = "N" if channel in "XY" else "N m"
-    if len(steps) == 1:
-        return f"{own[steps[0]]:.3g} {unit}"
-    return f"{own[steps[0]]:.3g} → {own[steps[-1]]:.3g} {unit}"
+    ends = [errors[0], *errors[-1:]] if len(errors) > 1 else errors
+    return f"{' → '.join(f'{x:.3g}' for x in ends)} {unit}"
 
 
 def _words(names: tuple[str, ...]) -> str:

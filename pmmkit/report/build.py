@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,8 @@ from pmmkit.checks.finding import name_runs
 from pmmkit.files import write_text
 from pmmkit.reduction import Reduction
 from pmmkit.report import pictures, tables
+from pmmkit.report.loop import Loop, loop_sections
+from pmmkit.report.page import page
 from pmmkit.report.turning import Turns, changes, turning_section
 from pmmkit.report.words import Grid, Group, Reference, Section, counted, flattened, percent
 
@@ -22,6 +23,7 @@ def write_report(
     *,
     reference: Reference | None = None,
     turns: Turns | None = None,
+    loop: Loop | None = None,
 ) -> Path:
     """Write the report of a reduction as one HTML file: style and figures inside, nothing loaded.
 
@@ -35,6 +37,8 @@ def write_report(
         Values of a source to stand beside ours.
     turns : Turns, optional
         Turning circles with the model that was found.
+    loop : Loop, optional
+        What a simpler model of the same runs lacks.
 
     Returns
     -------
@@ -42,7 +46,7 @@ def write_report(
         The file.
     """
     target = Path(path)
-    write_text(target, report_html(reduction, reference=reference, turns=turns))
+    write_text(target, report_html(reduction, reference=reference, turns=turns, loop=loop))
     return target
 
 
@@ -51,24 +55,15 @@ def report_html(
     *,
     reference: Reference | None = None,
     turns: Turns | None = None,
+    loop: Loop | None = None,
 ) -> str:
     """The report as text (see `write_report`).
 
     Parameters
     ----------
-    reduction, reference, turns
+    reduction, reference, turns, loop
         As for `write_report`.
     """
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
-
-    folder = files("pmmkit.report")
-    environment = Environment(
-        loader=FunctionLoader(lambda name: (folder / name).read_text(encoding="utf-8")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     sections = [
         Section(
             title="Derivatives at a glance",
@@ -81,17 +76,15 @@ def report_html(
         _forces(reduction),
         _comparison(reduction),
         *([turning_section(turns)] if turns else []),
+        *(loop_sections(loop) if loop else []),
         _runs(reduction),
         _provenance(reduction, reference),
     ]
-    return environment.get_template("template.html.j2").render(
-        title=reduction.campaign.title or "Captive tests",
-        subtitle="Captive ship-model tests reduced to hydrodynamic derivatives, "
-        f"by pmmkit {__version__}.",
-        tiles=_tiles(reduction),
-        sections=[section for section in sections if section is not None],
-        version=__version__,
-        css=(folder / "style.css").read_text(encoding="utf-8"),
+    return page(
+        reduction.campaign.title or "Captive tests",
+        f"Captive ship-model tests reduced to hydrodynamic derivatives, by pmmkit {__version__}.",
+        _tiles(reduction),
+        [section for section in sections if section is not None],
     )
 
 
