@@ -171,3 +171,13 @@ def test_drag_that_grows_to_the_ends_is_its_integral(v, r, growth):
     for power, value in enumerate(found):
         whole, _ = quad(section, -L / 2, L / 2, (power,), points=turn, epsabs=1e-12)
         assert value == pytest.approx(-0.5 * RHO * 0.3 * 0.6 * whole, rel=1e-8, abs=1e-6)
+
+
+def test_steady_turns_and_straight_line_stability_do_not_feel_a_lag():
+    plain = load_model("s175-3dof")
+    model = pk.with_effect(plain, "memory", coefficients={"Yv_late": -0.006, "Nv_late": -0.002})
+    one, other = (pk.stability(x, 9.0) for x in (model, plain))
+    for name in ("C", "K", "T"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-6)
+    turn, still = (pk.spiral_curve(x, 9.0, points=9) for x in (model, plain))
+    np.testing.assert_allclose(turn.rudder_deg, still.rudder_deg, atol=1e-6)
