@@ -229,11 +229,8 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
             ("drift_rudder", {"rudder": math.radians(degrees), "drift": math.radians(beta)})
             for beta in (-8, 8)
         ]
-    for heel in (-10, -5, 5, 10):
-        found += [
-            ("static_heel", {"heel": math.radians(heel), "drift": math.radians(beta)})
-            for beta in (0, 8)
-        ]
+    for degrees in (-10, -5, 5, 10):
+        found.append(("static_heel", {"heel": math.radians(degrees)}))
     for omega_prime, v in ((1.5, 0.1), (1.5, 0.2), (3.0, 0.2)):
         omega = omega_prime * speed / LENGTH
         found.append(("pure_sway", {"period": 2 * math.pi / omega, "amplitude": v * speed / omega}))
