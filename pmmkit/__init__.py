@@ -14,7 +14,9 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
+    from pmmkit.diagnosis.adding import with_effect, without_effect
     from pmmkit.diagnosis.diagnose import diagnose
+    from pmmkit.diagnosis.own import own_effect, own_effects
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
@@ -89,6 +91,8 @@ __all__ = [
     "model_of",
     "monte_carlo",
     "open_campaign",
+    "own_effect",
+    "own_effects",
     "read_table",
     "reduce",
     "reduce_campaign",
@@ -104,6 +108,8 @@ __all__ = [
     "stability",
     "sweep",
     "to_model",
+    "with_effect",
+    "without_effect",
     "write_report",
     "write_table",
 ]
@@ -111,7 +117,9 @@ __all__ = [
 _HOMES: Final = {
     "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
+    "diagnosis.adding": ("with_effect", "without_effect"),
     "diagnosis.diagnose": ("diagnose",),
+    "diagnosis.own": ("own_effect", "own_effects"),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "identification": ("fit_to_forces", "free_records", "identify"),

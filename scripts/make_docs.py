@@ -8,25 +8,49 @@ With --check nothing is written, and the exit status is 1 if a page is out of da
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import pmmkit as pk
 from pmmkit.checks import CHECKS
+from pmmkit.diagnosis.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.physics import PHYSICS
+from pmmkit.diagnosis.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.figures import style
 from pmmkit.figures.derivatives import derivatives_over_froude
 from pmmkit.figures.turns import trajectory
 from pmmkit.files import datasets_folder, write_text
+from pmmkit.model import load_model
 
 DOCS = Path(__file__).parents[1] / "docs"
 
 EFFECTS_HEAD = """\
 # Effects
 
-The parts that a model can have, from the catalogue in `pmmkit/effects/`. A model file names an
-effect as `[effects.NAME]` and gives its values and options. `scripts/make_docs.py` makes this page.
+The catalogue in `pmmkit/effects/`: parts that a model can have, effects that a diagnosis looks for,
+and faults of a measurement that it weighs against them. A model file names a part as
+`[effects.NAME]` and gives its values and options; `pk.with_effect` puts in what a diagnosis names.
+[own_effects.md](own_effects.md) tells how to add your own. `scripts/make_docs.py` makes this page.
+
+"Seen in" is generated from the definition: an effect of usual size in standard tests of the S175 at
+Fn 0.145, 0.217 and 0.29, in percent of the rms force of the channel. C0 is the mean, C1, C2 … are
+harmonics in phase with the velocity, S1, S2 … with the displacement; below 1 % nothing is said.
+"Mimicked by" names effects that reproduce 60 % or more of what a cubic hull leaves of it there.
+Coefficients are those of the prime system with the speed of the instant, Coriolis terms inside.
 """
+SECTIONS = {
+    "Parts of a model": lambda effect: effect.enters and not effect.coefficients,
+    "Effects that a diagnosis looks for": lambda effect: (
+        effect.kind != "observation" and bool(effect.coefficients)
+    ),
+    "Faults of a measurement": lambda effect: effect.kind == "observation",
+}
+KINDS = {
+    "terms": "derivatives of the hull polynomial (of the rudder's where there is one)",
+    "observation": "fault of a measurement, never part of a model",
+}
 
 CHECKS_HEAD = """\
 # Checks
@@ -55,14 +79,19 @@ reason, or as the right statement (`forces = "balance"`, `rudder_positive = "por
 """
 
 
-def parameter_row(parameter: Parameter) -> str:
-    default = "required" if parameter.default is None else f"{parameter.default:g}"
-    return f"| `{parameter.name}` | {parameter.text} | {parameter.unit} | {default} |"
+def parameter_row(effect: Effect, item: Parameter) -> str:
+    cells = [f"`{item.name}`", item.text, item.unit]
+    if effect.enters:
+        cells.append("required" if item.default is None else f"{item.default:g}")
+    if effect.coefficients:
+        cells.append("" if item.typical is None else f"{item.typical:.3g}")
+    return f"| {' | '.join(cells)} |"
 
 
-def effect_page(effect: Effect) -> str:
-    lines = [f"## `{effect.name}`", "", effect.summary, ""]
-    lines.append(f"Family {effect.family}, kind {effect.kind}. Source: {effect.source}.")
+def effect_page(effect: Effect, signature: Signature | None = None) -> str:
+    lines = [f"### `{effect.name}`", "", effect.summary, ""]
+    kind = KINDS.get(effect.kind, effect.kind)
+    lines.append(f"Family {effect.family}, kind {kind}. Source: {effect.source}.")
     if effect.options:
         lines.append("")
         lines += [
@@ -70,18 +99,56 @@ def effect_page(effect: Effect) -> str:
             for name, choices in effect.options.items()
         ]
     if effect.parameters:
-        lines += ["", "| parameter | meaning | unit | default |", "|---|---|---|---|"]
-        lines += [parameter_row(parameter) for parameter in effect.parameters]
+        heads = ["parameter", "meaning", "unit"]
+        heads += ["default"] * effect.enters + ["usual size"] * bool(effect.coefficients)
+        lines += ["", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+        lines += [parameter_row(effect, item) for item in effect.parameters]
     if effect.derivatives:
         lines += ["", "Takes derivatives by name."]
-    return "\n".join(lines)
+    if effect.check:
+        lines += ["", f"To be sure: {effect.check}."]
+    return "\n".join([*lines, *(signature_lines(signature) if signature else ())])
+
+
+def signature_lines(signature: Signature) -> list[str]:
+    lines = []
+    if signature.absorbed:
+        lines += ["", "No residual shows it: the derivatives of the hull take it over."]
+    elif signature.mimics:
+        mimics = ", ".join(f"`{name}`" for name in signature.mimics)
+        lines += ["", f"Mimicked by: {mimics}."]
+    if signature.acts:
+        lines += ["", "| seen in | X | Y | N |", "|---|---|---|---|"]
+    for test, channels in signature.acts.items():
+        cells = [
+            " ".join(f"{label} {100 * x:+.0f}" for label, x in channels.get(name, {}).items())
+            for name in ("X", "Y", "N")
+        ]
+        lines.append(f"| {test.replace('_', ' ')} | {' | '.join(cells)} |")
+    return lines
+
+
+@cache
+def known_signatures() -> dict[str, Signature]:
+    speed = load_model("s175-3dof").ship.speed(FROUDE[-1]) * (LENGTH / 175.0) ** 0.5
+    every = [*PHYSICS, *FAULTS, carriage_fault((speed,))]
+    return {item.name: item for item in signatures(every)}
+
+
+def effects_page() -> str:
+    found = known_signatures()
+    sections = [
+        f"## {title}\n\n"
+        + "\n\n".join(effect_page(x, found.get(x.name)) for x in catalogue().values() if chosen(x))
+        for title, chosen in SECTIONS.items()
+    ]
+    return f"{EFFECTS_HEAD}\n" + "\n\n".join(sections) + "\n"
 
 
 def pages() -> dict[str, str]:
-    effects = "\n\n".join(effect_page(effect) for effect in catalogue().values())
     checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
     return {
-        "effects.md": f"{EFFECTS_HEAD}\n{effects}\n",
+        "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
     }
 

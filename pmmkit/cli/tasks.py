@@ -101,9 +101,17 @@ def effects() -> Outcome:
     found = catalogue().values()
     entries = [
         {"name": item.name, "family": item.family, "kind": item.kind, "summary": item.summary,
-         "source": item.source, "parameters": [part.name for part in item.parameters]}
+         "source": item.source, "parameters": [part.name for part in item.parameters],
+         "usual_sizes": {part.name: part.typical for part in item.coefficients},
+         "check": item.check, "enters_a_model": item.kind != "observation"}
         for item in found
     ]  # fmt: skip
     width = max(len(item.name) for item in found)
-    lines = [f"{item.name:<{width}}  {item.summary}" for item in found]
+    lines = []
+    for title, faults in (("Effects", False), ("Faults of a measurement", True)):
+        lines += [f"{title}:"] + [
+            f"  {item.name:<{width}}  {item.summary}"
+            for item in found
+            if (item.kind == "observation") is faults
+        ]
     return Outcome(content={"effects": entries}, lines=lines)

@@ -176,11 +176,11 @@ def _asked(
                     f"({', '.join(lost)}). Give the own effect itself, with coefficients = those "
                     f"of the finding; one written in Python needs a file in pmmkit/effects/."
                 )
-    if isinstance(coefficients, Mapping):
-        given = coefficients
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
         given, origin = typical, "assumed: usual size"
+    elif isinstance(coefficients, Mapping):
+        given, origin = coefficients, "given"
     stray = [label for label in given or {} if label not in shares]
     if stray:
         raise UnknownNameError(

@@ -84,8 +84,8 @@ MEMORY: Final = Effect(
     name="memory", family="memory", kind="state",
     summary="Part of the sway force builds up late, so that damping falls with frequency.",
     parameters=(
-        Parameter(name="Yv_late", text=f"part of Yv that is late {_PRIME}", typical=0.2 * 0.0116),
-        Parameter(name="Nv_late", text="part of Nv that is late", typical=0.2 * 0.00385),
+        Parameter(name="Yv_late", text=f"part of Yv that is late {_PRIME}", typical=-0.2 * 0.0116),
+        Parameter(name="Nv_late", text="part of Nv that is late", typical=-0.2 * 0.00385),
         _LAG,
     ),
     force=late_sway_force, outputs=("Y", "N", "late_sway_rate"), states=("late_sway",),
@@ -97,7 +97,7 @@ LAGGED_CROSSFLOW: Final = Effect(
     summary="The cubic sway force lags behind the motion.",
     parameters=(
         Parameter(
-            name="Yvvv_late", text=f"part of Yvvv that is late {_PRIME}", typical=0.9 * 0.109
+            name="Yvvv_late", text=f"part of Yvvv that is late {_PRIME}", typical=-0.9 * 0.109
         ),
         Parameter(name="Nvvv_late", text="part of Nvvv that is late", typical=0.9 * 0.0015),
         _LAG,

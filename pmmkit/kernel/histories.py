@@ -37,8 +37,10 @@ def water_forces(
         Its constants, from `packed`.
     motion : mapping of str to array (n,)
         Of `HISTORY`, SI and radians, ship axes at midship, through the water; and the states that
-        effects bring. Revolutions of a model with a shaft are those given. With ``wind_speed`` and
-        ``wind_direction`` the true wind changes along the history.
+        effects bring. States that are left out follow the motion where the time ``t`` is given,
+        settled at its start; without ``t`` they are settled throughout. Revolutions of a model with
+        a shaft are those given. With ``wind_speed`` and ``wind_direction`` the true wind changes
+        along the history.
 
     Returns
     -------
@@ -57,13 +59,17 @@ def water_forces(
     size = max((len(values) for values in motion.values()), default=1)
     zero = np.zeros(size)
     given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
-    given |= {name: np.asarray(motion[name], float) for name in structure.brought if name != "n"}
     constants = list(k)
     for name in WIND:
         if name in motion:
             constants[PLACE[name]] = np.asarray(motion[name], float)
+    states = [name for name in structure.brought if name != "n"]
+    given |= {name: np.asarray(motion[name], float) for name in states if name in motion}
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = _function(structure)(constants, **given)
+        lacking = [name for name in states if name not in motion]
+        if lacking:
+            given |= _followed(structure, constants, given, lacking, motion.get("t"))
+        found, _ = _function(structure)(constants, **given)
     return {name: np.broadcast_to(x, (size,)).copy() for name, x in zip(FORCES, found, strict=True)}
 
 
@@ -103,8 +109,39 @@ def rigid_body(ship: Ship, motion: Mapping[str, Array]) -> dict[str, Array]:
     }
 
 
+def _followed(
+    structure: Structure, constants: Sequence[Any], given: Mapping[str, Array],
+    names: Sequence[str], t: Array | None,
+) -> dict[str, Array]:  # fmt: skip
+    """States that follow the motion, ds/dt = λ (q - s): q without time, else s settled at first.
+
+    Between two instants q is a straight line and λ constant.
+    """
+    from scipy.linalg import solve_banded
+
+    size = len(given["u"])
+    function = _function(structure)
+    _, at_zero = function(constants, **given, **dict.fromkeys(names, np.zeros(size)))
+    _, at_one = function(constants, **given, **dict.fromkeys(names, np.ones(size)))
+    found = {}
+    for name in names:
+        begin = np.broadcast_to(at_zero[name], (size,))
+        rate = begin - at_one[name]
+        settled = begin / rate
+        if t is None:
+            found[name] = settled
+            continue
+        step = np.diff(np.asarray(t, float)) * 0.5 * (rate[1:] + rate[:-1])
+        fading = np.exp(-step)
+        share = -np.expm1(-step) / np.maximum(step, 1e-12)
+        driven = settled[1:] * (1.0 - share) + settled[:-1] * (share - fading)
+        bands = np.stack([np.ones(size), np.append(-fading, 0.0)])
+        found[name] = solve_banded((1, 0), bands, np.concatenate([settled[:1], driven]))
+    return found
+
+
 @cache
-def _function(structure: Structure) -> Callable[..., tuple[Array, ...]]:
+def _function(structure: Structure) -> Callable[..., tuple[tuple[Array, ...], dict[str, Array]]]:
     module = ModuleType("pmmkit_histories")
     module.__dict__.update(
         sqrt=np.sqrt, fabs=np.abs, atan2=np.arctan2, maximum=np.maximum,
@@ -115,13 +152,13 @@ def _function(structure: Structure) -> Callable[..., tuple[Array, ...]]:
         },
     )  # fmt: skip
     exec(compile(_text(structure), "<forces of a model>", "exec"), module.__dict__)
-    made: Callable[..., tuple[Array, ...]] = module.__dict__["forces"]
+    made: Callable[..., tuple[tuple[Array, ...], dict[str, Array]]] = module.__dict__["forces"]
     return made
 
 
 def _text(structure: Structure) -> str:
     """Python text of a function of arrays, from the same lines as the equations of motion."""
-    lines, extra_mass, _ = summed(structure)
+    lines, extra_mass, rates = summed(structure)
     body = ["U = maximum(sqrt(u * u + v * v), 1e-9)", *lines]
     body += ["X = X + k[23] * v * r", "Y = Y + k[24] * u * r", "K = K + k[25] * u * r"]
     for name in ACCELERATIONS:
@@ -129,4 +166,7 @@ def _text(structure: Structure) -> str:
         body.append(f"{name[0]} = {name[0]} + ({shares}) * {name[1:]}")
     assert set(MOTION) - {"U", "beta"} <= set(HISTORY)
     arguments = ", ".join((*HISTORY, *(name for name in structure.brought if name not in HISTORY)))
-    return "\n    ".join([f"def forces(k, {arguments}):", *body, "return X, Y, N, K"]) + "\n"
+    body.append(
+        f"return (X, Y, N, K), {{{', '.join(f'{n!r}: {rate}' for n, rate in rates.items())}}}"
+    )
+    return "\n    ".join([f"def forces(k, {arguments}):", *body]) + "\n"

@@ -143,11 +143,27 @@ class Prepared:
         self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
         delta: float = 0.0, n: float = 0.0,
     ) -> tuple[float, float, float, float]:  # fmt: skip
-        """Surge, sway [m/s²], yaw and roll acceleration [rad/s²] in ship axes at midship."""
-        states = self.structure.states
-        given = {"u": u, "v": v, "r": r, "p": p, "phi": phi, "n": n}
-        out = self.rates([given.get(name, 0.0) for name in states], delta, n)
+        """Surge, sway [m/s²], yaw and roll acceleration [rad/s²] in ship axes at midship.
+
+        States of lags are settled.
+        """
+        out = self.rates(self.settled(u, v, r, p, phi, delta, n), delta, n)
         return out[3], out[4], out[5], out[6] if self.rolls else 0.0
+
+    def settled(
+        self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
+        delta: float = 0.0, n: float = 0.0,
+    ) -> list[float]:  # fmt: skip
+        """States of a motion, those that effects bring where their rates vanish."""
+        given = {"u": u, "v": v, "r": r, "p": p, "phi": phi, "n": n}
+        states = self.structure.states
+        lags = [states.index(name) for name in self.structure.brought if name not in given]
+        y = [given.get(name, 0.0) for name in states]
+        if not lags:
+            return y
+        begin = self.rates(y, delta, n)
+        end = self.rates([1.0 if i in lags else x for i, x in enumerate(y)], delta, n)
+        return [begin[i] / (begin[i] - end[i]) if i in lags else x for i, x in enumerate(y)]
 
     def self_propulsion(self, speed: float | None = None) -> float:
         """Revolutions per second that hold a speed straight ahead, rudder amidships.

@@ -108,14 +108,10 @@ def spiral_curve(
     size = np.array([speed, speed, 1.0, 1.0])
     unit = np.array([speed**2 / L, speed**2 / L, (speed / L) ** 2, (speed / L) ** 2])
     free = 4 if rolls else 3
-    states = ready.structure.states
-    lagging = [i for i, name in enumerate(states) if name == "n"]
 
     def residual(z: Array, r: float) -> Array:
         u, v, delta, phi = (z * size).tolist()
-        y = [0.0, 0.0, 0.0, u, v, r] + ([0.0, phi] if rolls else [])
-        y += [n] * len(lagging)
-        out = ready.rates(y, delta, n)
+        out = ready.rates(ready.settled(u, v, r, 0.0, phi, delta, n), delta, n)
         found: Array = np.array([out[3], out[4], out[5], out[6] if rolls else 0.0]) / unit
         return found[:free]
 
