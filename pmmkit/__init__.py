@@ -14,6 +14,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
+    from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Campaign",
+    "Comparison",
     "DerivativeTable",
     "Ensemble",
     "Model",
@@ -66,6 +68,7 @@ __all__ = [
     "Water",
     "__version__",
     "catalogue",
+    "compare",
     "contributions",
     "converted",
     "diagnose",
@@ -111,6 +114,7 @@ __all__ = [
 _HOMES: Final = {
     "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
+    "diagnosis.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
