@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -35,7 +36,7 @@ class CaptiveRun:
     Parameters
     ----------
     view : View
-        What was measured: a mean, or the harmonics of the cycles after the second.
+        What was measured: a mean, or the harmonics of the cycles that a reduction would take.
     Fn : float
         Froude number.
     predicted : mapping of channel to array (m,)
@@ -65,7 +66,8 @@ class CaptiveRun:
     def uncertainty(self, channel: str) -> Array:
         """Expanded validation uncertainty of each harmonic (k = 2) [N, N m]."""
         squares = [self.shares[name][channel] ** 2 for name in SHARES]
-        return COVERAGE * np.sqrt(np.sum(squares, axis=0))
+        found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
+        return found
 
     def residual(self, rig: Rig) -> dict[str, Array]:
         """The record in time: t [s], and by channel measured and predicted force [N, N m].
@@ -82,7 +84,8 @@ class CaptiveRun:
         times = np.asarray(data["t"].values, float)
         cut = np.searchsorted(times - times[0], view.t - 1e-9)
         force = at_midship(
-            {name: np.asarray(data[name].values, float)[cut] for name in "XYNK" if name in data}, rig
+            {name: np.asarray(data[name].values, float)[cut] for name in "XYNK" if name in data},
+            rig,
         )
         if run.forces == "balance":
             inertia = inertia_force(view.motion, rig)
@@ -135,7 +138,7 @@ def compare_captive(
     predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
     notes = list(predictor.notes)
     rig = rig_of(campaign)
-    views = [view for view in views_of(campaign, unknown_noise=True) if not view.early]
+    views = views_of(campaign, unknown_noise=True, pieces=False)
     scatter = repeat_scatter(views)
     scale = scales(views)
     found: list[CaptiveRun] = []
@@ -203,7 +206,7 @@ def _compared(
 
 def _beyond(scatter: float, noise: Array) -> float:
     """Scatter of repeats beyond what noise explains."""
-    return float(np.sqrt(max(scatter**2 - np.mean(noise**2), 0.0)))
+    return math.sqrt(max(scatter**2 - float(np.mean(noise**2)), 0.0))
 
 
 def _judged(found: Sequence[CaptiveRun], model: Model) -> tuple[list[CaptiveRun], list[str]]:

@@ -34,6 +34,7 @@ from pmmkit.model import Model, load_model
 from pmmkit.progress import Progress
 from pmmkit.reduction.inertia import Rig, rig_of
 from pmmkit.runs.run import Campaign
+from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,8 +59,8 @@ class Comparison:
         Name of the model, title of the campaign.
     kind : {"captive", "free-running"}
         Kind of tests.
-    L : float
-        Length of the ship as tested [m].
+    ship, water : Ship, Water
+        As tested.
     floor : float
         Share of the rms force of a channel that counts as uncertain whatever else is known.
     captive : tuple of CaptiveRun
@@ -77,7 +78,8 @@ class Comparison:
     model: str
     campaign: str
     kind: Literal["captive", "free-running"]
-    L: float
+    ship: Ship
+    water: Water
     floor: float
     captive: tuple[CaptiveRun, ...]
     free: tuple[FreeRun, ...]
@@ -117,7 +119,7 @@ class Comparison:
                     "Fn": run.Fn, "channel": channel, "harmonic": label, "measured": measured,
                     "predicted": predicted, "error": predicted - measured, "uncertainty": doubt,
                     "ratio": abs(predicted - measured) / doubt, "known": run.view.known(channel),
-                    **conditions(run, self.L),
+                    **conditions(run, self.ship.L),
                 }
                 for run in self.captive
                 for channel in run.channels
@@ -163,7 +165,7 @@ class Comparison:
         least : float
             Error over expanded uncertainty from which a cell stands out.
         """
-        return standouts_of(self.captive, self.L, least=least)
+        return standouts_of(self.captive, self.ship.L, least=least)
 
     def standouts(self, least: float = STANDS_OUT) -> tuple[str, ...]:
         """One sentence per cell that stands out, the worst first.
@@ -265,10 +267,10 @@ def compare(
     Notes
     -----
     The comparison error E is predicted less measured. Its validation uncertainty (ASME V&V 20,
-    ITTC 7.5-03-01-01) is twice the root of the sum of squares of: the noise of the mean or harmonic,
-    by the record's own spectrum; the scatter of repeated runs; the campaign's stated uncertainties;
-    that of the model's derivatives; the numerical uncertainty U_SN; and the floor. Where E is less,
-    nothing can be said.
+    ITTC 7.5-03-01-01) is twice the root of the sum of squares of: the noise of the mean or
+    harmonic, by the record's own spectrum; the scatter of repeated runs; the campaign's stated
+    uncertainties; that of the model's derivatives; the numerical uncertainty U_SN; and the floor.
+    Where E is less, nothing can be said.
     """
     if not 0.0 <= floor < 1.0:
         raise DataError(f"The floor is a share of the force such as 0.005, not {floor:g}.")
@@ -285,9 +287,9 @@ def compare(
             known, campaign, window=window, extrapolate=extrapolate, progress=progress
         )
     return Comparison(
-        model=known.name, campaign=campaign.title, kind=campaign.kind, L=campaign.ship.L,
-        floor=floor, captive=captive, free=free, manoeuvres=manoeuvres, rig=rig_of(campaign),
-        notes=notes,
+        model=known.name, campaign=campaign.title, kind=campaign.kind, ship=campaign.ship,
+        water=campaign.water, floor=floor, captive=captive, free=free, manoeuvres=manoeuvres,
+        rig=rig_of(campaign), notes=notes,
     )  # fmt: skip
 
 
@@ -334,10 +336,15 @@ def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
 def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
     """Forces through the smoother that stand out."""
     loud = table[table["channel"].isin(list(FORCE_UNITS)) & (table["ratio"] >= least)]
+    rows: list[dict[str, Any]] = [
+        {str(name): value for name, value in row.items()}
+        for row in loud.sort_values("ratio", ascending=False).to_dict("records")
+    ]
     return [
-        f"{row.channel}, {words_of_test(row.test)}, {row.speed:.3g} m/s: {row.ratio:.1f} times the "
-        f"uncertainty, {100 * row.relative:.0f} % of the measured force"
-        for row in loud.sort_values("ratio", ascending=False).itertuples()
+        f"{row['channel']}, {words_of_test(row['test'])}, {row['speed']:.3g} m/s: "
+        f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the measured "
+        f"force"
+        for row in rows
     ]
 
 

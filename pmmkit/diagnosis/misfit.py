@@ -153,9 +153,6 @@ def words_of_test(test: str) -> str:
     return TESTS.get(test, test.replace("_", " "))
 
 
-
-
-
 def order_words(harmonic: int) -> str:
     """An order of harmonics for a sentence.
 
@@ -356,7 +353,7 @@ def _growth(parts: Sequence[_Part], length: float) -> dict[str, int]:
     covariance = np.linalg.inv(A.T @ A)
     powers = covariance @ (A.T @ y)
     left = y - A @ powers
-    if np.sqrt(np.mean((left * doubt) ** 2)) > SCATTER:
+    if np.sqrt(left @ left / np.sum(doubt**-2)) > SCATTER:
         return {}
     wider = max(1.0, float(left @ left) / (len(loud) - A.shape[1]))
     std = np.sqrt(wider * np.diagonal(covariance))[1:]

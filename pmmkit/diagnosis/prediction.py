@@ -17,6 +17,7 @@ from pmmkit.kernel import CALM
 from pmmkit.kernel.histories import water_forces
 from pmmkit.kernel.program import packed, values_at
 from pmmkit.model import Model, scaled
+from pmmkit.model.model import Part
 from pmmkit.runs.run import Campaign
 from pmmkit.ship import Ship
 
@@ -162,21 +163,26 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
                 f"{name} has a memory of its own and is left out: captive runs are compared with "
                 f"what the model predicts at each instant."
             )
-    if told := [name for name in left if name not in NOT_IN_A_TANK and not catalogue()[name].states]:
+    if told := [
+        name for name in left if name not in NOT_IN_A_TANK and not catalogue()[name].states
+    ]:
         notes.append(f"The tests have no {' and no '.join(told)}: left out of the prediction.")
     kept = {name: part for name, part in made.parts.items() if name not in left}
     return Predictor(
-        model=replace(made, parts=MappingProxyType(kept), water=campaign.water, **_known(made, kept)),
+        model=replace(
+            _without_stale_covariance(made, kept), parts=MappingProxyType(kept),
+            water=campaign.water,
+        ),
         turning=turning, extrapolate=extrapolate, notes=tuple(notes),
     )  # fmt: skip
 
 
-def _known(model: Model, kept: Mapping[str, object]) -> dict[str, object]:
-    """The covariance, if all its derivatives are still there."""
-    values = {name for effect in kept for name in model.parts[effect].values}
-    if model.covariance is not None and set(model.covariance_names) <= values:
-        return {}
-    return {"covariance": None, "covariance_names": ()}
+def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
+    """The model without its covariance, if some of its derivatives are left out."""
+    values = {name for part in kept.values() for name in part.values}
+    if set(model.covariance_names) <= values:
+        return model
+    return replace(model, covariance=None, covariance_names=())
 
 
 def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:

@@ -119,11 +119,15 @@ def _by_setting(view: View, rig: Rig, forces: Forces, source: TypeB) -> dict[str
     theta = np.arange(GRID) * (2 * math.pi / GRID) if view.run.dynamic else np.zeros(1)
     order = max((int(label[1:]) for label in view.labels), default=0)
     rows = [_place(label) for label in view.labels]
-    projection = projector(design_matrix(theta, order))[rows] if view.run.dynamic else np.ones((1, 1))
+    projection = (
+        projector(design_matrix(theta, order))[rows] if view.run.dynamic else np.ones((1, 1))
+    )
     found = []
     for run in runs:
         omega = run.settings.omega or 1.0
-        motion = move_motion(nominal_motion(run, (theta - run.settings.phase) / omega), rig.motion_x)
+        motion = move_motion(
+            nominal_motion(run, (theta - run.settings.phase) / omega), rig.motion_x
+        )
         force = forces(motion)
         if run.forces == "balance":
             inertia = inertia_force(motion, rig)
@@ -163,9 +167,7 @@ def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]
     zero = {name: np.zeros(view.rows) for name in view.force}
     if model.covariance is None:
         return zero
-    weights = np.array(
-        model.weights(Fn, extrapolate=predictor.extrapolate) if model.Fn else (1.0,)
-    )
+    weights = np.array(model.weights(Fn, extrapolate=predictor.extrapolate) if model.Fn else (1.0,))
     n = len(model.covariance_names)
     blocks = model.covariance.reshape(len(weights), n, len(weights), n)
     known = np.nan_to_num(np.einsum("i,iajb,j->ab", weights, np.nan_to_num(blocks), weights))
@@ -197,8 +199,8 @@ def rms(harmonics: Array, labels: Sequence[str]) -> float:
 
     Examples
     --------
-    >>> rms(np.array([1.0, 2.0, 0.0]), ("C0", "C1", "S1")) ** 2
-    3.0000000000000004
+    >>> rms(np.array([2.0, 4.0, 4.0]), ("C0", "C1", "S1")) ** 2 / 20.0
+    1.0
     """
     weights = np.array([1.0 if label == "C0" else 0.5 for label in labels])
     return float(np.sqrt(weights @ harmonics**2))

@@ -89,7 +89,9 @@ class View:
         return found
 
 
-def views_of(campaign: Campaign, *, unknown_noise: bool = False) -> tuple[View, ...]:
+def views_of(
+    campaign: Campaign, *, unknown_noise: bool = False, pieces: bool = True
+) -> tuple[View, ...]:
     """All runs of a captive campaign, oscillating ones in two pieces.
 
     Parameters
@@ -100,6 +102,9 @@ def views_of(campaign: Campaign, *, unknown_noise: bool = False) -> tuple[View, 
         Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
         campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
         `View.known` says so. Harmonics that a table lacks are left out.
+
+    pieces : bool
+        Whether long records are cut in two; False takes each as the reduction does.
 
     Returns
     -------
@@ -117,7 +122,10 @@ def views_of(campaign: Campaign, *, unknown_noise: bool = False) -> tuple[View, 
     rig = rig_of(campaign)
     found: list[View] = []
     for run in campaign.runs:
-        found += _pieces(run, campaign, rig, unknown_noise)
+        if pieces:
+            found += _pieces(run, campaign, rig, unknown_noise)
+        else:
+            found.append(_view(prepare(run, campaign), rig, unknown_noise))
     pooled = _pooled(found)
     return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 
@@ -179,8 +187,7 @@ def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
 def _there(measured: Mapping[str, Array]) -> NDArray[np.bool_]:
     """Harmonics that every channel has which has any."""
     finite = np.array([np.isfinite(values) for values in measured.values()])
-    found: NDArray[np.bool_] = finite[finite.any(axis=1)].all(axis=0)
-    return found
+    return np.asarray(finite[finite.any(axis=1)].all(axis=0), bool)
 
 
 def _heading(run: Run, motion: State) -> Array:

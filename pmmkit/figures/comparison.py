@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.conventions import force_unit
 from pmmkit.diagnosis.compare_captive import CaptiveRun
 from pmmkit.diagnosis.comparison import Comparison
-from pmmkit.diagnosis.misfit import order_words, words_of_test
+from pmmkit.diagnosis.misfit import Cell, order_words, words_of_test
 from pmmkit.figures import style
 from pmmkit.figures.comparison_free import force_residuals, sailed
 from pmmkit.signals import design_matrix
@@ -24,6 +26,7 @@ LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
 """Steps of the colours, in units of the expanded uncertainty."""
 SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
 MEASURED, PREDICTED = style.ORDERED[0], style.ORDERED[2]
+ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
 FINE: Final = 241
 """Points of a loop."""
 THIN: Final = 400
@@ -46,6 +49,7 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
     if dynamic:
         found["loops"] = loops(worst_of_each_test(dynamic))
     records = [run for run in comparison.captive if run.view.run.kind == "history"]
+    records = [run for run in records if run.view.run.dynamic] or records
     if records:
         found["in_time"] = residual_in_time(comparison, _worst(records).view.run.id)
     return found
@@ -84,20 +88,25 @@ def misfit_map(comparison: Comparison) -> Figure:
 
     cells = comparison.cells()
     channels = list(dict.fromkeys(cell.channel for cell in cells))
-    tests = list(dict.fromkeys(cell.test for cell in cells))
-    columns = sorted({(cell.harmonic, cell.speed) for cell in cells})
+    rows = {
+        channel: list(dict.fromkeys(cell.test for cell in cells if cell.channel == channel))
+        for channel in channels
+    }
+    columns = sorted({_column(cell) for cell in cells})
+    heights = [len(tests) for tests in rows.values()]
     with style.styled():
-        figure = style.canvas(0.9 + len(channels) * (0.55 + 0.27 * len(tests)))
-        axes = figure.subplots(len(channels), 1, squeeze=False, sharex=True)[:, 0]
+        figure = style.canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
+        axes = figure.subplots(
+            len(channels), 1, squeeze=False, sharex=True, height_ratios=heights
+        )[:, 0]  # fmt: skip
         norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
         image: Any = None
-        for axis, channel in zip(axes, channels, strict=True):
+        for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
             values = np.full((len(tests), len(columns)), np.nan)
             for cell in cells:
                 if cell.channel == channel:
-                    values[tests.index(cell.test), columns.index((cell.harmonic, cell.speed))] = (
-                        cell.ratio
-                    )
+                    place = tests.index(cell.test), columns.index(_column(cell))
+                    values[place] = np.fmax(values[place], cell.ratio)
             image = axis.pcolormesh(
                 np.ma.masked_invalid(values), cmap=shades, norm=norm, edgecolors="white",
                 linewidth=1.2,
@@ -121,9 +130,14 @@ def misfit_map(comparison: Comparison) -> Figure:
             image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
         )
         bar.set_label("error over expanded uncertainty [-]")
-        bar.outline.set_visible(False)  # type: ignore[operator]
+        bar.outline.set_visible(False)
         bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS[:-1]])
     return figure
+
+
+def _column(cell: Cell) -> tuple[int, float]:
+    """Harmonic and speed to three digits."""
+    return cell.harmonic, float(f"{cell.speed:.3g}")
 
 
 def _write_numbers(axis: Axes, values: Array) -> None:
@@ -138,18 +152,17 @@ def _write_numbers(axis: Axes, values: Array) -> None:
 
 
 def _name_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
-    short = len(set(harmonics)) > 4
     for harmonic in dict.fromkeys(harmonics):
         at = [place for place, other in enumerate(harmonics) if other == harmonic]
-        words = order_words(harmonic)
-        axis.text(
-            np.mean(at) + 0.5, -0.25, words.replace(" harmonic", "") if short else words,
-            ha="center", va="bottom", fontsize=9,
-        )  # fmt: skip
+        words = order_words(harmonic) if len(at) > 4 else order_words(harmonic).split()[0]
+        if len(at) < 2 < len(harmonics):
+            words = f"{harmonic}{ENDINGS.get(harmonic, 'th')}" if harmonic else words
+        axis.text(float(np.mean(at)) + 0.5, -0.25, words, ha="center", va="bottom", fontsize=9)
+    axis.text(-0.2, -0.25, "harmonic", ha="right", va="bottom", fontsize=9)
 
 
 def _part_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
-    for place, (one, other) in enumerate(zip(harmonics, harmonics[1:], strict=False), start=1):
+    for place, (one, other) in enumerate(itertools.pairwise(harmonics), start=1):
         if one != other:
             axis.axvline(place, color="white", lw=4.0)
 
@@ -211,8 +224,7 @@ def _places(run: CaptiveRun) -> list[int]:
 def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
     """The basis at the samples, told from the projection that undoes it."""
     if len(run.view.labels) == 2 * order + 1:
-        found: Array = np.linalg.pinv(run.view.projection)
-        return found
+        return np.asarray(np.linalg.pinv(run.view.projection), np.float64)
     theta = np.arange(len(run.view.motion.u)) * (2 * np.pi / len(run.view.motion.u))
     return design_matrix(theta, order)
 
@@ -238,13 +250,13 @@ def residuals_over(comparison: Comparison) -> Figure:
     -------
     Figure
         A row a channel, a column a variable. Oscillating runs are lines over their cycle, static
-        ones points; the residual, predicted less measured, is over ½ρL²U² (moments ½ρL³U²), with
-        U the carriage speed and ρ as in water of 1000 kg/m³.
+        ones points; each stands where its kind of test varies the variable. The residual, predicted
+        less measured, is over ½ρL²U² (moments ½ρL³U²), U the carriage speed.
     """
     runs = comparison.captive
     channels = list(dict.fromkeys(name for run in runs for name in run.channels))
     tests = list(dict.fromkeys(run.view.run.test for run in runs))
-    variables = _varied(runs, comparison.L)
+    variables = _varied(runs, comparison.ship.L)
     with style.styled():
         figure = style.canvas(1.9 * len(channels) + 0.9)
         axes = figure.subplots(
@@ -255,8 +267,8 @@ def residuals_over(comparison: Comparison) -> Figure:
                 axis = axes[row, column]
                 axis.axhline(0.0, color="#999999", lw=0.8)
                 for run, x in zip(runs, values, strict=True):
-                    if channel in run.channels:
-                        _residual(axis, run, channel, x, comparison.L, tests)
+                    if channel in run.channels and x is not None:
+                        _residual(axis, run, channel, x, comparison, tests)
                 if column == 0:
                     axis.set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
                 if row == len(channels) - 1:
@@ -265,8 +277,8 @@ def residuals_over(comparison: Comparison) -> Figure:
     return figure
 
 
-def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array]]:
-    """Histories of the variables that differ within a run or between runs."""
+def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array | None]]:
+    """Histories of the variables that differ; None where a kind of test does not vary them."""
     every = {
         "sway velocity v' [-]": [run.view.motion.v / run.view.motion.speed for run in runs],
         "yaw rate r' [-]": [run.view.motion.r * L / run.view.speed for run in runs],
@@ -275,18 +287,34 @@ def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array]]:
         "Froude number [-]": [np.full_like(run.view.motion.u, run.Fn) for run in runs],
     }
     return {
-        name: values for name, values in every.items() if np.ptp(np.concatenate(values)) > 1e-6
+        name: [x if _shown(run, x, runs, values) else None
+               for run, x in zip(runs, values, strict=True)]
+        for name, values in every.items()
+        if np.ptp(np.concatenate(values)) > 1e-6
     }  # fmt: skip
 
 
+def _shown(run: CaptiveRun, x: Array, runs: Sequence[CaptiveRun], values: Sequence[Array]) -> bool:
+    """Whether a variable changes within an oscillating run, or between the static runs of a kind;
+    the speed need only change between runs."""
+    test = run.view.run.test
+    alike = [y for other, y in zip(runs, values, strict=True) if other.view.run.test == test]
+    if run.view.run.dynamic and not np.all(x == run.Fn):
+        return bool(np.ptp(x) > 1e-6)
+    return bool(np.ptp(np.concatenate(alike)) > 1e-6)
+
+
 def _residual(
-    axis: Axes, run: CaptiveRun, channel: str, x: Array, L: float, tests: Sequence[str]
-) -> None:
-    view = run.view
-    arm = 1.0 if channel in "XY" else L
-    scale = 1e3 / (0.5 * 1000.0 * L**2 * view.speed**2 * arm)
+    axis: Axes, run: CaptiveRun, channel: str, x: Array, comparison: Comparison,
+    tests: Sequence[str],
+) -> None:  # fmt: skip
+    view, ship, water = run.view, comparison.ship, comparison.water
+    scale = 1e3 / force_unit(
+        channel, "prime", L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+        U=view.speed,
+    )  # fmt: skip
     number = tests.index(view.run.test)
-    look = {"color": style.colour(number), "label": words_of_test(view.run.test)}
+    look: dict[str, Any] = {"color": style.colour(number), "label": words_of_test(view.run.test)}
     if not view.run.dynamic:
         axis.plot(
             [float(view.projection[0] @ x)], [scale * float(run.error(channel)[0])], ls="",

@@ -38,7 +38,7 @@ def sailed(run: FreeRun) -> Figure:
     )
     with style.styled():
         figure = style.canvas(6.2)
-        left, right = figure.subfigures(1, 2)
+        left, right = np.asarray(figure.subfigures(1, 2)).tolist()
         track = left.subplots()
         track.plot(m["y"], m["x"], color=MEASURED, label="measured")
         track.plot(p["y"], p["x"], color=SIMULATED, ls="--", label="simulated, measured rudder")

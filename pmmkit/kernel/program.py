@@ -242,8 +242,13 @@ def values_at(
 
 
 def packed(
-    model: Model, values: Numbers, speed: float, conditions: Conditions, *,
-    generic: bool = False, sails: bool = True,
+    model: Model,
+    values: Numbers,
+    speed: float,
+    conditions: Conditions,
+    *,
+    generic: bool = False,
+    sails: bool = True,
 ) -> tuple[Structure, list[Any]]:
     """Structure and constants of a model from the values of its parts.
 
@@ -277,7 +282,9 @@ def packed(
             f"The depth {depth:g} m is {depth / ship.d:.2f} draughts: the ship is aground."
         )
     values = _in_shallow_water(model, values, depth)
-    added = added_mass.resolve(values.get("added_mass", {}), ship=ship, water=water, convention=convention)
+    added = added_mass.resolve(
+        values.get("added_mass", {}), ship=ship, water=water, convention=convention
+    )
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
         known = catalogue()[effect]
