@@ -15,6 +15,7 @@ from s175_truth import load_truth
 import pmmkit as pk
 from pmmkit.diagnosis.compare_captive import compare_captive
 from pmmkit.diagnosis.misfit import Standout, cells
+from pmmkit.diagnosis.session import begin
 from pmmkit.diagnosis.validation import COVERAGE, SHARES
 from pmmkit.diagnosis.views import repeat_scatter, views_of
 from pmmkit.errors import DataError, ModelError, UnknownNameError
@@ -135,6 +136,34 @@ def test_any_effect_of_the_model_is_predicted(small, one_set):
         v = float(a.view.motion.v.mean())
         expected = -0.5 * small.water.rho * ship.L * ship.d * 0.8 * v * abs(v)
         assert a.predicted["Y"][0] - b.predicted["Y"][0] == pytest.approx(expected, rel=0.02)
+
+
+def test_a_memory_of_the_model_is_predicted(small, one_set):
+    """Pure sway: with T = lag L/U the late part of Yv has (1 - 1/(1 + iωT)) of its force too much.
+
+    The late part follows U v, a sine but for the change of U; in static drift nothing is late.
+    """
+    late, lag = 0.2 * small_campaign.TRUTH["Yv"], 0.5
+    memory = Part(effect="memory", values={"Yv_late": late, "Nv_late": 0.0, "lag": lag})
+    model = one_set.with_(parts={**one_set.parts, "memory": memory})
+    tests = small.select("pure_sway", "static_drift")
+    more, _ = compare_captive(model, tests, floor=0.005)
+    plain, _ = compare_captive(one_set, tests, floor=0.005)
+    for a, b in zip(more, plain, strict=True):
+        found = a.predicted["Y"] - b.predicted["Y"]
+        if not a.view.run.dynamic:
+            np.testing.assert_allclose(found, 0.0, atol=1e-9)
+            continue
+        view = a.view
+        m = view.motion
+        driving = view.project(m.speed * m.v)
+        turn = view.omega * lag * small.ship.L / view.speed
+        response = 1.0 / (1.0 + 1j * turn) - 1.0
+        place = view.labels.index("C1")
+        wave = (driving[place] - 1j * driving[place + 1]) * response * HALF * late
+        scale = abs(wave)
+        assert found[place] == pytest.approx(wave.real, abs=0.02 * scale)
+        assert found[place + 1] == pytest.approx(-wave.imag, abs=0.02 * scale)
 
 
 def test_a_model_of_another_ship_is_refused(s175):
@@ -389,8 +418,8 @@ BASE = (
 )  # fmt: skip
 
 
-def loud_in_the_tank(effects, seed):
-    """What stands out of a base fitted to the very runs, as in use; rudder runs add their terms."""
+def in_the_tank(effects, seed):
+    """A campaign of the tank, and a base fitted to its runs; rudder runs add their terms."""
     campaign = hidden_campaign("middle", effects, seed=seed, stated=True)
     table = pk.reduce(campaign, structure=BASE, fn="pooled")
     parts = {"hull_polynomial": {}, "added_mass": {}, "rudder_abkowitz": {}}
@@ -402,6 +431,11 @@ def loud_in_the_tank(effects, seed):
         name="base", ship=campaign.ship, water=campaign.water, convention=table.convention,
         parts={effect: Part(effect=effect, values=values) for effect, values in parts.items()},
     )  # fmt: skip
+    return campaign, model
+
+
+def loud_in_the_tank(effects, seed):
+    campaign, model = in_the_tank(effects, seed)
     return pk.compare(model, campaign).outstanding()
 
 
@@ -417,6 +451,20 @@ def test_effects_hidden_in_the_tank_stand_out_where_they_act():
     crooked = loud_in_the_tank({"asymmetry": 1.0}, 5)
     assert {item.harmonic for item in crooked} == {0}
     assert {item.test for item in crooked} >= {"static_drift", "pure_sway", "pure_yaw"}
+
+
+@pytest.mark.parametrize("effect", ["memory", "crossflow_drag"])
+def test_the_error_falls_when_the_missing_effect_is_added(effect):
+    """To what is left with nothing hidden: errors of about half an expanded uncertainty."""
+    campaign, model = in_the_tank({effect: 1.0}, 4)
+    session = begin(model, campaign)
+    before, after = (
+        pk.compare(item.model(), campaign).harmonics()["ratio"]
+        for item in (session, session.add(effect))
+    )
+    assert np.sqrt((after**2).mean()) < 0.8 * np.sqrt((before**2).mean())
+    assert 0.3 < np.sqrt((after**2).mean()) < 0.5
+    assert (after > 1.0).mean() < 0.05
 
 
 def test_the_map_holds_every_channel_test_speed_and_harmonic(s175, perfect):

@@ -171,7 +171,9 @@ def _compared(
     scatter: Mapping[str, float], scale: Mapping[str, float], floor: float,
 ) -> CaptiveRun:  # fmt: skip
     Fn = campaign.froude(view.run)
-    history = {name: x for name, x in forces(view.motion).items() if name in view.force}
+    history = {
+        name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
+    }
     if not predictor.model.rolls:
         history.pop("K", None)
     predicted = {name: view.project(x) for name, x in history.items()}

@@ -14,7 +14,7 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.state import State
 from pmmkit.errors import ModelError
 from pmmkit.kernel import CALM
-from pmmkit.kernel.histories import water_forces
+from pmmkit.kernel.histories import repeating_states, water_forces
 from pmmkit.kernel.program import packed, values_at
 from pmmkit.model import Model, scaled
 from pmmkit.model.model import Part
@@ -22,8 +22,8 @@ from pmmkit.runs.run import Campaign
 from pmmkit.ship import Ship
 
 Array = NDArray[np.float64]
-Forces = Callable[[State], dict[str, Array]]
-"""From the motion of midship to the forces of the water by channel [N, N m]."""
+Forces = Callable[[State, Array], dict[str, Array]]
+"""From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
 PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
 """Shares by which two hulls of one form may differ."""
 SAME_LENGTH: Final = 1e-3
@@ -79,8 +79,8 @@ class Predictor:
             self._of(towed, speed),
         )
 
-        def forces(motion: State) -> dict[str, Array]:
-            with_both, with_screw, alone = whole(motion), still(motion), bare(motion)
+        def forces(motion: State, t: Array) -> dict[str, Array]:
+            with_both, with_screw, alone = whole(motion, t), still(motion, t), bare(motion, t)
             return {name: x - with_screw[name] + alone[name] for name, x in with_both.items()}
 
         return forces
@@ -94,13 +94,14 @@ class Predictor:
         values = values_at(model, speed, extrapolate=self.extrapolate)
         structure, k = packed(model, values, speed, CALM, sails=False)
 
-        def forces(motion: State) -> dict[str, Array]:
-            return water_forces(structure, k, history_of(motion))
+        def forces(motion: State, t: Array) -> dict[str, Array]:
+            given = history_of(motion)
+            return water_forces(structure, k, given | repeating_states(structure, k, given, t))
 
         return forces
 
 
-def history_of(motion: State) -> Mapping[str, Array]:
+def history_of(motion: State) -> dict[str, Array]:
     """A motion by the names of the kernel."""
     return {
         name: getattr(motion, name)
@@ -155,17 +156,9 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
     left: list[str] = []
     for name in made.parts:
         idle = (drives(name) and not turning and not ruddered) or (steers(name) and not ruddered)
-        states = set(catalogue()[name].states) - {"n"}
-        if idle or states or name in NOT_IN_A_TANK:
+        if idle or name in NOT_IN_A_TANK:
             left.append(name)
-        if states:
-            notes.append(
-                f"{name} has a memory of its own and is left out: captive runs are compared with "
-                f"what the model predicts at each instant."
-            )
-    if told := [
-        name for name in left if name not in NOT_IN_A_TANK and not catalogue()[name].states
-    ]:
+    if told := [name for name in left if name not in NOT_IN_A_TANK]:
         notes.append(f"The tests have no {' and no '.join(told)}: left out of the prediction.")
     kept = {name: part for name, part in made.parts.items() if name not in left}
     return Predictor(

@@ -116,7 +116,9 @@ def _by_setting(view: View, rig: Rig, forces: Forces, source: TypeB) -> dict[str
         return {}
     changed: dict[str, Any] = {source.name: _stepped(value, source)}
     runs = (view.run, view.run.with_(settings=replace(settings, **changed)))
-    theta = np.arange(GRID) * (2 * math.pi / GRID) if view.run.dynamic else np.zeros(1)
+    theta: Array = np.zeros(1)
+    if view.run.dynamic:
+        theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
     order = max((int(label[1:]) for label in view.labels), default=0)
     rows = [_place(label) for label in view.labels]
     projection = (
@@ -128,7 +130,7 @@ def _by_setting(view: View, rig: Rig, forces: Forces, source: TypeB) -> dict[str
         motion = move_motion(
             nominal_motion(run, (theta - run.settings.phase) / omega), rig.motion_x
         )
-        force = forces(motion)
+        force = forces(motion, theta / omega)
         if run.forces == "balance":
             inertia = inertia_force(motion, rig)
             force = {name: x - inertia[name] for name, x in force.items()}

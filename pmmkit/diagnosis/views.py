@@ -79,6 +79,14 @@ class View:
         return (self.run.settings.omega or 0.0) if self.run.dynamic else 0.0
 
     @property
+    def instants(self) -> Array:
+        """Time of the samples [s]; one cycle where a table stands for a record."""
+        if not self.omega or np.ptp(self.t) > 0.0:
+            return self.t
+        step = 2 * math.pi / self.omega / len(self.t)
+        return step * np.arange(len(self.t), dtype=np.float64)
+
+    @property
     def rows(self) -> int:
         """Number of harmonics."""
         return len(self.projection)
