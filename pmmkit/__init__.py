@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
     from pmmkit.checks import examine, refuse
     from pmmkit.diagnosis.adding import with_effect, without_effect
+    from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.diagnosis.own import own_effect, own_effects
     from pmmkit.effects.catalogue import catalogue
@@ -57,6 +58,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Campaign",
+    "Comparison",
     "DerivativeTable",
     "Ensemble",
     "Model",
@@ -68,6 +70,7 @@ __all__ = [
     "Water",
     "__version__",
     "catalogue",
+    "compare",
     "contributions",
     "converted",
     "diagnose",
@@ -118,6 +121,7 @@ _HOMES: Final = {
     "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
     "diagnosis.adding": ("with_effect", "without_effect"),
+    "diagnosis.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
     "diagnosis.own": ("own_effect", "own_effects"),
     "effects.catalogue": ("catalogue",),

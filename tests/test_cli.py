@@ -239,6 +239,48 @@ def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     assert "ITTC 1978" in words
 
 
+def test_compare_writes_errors_uncertainties_and_figures(campaign, tmp_path, capsys):
+    out = tmp_path / "compared"
+    status, content, words = said(capsys, "compare", "s175-3dof", campaign, "--out", out)
+    assert status == 0
+    assert set(content["files"]) == {file.name for file in out.iterdir()} >= {
+        "comparison.csv", "comparison.json", "harmonics.csv", "misfit.csv", "misfit.png",
+        "loops.png", "residuals.png", "in_time.png",
+    }  # fmt: skip
+    rows = rows_of(out / "comparison.csv")
+    assert {"run", "channel", "error", "relative", "uncertainty", "floor"} <= set(rows[0])
+    assert len(rows) == len(content["runs"]) == 3 * len({row["run"] for row in rows})
+    for row in content["runs"]:
+        assert row["relative"] == pytest.approx(row["error"] / row["measured"])
+    assert content["floor"] == 0.005
+    assert "Nothing stands out." in words
+    assert content["standouts"] == []
+
+
+def test_compare_says_where_a_model_fails(reduced, campaign, tmp_path, capsys):
+    """N_vvr taken out of the model that was reduced from these very tests."""
+    model = pmmkit.load_model(reduced / "model.toml")
+    zero = tuple(0.0 for _ in model.Fn)
+    pmmkit.save_model(model.with_values("hull_polynomial", Nvvr=zero), tmp_path / "model.toml")
+    status, content, words = said(
+        capsys, "compare", tmp_path / "model.toml", campaign, "--no-figures", "--out",
+        tmp_path / "compared",
+    )  # fmt: skip
+    assert status == 0
+    worst = content["standouts"][0]
+    assert (worst["channel"], worst["test"], worst["harmonic"]) == ("N", "yaw_drift", 1)
+    assert worst["text"] in words
+    assert not any(name.endswith(".png") for name in content["files"])
+
+
+def test_compare_refuses_a_model_of_another_ship(campaign, tmp_path, capsys):
+    status, content, words = said(capsys, "compare", "kcs", campaign, "--out", tmp_path / "no")
+    assert status == 1
+    assert content["error"]["type"] == "ModelError"
+    assert "another ship" in words
+    assert not (tmp_path / "no").exists()
+
+
 def test_check_is_quiet_on_sound_data_and_refuses_contradictions(campaign, tmp_path, capsys):
     status, content, _ = said(capsys, "check", campaign)
     assert (status, content["errors"]) == (0, 0)

@@ -2,6 +2,7 @@
 
 from pmmkit.cli import (
     commands,
+    compare_commands,
     diagnosis_commands,
     identify_commands,
     model_commands,
@@ -12,6 +13,7 @@ from pmmkit.cli.options import app
 __all__ = [
     "app",
     "commands",
+    "compare_commands",
     "diagnosis_commands",
     "identify_commands",
     "model_commands",

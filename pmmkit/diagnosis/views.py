@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,9 @@ from pmmkit.reduction.prepare import Prepared, prepare
 from pmmkit.runs.run import Campaign, Run
 
 Array = NDArray[np.float64]
+Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
+"""Where the noise of a channel is known from."""
+RECORD: Final[Mapping[str, Noise]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -40,6 +45,12 @@ class View:
         Of its noise.
     heading : array (n,)
         Heading of the model in the tank [rad].
+    labels : tuple of str (m,)
+        C0, C1, S1 …
+    noise : mapping of channel to str
+        Where a covariance comes from that is not that of a record: the repeats of the campaign,
+        what it states, the numerical uncertainty; ``unknown`` where it is zero for want of
+        anything better.
     """
 
     run: Run
@@ -50,6 +61,12 @@ class View:
     force: Mapping[str, Array]
     covariance: Mapping[str, Array]
     heading: Array
+    labels: tuple[str, ...] = ()
+    noise: Mapping[str, Noise] = field(default_factory=lambda: RECORD)
+
+    def known(self, channel: str) -> bool:
+        """Whether anything is known of the noise of a channel."""
+        return self.noise.get(channel, "record") != "unknown"
 
     @property
     def speed(self) -> float:
@@ -62,6 +79,14 @@ class View:
         return (self.run.settings.omega or 0.0) if self.run.dynamic else 0.0
 
     @property
+    def instants(self) -> Array:
+        """Time of the samples [s]; one cycle where a table stands for a record."""
+        if not self.omega or np.ptp(self.t) > 0.0:
+            return self.t
+        step = 2 * math.pi / self.omega / len(self.t)
+        return step * np.arange(len(self.t), dtype=np.float64)
+
+    @property
     def rows(self) -> int:
         """Number of harmonics."""
         return len(self.projection)
@@ -72,13 +97,22 @@ class View:
         return found
 
 
-def views_of(campaign: Campaign) -> tuple[View, ...]:
+def views_of(
+    campaign: Campaign, *, unknown_noise: bool = False, pieces: bool = True
+) -> tuple[View, ...]:
     """All runs of a captive campaign, oscillating ones in two pieces.
 
     Parameters
     ----------
     campaign : Campaign
         Captive tests.
+    unknown_noise : bool
+        Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
+        campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
+        `View.known` says so. Harmonics that a table lacks are left out.
+
+    pieces : bool
+        Whether long records are cut in two; False takes each as the reduction does.
 
     Returns
     -------
@@ -96,18 +130,22 @@ def views_of(campaign: Campaign) -> tuple[View, ...]:
     rig = rig_of(campaign)
     found: list[View] = []
     for run in campaign.runs:
-        found += _pieces(run, campaign, rig)
-    return tuple(_pooled(found))
+        if pieces:
+            found += _pieces(run, campaign, rig, unknown_noise)
+        else:
+            found.append(_view(prepare(run, campaign), rig, unknown_noise))
+    pooled = _pooled(found)
+    return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 
 
-def _pieces(run: Run, campaign: Campaign, rig: Rig) -> list[View]:
+def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
     """The run as a reduction takes it; a long record in two pieces, its second cycle and the rest.
 
     Noise is that of all cycles but the first together; that of a piece goes with the inverse of
     its cycles.
     """
     if run.kind != "history" or not run.dynamic:
-        return [_view(prepare(run, campaign), rig)]
+        return [_view(prepare(run, campaign), rig, keep)]
     data = run.data
     run = run.with_(loader=lambda: data)
     times = np.asarray(data["t"].values, float)
@@ -115,38 +153,49 @@ def _pieces(run: Run, campaign: Campaign, rig: Rig) -> list[View]:
     covered = (times[-1] - times[0]) * omega / (2 * math.pi)
     for count in (int(covered + 0.5), int(covered + 0.5) - 1):
         if count < 4:
-            return [_view(prepare(run, campaign), rig)]
+            return [_view(prepare(run, campaign), rig, keep)]
         try:
-            return _cycles(run, campaign, rig, count)
+            return _cycles(run, campaign, rig, keep, count)
         except DataError:
             continue
-    return [_view(prepare(run, campaign), rig)]
+    return [_view(prepare(run, campaign), rig, keep)]
 
 
-def _cycles(run: Run, campaign: Campaign, rig: Rig, count: int) -> list[View]:
-    whole = _view(prepare(run, campaign, cycles=(2, count)), rig)
+def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> list[View]:
+    whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
     found = []
     for first, last, early in ((2, 2, True), (3, count, False)):
-        piece = _view(prepare(run, campaign, cycles=(first, last)), rig)
+        piece = _view(prepare(run, campaign, cycles=(first, last)), rig, keep)
         wider = (count - 1.0) / (last - first + 1.0)
         noise = {name: wider * x for name, x in whole.covariance.items()}
         found.append(replace(piece, covariance=noise, early=early))
     return found
 
 
-def _view(prepared: Prepared, rig: Rig) -> View:
+def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
     result = prepared.result
     motion = prepared.motion_at_midship(rig)
-    force = {
-        name: values for name, values in prepared.water_force(rig).items()
-        if np.isfinite(values).all()
-    }  # fmt: skip
-    covariance = {name: item for name in force if (item := result.covariance.get(name)) is not None}
+    measured = prepared.water_force(rig)
+    rows = _there(measured) if keep else np.full(len(result.labels), True)
+    force = {name: x[rows] for name, x in measured.items() if np.isfinite(x[rows]).all()}
+    covariance = {
+        name: item[np.ix_(rows, rows)]
+        for name in force
+        if (item := result.covariance.get(name)) is not None
+    }
     return View(
-        run=result.run, early=False, projection=prepared.projection, motion=motion,
-        t=prepared.t - prepared.begin, force={name: force[name] for name in covariance},
-        covariance=covariance, heading=_heading(result.run, motion),
+        run=result.run, early=False, projection=prepared.projection[rows], motion=motion,
+        t=prepared.t - prepared.begin, covariance=covariance,
+        force=force if keep else {name: force[name] for name in covariance},
+        heading=_heading(result.run, motion),
+        labels=tuple(label for label, there in zip(result.labels, rows, strict=True) if there),
     )  # fmt: skip
+
+
+def _there(measured: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Harmonics that every channel has which has any."""
+    finite = np.array([np.isfinite(values) for values in measured.values()])
+    return np.asarray(finite[finite.any(axis=1)].all(axis=0), bool)
 
 
 def _heading(run: Run, motion: State) -> Array:
@@ -177,3 +226,65 @@ def _pooled(views: Sequence[View]) -> list[View]:
             own = views[place]
             made[place] = replace(own, covariance={name: mean[name] for name in own.covariance})
     return made
+
+
+def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
+    """Covariances from elsewhere for the forces that have none."""
+    scatter = repeat_scatter(views)
+    made = []
+    for view in views:
+        lacking = [name for name in view.force if name not in view.covariance]
+        given = {name: _elsewhere(view, name, scatter, campaign) for name in lacking}
+        made.append(
+            replace(
+                view, covariance={**view.covariance, **{name: V for name, (V, _) in given.items()}},
+                noise=MappingProxyType({name: origin for name, (_, origin) in given.items()}),
+            )
+        )  # fmt: skip
+    return made
+
+
+def _elsewhere(
+    view: View, channel: str, scatter: Mapping[str, float], campaign: Campaign
+) -> tuple[Array, Noise]:
+    one = np.eye(view.rows)
+    if channel in scatter:
+        return (scatter[channel] * view.speed**2) ** 2 * one, "repeats"
+    stated = [item for item in campaign.uncertainty if item.name == f"{channel}_gauge"]
+    if stated:
+        variance = sum(
+            (item.std * view.force[channel]) ** 2 if item.relative else np.full(
+                view.rows, item.std**2
+            )
+            for item in stated
+        )  # fmt: skip
+        return np.diag(variance), "stated"
+    if channel in campaign.numerical:
+        return campaign.numerical[channel] ** 2 * one, "numerical"
+    return 0.0 * one, "unknown"
+
+
+def repeat_scatter(views: Sequence[View]) -> dict[str, float]:
+    """Standard deviation of one run's harmonics over U² by channel, from runs that were repeated.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Runs; those that repeat another one say so in their settings.
+
+    Returns
+    -------
+    dict of channel to float
+        [N/(m/s)²], [N m/(m/s)²]; channels without any repeat are left out.
+    """
+    first = {view.run.id: view for view in views if not view.early}
+    squares: dict[str, list[float]] = {}
+    for view in first.values():
+        original = first.get(view.run.settings.repeat_of or "")
+        if original is None or original.labels != view.labels:
+            continue
+        for channel in set(view.force) & set(original.force):
+            change = view.force[channel] / view.speed**2
+            change = change - original.force[channel] / original.speed**2
+            squares.setdefault(channel, []).append(float(np.mean(change**2)) / 2.0)
+    return {channel: math.sqrt(float(np.mean(found))) for channel, found in squares.items()}

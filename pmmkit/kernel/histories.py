@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects.primitives import over_arrays
+from pmmkit.errors import ModelError
 from pmmkit.kernel.generate import CONTROLS, MOTION, summed
 from pmmkit.kernel.layout import PLACE
 from pmmkit.kernel.structure import ACCELERATIONS, FORCES, Structure
@@ -71,6 +72,89 @@ def water_forces(
             given |= _followed(structure, constants, given, lacking, motion.get("t"))
         found, _ = _function(structure)(constants, **given)
     return {name: np.broadcast_to(x, (size,)).copy() for name, x in zip(FORCES, found, strict=True)}
+
+
+def repeating_states(
+    structure: Structure, k: Sequence[Any], motion: Mapping[str, Array], t: Array
+) -> dict[str, Array]:
+    """States that effects bring, along a motion that repeats itself or stands still.
+
+    Parameters
+    ----------
+    structure : Structure
+        Of the model.
+    k : sequence
+        Its constants, from `packed`.
+    motion : mapping of str to array (n,)
+        As for `water_forces`, without these states.
+    t : array (n,)
+        Instants [s], ascending, of whole cycles without the end of the last; all alike for a motion
+        that stands still.
+
+    Returns
+    -------
+    dict of str to array (n,)
+        All but the revolutions, which are given.
+
+    Raises
+    ------
+    ModelError
+        If a state does not follow a linear equation of its own.
+
+    Notes
+    -----
+    ds/dt = a(t) - b(t) s by the trapezoidal rule, closed over the cycles.
+
+    Examples
+    --------
+    >>> from pmmkit.kernel import prepare
+    >>> from pmmkit.model import load_model
+    >>> ready = prepare(load_model("s175-3dof"), 9.0)
+    >>> repeating_states(ready.structure, ready.k, {"u": np.array([9.0])}, np.zeros(1))
+    {}
+    """
+    names = [name for name in structure.brought if name != "n"]
+    if not names:
+        return {}
+    size = len(t)
+    given = {name: np.asarray(motion.get(name, np.zeros(size)), float) for name in HISTORY}
+    function = _function(structure)
+
+    def rates(level: float) -> dict[str, Array]:
+        _, found = function(list(k), **given, **{name: np.full(size, level) for name in names})
+        return {name: np.broadcast_to(found[name], (size,)) for name in names}
+
+    zero, one, two = rates(0.0), rates(1.0), rates(2.0)
+    states = {}
+    for name in names:
+        fading = zero[name] - one[name]
+        if not np.allclose(zero[name] - two[name], 2.0 * fading, rtol=1e-6):
+            raise ModelError(
+                f"The state {name!r} follows no linear equation of its own: it cannot be told from "
+                f"a history. Simulate instead."
+            )
+        states[name] = _repeating(zero[name], fading, t)
+    return states
+
+
+def _repeating(forcing: Array, fading: Array, t: Array) -> Array:
+    """The solution of ds/dt = forcing - fading s that ends where it begins."""
+    from scipy.linalg import solve_banded
+
+    if len(t) == 1 or np.ptp(t) == 0.0:
+        return np.asarray(forcing / fading)
+    half = 0.5 * np.append(np.diff(t), np.mean(np.diff(t)))
+    after = np.roll(fading, -1)
+    ahead, behind = 1.0 + half * after, 1.0 - half * fading
+    pushed = half * (forcing + np.roll(forcing, -1))
+    n = len(t)
+    band = np.zeros((2, n + 1))
+    band[0] = np.append(1.0, ahead)
+    band[1, :-1] = -behind
+    right = np.zeros((n + 1, 2))
+    right[1:, 0], right[0, 1] = pushed, 1.0
+    own, free = solve_banded((1, 0), band, right).T
+    return np.asarray((own + free * own[-1] / (1.0 - free[-1]))[:-1])
 
 
 def rigid_body(ship: Ship, motion: Mapping[str, Array]) -> dict[str, Array]:

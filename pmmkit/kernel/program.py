@@ -258,7 +258,13 @@ def values_at(
 
 
 def packed(
-    model: Model, values: Numbers, speed: float, conditions: Conditions, *, generic: bool = False
+    model: Model,
+    values: Numbers,
+    speed: float,
+    conditions: Conditions,
+    *,
+    generic: bool = False,
+    sails: bool = True,
 ) -> tuple[Structure, list[Any]]:
     """Structure and constants of a model from the values of its parts.
 
@@ -274,13 +280,17 @@ def packed(
         Wind, current and depth.
     generic : bool
         As for `prepare`.
+    sails : bool
+        Whether the model must have all that a manoeuvre needs; False for forces on given motions,
+        such as those of a towed hull.
 
     Returns
     -------
     Structure, list
         Constants are floats, or arrays with a value per ship.
     """
-    _check_parts(model)
+    if sails:
+        _check_parts(model)
     ship, water, convention = model.ship, model.water, model.convention
     depth = conditions.depth or water.depth or math.inf
     if depth <= ship.d:
@@ -288,7 +298,9 @@ def packed(
             f"The depth {depth:g} m is {depth / ship.d:.2f} draughts: the ship is aground."
         )
     values = _in_shallow_water(model, values, depth)
-    added = added_mass.resolve(values["added_mass"], ship=ship, water=water, convention=convention)
+    added = added_mass.resolve(
+        values.get("added_mass", {}), ship=ship, water=water, convention=convention
+    )
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
         known = catalogue()[effect]

@@ -1,0 +1,372 @@
+"""A model beside captive tests: map of misfit, loops, residuals over each variable and in time."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import force_unit
+from pmmkit.diagnosis.compare_captive import CaptiveRun
+from pmmkit.diagnosis.comparison import Comparison
+from pmmkit.diagnosis.misfit import Cell, order_words, words_of_test
+from pmmkit.figures import style
+from pmmkit.figures.comparison_free import force_residuals, sailed
+from pmmkit.signals import design_matrix
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
+"""Steps of the colours, in units of the expanded uncertainty."""
+SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
+MEASURED, PREDICTED = style.ORDERED[0], style.ORDERED[2]
+ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
+FINE: Final = 241
+"""Points of a loop."""
+THIN: Final = 400
+"""Samples shown of one record."""
+
+
+def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
+    """All figures of a comparison by name.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        From `compare`.
+    """
+    if not comparison.captive:
+        worst = max(comparison.free, key=lambda run: run.motion_errors()["heading"][0])
+        return {"sailed": sailed(worst), "force_residuals": force_residuals(worst)}
+    found = {"misfit": misfit_map(comparison), "residuals": residuals_over(comparison)}
+    dynamic = [run for run in comparison.captive if run.view.run.dynamic]
+    if dynamic:
+        found["loops"] = loops(worst_of_each_test(dynamic))
+    records = [run for run in comparison.captive if run.view.run.kind == "history"]
+    records = [run for run in records if run.view.run.dynamic] or records
+    if records:
+        found["in_time"] = residual_in_time(comparison, _worst(records).view.run.id)
+    return found
+
+
+def worst_of_each_test(runs: Sequence[CaptiveRun]) -> tuple[CaptiveRun, ...]:
+    """Of each kind of test the run with the greatest error over its uncertainty."""
+    tests = dict.fromkeys(run.view.run.test for run in runs)
+    return tuple(_worst([run for run in runs if run.view.run.test == test]) for test in tests)
+
+
+def _worst(runs: Sequence[CaptiveRun]) -> CaptiveRun:
+    def misfit(run: CaptiveRun) -> float:
+        return max(
+            float(np.sqrt(np.mean((run.error(name) / run.uncertainty(name)) ** 2)))
+            for name in run.channels
+        )
+
+    return max(runs, key=misfit)
+
+
+def misfit_map(comparison: Comparison) -> Figure:
+    """The map of misfit: a panel a channel, test types down, harmonics and speeds across.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of captive tests.
+
+    Returns
+    -------
+    Figure
+        Numbers are the error in units of the expanded uncertainty; below 1 nothing can be said.
+    """
+    from matplotlib.colors import BoundaryNorm, ListedColormap
+
+    cells = comparison.cells()
+    channels = list(dict.fromkeys(cell.channel for cell in cells))
+    rows = {
+        channel: list(dict.fromkeys(cell.test for cell in cells if cell.channel == channel))
+        for channel in channels
+    }
+    columns = sorted({_column(cell) for cell in cells})
+    heights = [len(tests) for tests in rows.values()]
+    with style.styled():
+        figure = style.canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
+        axes = figure.subplots(
+            len(channels), 1, squeeze=False, sharex=True, height_ratios=heights
+        )[:, 0]  # fmt: skip
+        norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
+        image: Any = None
+        for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
+            values = np.full((len(tests), len(columns)), np.nan)
+            for cell in cells:
+                if cell.channel == channel:
+                    place = tests.index(cell.test), columns.index(_column(cell))
+                    values[place] = np.fmax(values[place], cell.ratio)
+            image = axis.pcolormesh(
+                np.ma.masked_invalid(values), cmap=shades, norm=norm, edgecolors="white",
+                linewidth=1.2,
+            )  # fmt: skip
+            _write_numbers(axis, values)
+            axis.grid(False)
+            axis.invert_yaxis()
+            axis.set_yticks(np.arange(len(tests)) + 0.5, [words_of_test(test) for test in tests])
+            axis.tick_params(length=0)
+            axis.spines[:].set_visible(False)
+            axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
+        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns])
+        for axis in axes:
+            _part_harmonics(axis, [harmonic for harmonic, _ in columns])
+        axes[-1].set_xticks(
+            np.arange(len(columns)) + 0.5, [f"{speed:.3g}" for _, speed in columns],
+            rotation=90 if len(columns) > 18 else 0,
+        )  # fmt: skip
+        axes[-1].set_xlabel("speed [m/s]")
+        bar = figure.colorbar(
+            image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
+        )
+        bar.set_label("error over expanded uncertainty [-]")
+        bar.outline.set_visible(False)
+        bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS[:-1]])
+    return figure
+
+
+def _column(cell: Cell) -> tuple[int, float]:
+    """Harmonic and speed to three digits."""
+    return cell.harmonic, float(f"{cell.speed:.3g}")
+
+
+def _write_numbers(axis: Axes, values: Array) -> None:
+    size = 7.5 if values.shape[1] <= 20 else 6.0
+    for row, column in np.argwhere(np.isfinite(values)).tolist():
+        value = float(values[row, column])
+        axis.text(
+            column + 0.5, row + 0.5, f"{value:.0f}" if value >= 9.95 else f"{value:.1f}",
+            ha="center", va="center", fontsize=size,
+            color="white" if value >= 8.0 else style.INK if value >= 1.0 else "#8a8a8a",
+        )  # fmt: skip
+
+
+def _name_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
+    for harmonic in dict.fromkeys(harmonics):
+        at = [place for place, other in enumerate(harmonics) if other == harmonic]
+        words = order_words(harmonic) if len(at) > 4 else order_words(harmonic).split()[0]
+        if len(at) < 2 < len(harmonics):
+            words = f"{harmonic}{ENDINGS.get(harmonic, 'th')}" if harmonic else words
+        axis.text(float(np.mean(at)) + 0.5, -0.25, words, ha="center", va="bottom", fontsize=9)
+    axis.text(-0.2, -0.25, "harmonic", ha="right", va="bottom", fontsize=9)
+
+
+def _part_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
+    for place, (one, other) in enumerate(itertools.pairwise(harmonics), start=1):
+        if one != other:
+            axis.axvline(place, color="white", lw=4.0)
+
+
+def loops(runs: Sequence[CaptiveRun]) -> Figure:
+    """Hysteresis loops: force over velocity in a cycle, measured and predicted.
+
+    Parameters
+    ----------
+    runs : sequence of CaptiveRun
+        Oscillating runs, a column each.
+
+    Returns
+    -------
+    Figure
+        Sway tests over the sway velocity, yaw tests over the yaw rate, surge tests over the surge
+        velocity. The measured loop is that of its harmonics.
+    """
+    channels = list(dict.fromkeys(name for run in runs for name in run.channels))
+    with style.styled():
+        figure = style.canvas(2.1 * len(channels) + 0.7)
+        axes = figure.subplots(len(channels), len(runs), squeeze=False, sharex="col")
+        style.in_powers(axes.flat)
+        for column, run in enumerate(runs):
+            x, what = _velocity(run)
+            order = max(int(label[1:]) for label in run.view.labels)
+            theta = np.linspace(0.0, 2 * np.pi, FINE)
+            basis = design_matrix(theta, order)[:, _places(run)]
+            whole = design_matrix(theta, order) @ np.linalg.lstsq(
+                _basis_at_samples(run, order), x, rcond=None
+            )[0]  # fmt: skip
+            for axis, channel in zip(axes[:, column], channels, strict=True):
+                if column == 0:
+                    axis.set_ylabel(f"{channel} [{_unit(channel)}]")
+                if channel not in run.channels:
+                    continue
+                axis.plot(whole, basis @ run.view.force[channel], color=MEASURED, label="measured")
+                axis.plot(
+                    whole, basis @ run.predicted[channel], color=PREDICTED, ls="--",
+                    label="predicted",
+                )  # fmt: skip
+            axes[0, column].set_title(f"{words_of_test(run.view.run.test)}\n{run.view.run.id}")
+            axes[-1, column].set_xlabel(what)
+        style.legend_below(figure, list(axes.ravel()))
+    return figure
+
+
+def _unit(channel: str) -> str:
+    return "N" if channel in "XY" else "N m"
+
+
+def _places(run: CaptiveRun) -> list[int]:
+    """Columns of a basis C0, C1, S1 … that the run's harmonics use."""
+    return [
+        0 if label == "C0" else 2 * int(label[1:]) - (label[0] == "C") for label in run.view.labels
+    ]
+
+
+def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
+    """The basis at the samples, told from the projection that undoes it."""
+    if len(run.view.labels) == 2 * order + 1:
+        return np.asarray(np.linalg.pinv(run.view.projection), np.float64)
+    theta = np.arange(len(run.view.motion.u)) * (2 * np.pi / len(run.view.motion.u))
+    return design_matrix(theta, order)
+
+
+def _velocity(run: CaptiveRun) -> tuple[Array, str]:
+    test, motion = run.view.run.test, run.view.motion
+    if test == "pure_sway":
+        return motion.v, "sway velocity v [m/s]"
+    if test == "pure_surge":
+        return motion.u, "surge velocity u [m/s]"
+    return np.degrees(motion.r), "yaw rate r [deg/s]"
+
+
+def residuals_over(comparison: Comparison) -> Figure:
+    """Residual coefficients over what the runs vary: v', r', rudder, heel and Froude number.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of captive tests.
+
+    Returns
+    -------
+    Figure
+        A row a channel, a column a variable. Oscillating runs are lines over their cycle, static
+        ones points; each stands where its kind of test varies the variable. The residual, predicted
+        less measured, is over ½ρL²U² (moments ½ρL³U²), U the carriage speed.
+    """
+    runs = comparison.captive
+    channels = list(dict.fromkeys(name for run in runs for name in run.channels))
+    tests = list(dict.fromkeys(run.view.run.test for run in runs))
+    variables = _varied(runs, comparison.ship.L)
+    with style.styled():
+        figure = style.canvas(1.9 * len(channels) + 0.9)
+        axes = figure.subplots(
+            len(channels), len(variables), squeeze=False, sharex="col", sharey="row"
+        )
+        for row, channel in enumerate(channels):
+            for column, (what, values) in enumerate(variables.items()):
+                axis = axes[row, column]
+                axis.axhline(0.0, color="#999999", lw=0.8)
+                for run, x in zip(runs, values, strict=True):
+                    if channel in run.channels and x is not None:
+                        _residual(axis, run, channel, x, comparison, tests)
+                if column == 0:
+                    axis.set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
+                if row == len(channels) - 1:
+                    axis.set_xlabel(what)
+        style.legend_below(figure, list(axes.ravel()))
+    return figure
+
+
+def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array | None]]:
+    """Histories of the variables that differ; None where a kind of test does not vary them."""
+    every = {
+        "sway velocity v' [-]": [run.view.motion.v / run.view.motion.speed for run in runs],
+        "yaw rate r' [-]": [run.view.motion.r * L / run.view.speed for run in runs],
+        "rudder δ [deg]": [np.degrees(run.view.motion.delta) for run in runs],
+        "heel φ [deg]": [np.degrees(run.view.motion.phi) for run in runs],
+        "Froude number [-]": [np.full_like(run.view.motion.u, run.Fn) for run in runs],
+    }
+    return {
+        name: [x if _shown(run, x, runs, values) else None
+               for run, x in zip(runs, values, strict=True)]
+        for name, values in every.items()
+        if np.ptp(np.concatenate(values)) > 1e-6
+    }  # fmt: skip
+
+
+def _shown(run: CaptiveRun, x: Array, runs: Sequence[CaptiveRun], values: Sequence[Array]) -> bool:
+    """Whether a variable changes within an oscillating run, or between the static runs of a kind;
+    the speed need only change between runs."""
+    test = run.view.run.test
+    alike = [y for other, y in zip(runs, values, strict=True) if other.view.run.test == test]
+    if run.view.run.dynamic and not np.all(x == run.Fn):
+        return bool(np.ptp(x) > 1e-6)
+    return bool(np.ptp(np.concatenate(alike)) > 1e-6)
+
+
+def _residual(
+    axis: Axes, run: CaptiveRun, channel: str, x: Array, comparison: Comparison,
+    tests: Sequence[str],
+) -> None:  # fmt: skip
+    view, ship, water = run.view, comparison.ship, comparison.water
+    scale = 1e3 / force_unit(
+        channel, "prime", L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+        U=view.speed,
+    )  # fmt: skip
+    number = tests.index(view.run.test)
+    look: dict[str, Any] = {"color": style.colour(number), "label": words_of_test(view.run.test)}
+    if not view.run.dynamic:
+        axis.plot(
+            [float(view.projection[0] @ x)], [scale * float(run.error(channel)[0])], ls="",
+            marker=style.marker(number), ms=4, **look,
+        )  # fmt: skip
+        return
+    order = max(int(label[1:]) for label in view.labels)
+    theta = np.linspace(0.0, 2 * np.pi, FINE)
+    basis = design_matrix(theta, order)
+    whole = np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
+    axis.plot(
+        basis @ whole, scale * (basis[:, _places(run)] @ run.error(channel)), lw=0.8, alpha=0.8,
+        **look,
+    )  # fmt: skip
+
+
+def residual_in_time(comparison: Comparison, run: str) -> Figure:
+    """One run in time: measured and predicted forces, and below them what is left.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of captive tests with records.
+    run : str
+        Id of the run.
+
+    Returns
+    -------
+    Figure
+    """
+    table = comparison.residuals(run)
+    channels = [name[0] for name in table.columns if name.endswith("_error")]
+    thin = slice(None, None, max(1, len(table) // THIN))
+    t = table["t"].to_numpy()[thin]
+    with style.styled():
+        figure = style.canvas(1.75 * len(channels) + 0.9)
+        axes = figure.subplots(len(channels), 2, squeeze=False, sharex=True)
+        style.in_powers(axes.flat)
+        for (left, right), channel in zip(axes, channels, strict=True):
+            measured = table[f"{channel}_measured"].to_numpy()[thin]
+            left.plot(t, measured, color=MEASURED, lw=0.9, label="measured")
+            predicted = table[f"{channel}_predicted"].to_numpy()[thin]
+            left.plot(t, predicted, color=PREDICTED, ls="--", label="predicted")
+            left.set_ylabel(f"{channel} [{_unit(channel)}]")
+            right.plot(
+                t, table[f"{channel}_error"].to_numpy()[thin], color=style.LIMIT, lw=0.9,
+                label="predicted less measured",
+            )  # fmt: skip
+            right.axhline(0.0, color="#999999", lw=0.8)
+        axes[0, 0].set_title(run)
+        axes[0, 1].set_title("what is left")
+        for axis in axes[-1]:
+            axis.set_xlabel("time [s]")
+        style.legend_below(figure, list(axes.ravel()))
+    return figure
