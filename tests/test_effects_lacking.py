@@ -13,6 +13,7 @@ from scipy.integrate import quad, solve_ivp
 import pmmkit as pk
 from pmmkit.effects.cross_flow import force as crossflow
 from pmmkit.effects.memory import kept, late_cross_flow_force, late_sway_force
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.kernel import prepare
 from pmmkit.kernel.histories import water_forces
 from pmmkit.model import load_model
@@ -181,3 +182,22 @@ def test_steady_turns_and_straight_line_stability_do_not_feel_a_lag():
         assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-6)
     turn, still = (pk.spiral_curve(x, 9.0, points=9) for x in (model, plain))
     np.testing.assert_allclose(turn.rudder_deg, still.rudder_deg, atol=1e-6)
+
+
+def test_size_and_lag_are_fitted_from_forces_along_a_history():
+    model = pk.with_effect(
+        load_model("s175-3dof"), "memory", coefficients={"Yv_late": -0.004, "Nv_late": -0.001},
+        value=0.35,
+    )  # fmt: skip
+    t = np.linspace(0.0, 400.0, 800)
+    motion = {"t": t, "u": np.full(800, 9.0), "v": 1.5 * np.sin(0.15 * t) + np.sin(0.04 * t)}
+    ready = prepare(model, 9.0)
+    record = ForceRecord(
+        name="sway", motion=motion, speed=9.0, std={"Y": 1e3, "N": 1e5},
+        forces={c: water_forces(ready.structure, ready.k, motion)[c] for c in "YN"},
+    )  # fmt: skip
+    start = pk.with_effect(load_model("s175-3dof"), "memory")
+    names = ["memory.Yv_late", "memory.Nv_late", "memory.lag"]
+    start = start.with_values("memory", Yv_late=-0.001, Nv_late=-0.001)
+    found = pk.fit_to_forces(start, [record], names)
+    assert found.values == pytest.approx([-0.004, -0.001, 0.35], rel=1e-4)

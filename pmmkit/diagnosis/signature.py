@@ -36,6 +36,8 @@ LEAST: Final = 0.01
 """Share of a channel's force below which an effect is not said to act there."""
 MIMICS: Final = 0.6
 """Share of a signature from which another effect is called its mimic."""
+SAME: Final = 1e-6
+"""Runs whose harmonics differ by no more are alike; the first stands for them."""
 ABSORBED: Final = 1e-3
 """Share of its square outside the hull's terms below which an effect is absorbed by them."""
 
@@ -154,9 +156,13 @@ def _acts(
                 if abs(x) >= max(LEAST, 0.05 * np.abs(shares).max())
             }
             before = found.setdefault(view.run.test, {}).get(channel, {})
-            if max(map(abs, own.values()), default=0.0) > max(map(abs, before.values()), default=0):
+            if _largest(own) > (1.0 + SAME) * _largest(before):
                 found[view.run.test][channel] = own
     return {test: own for test, own in found.items() if own}
+
+
+def _largest(shares: Mapping[str, float]) -> float:
+    return max(map(abs, shares.values()), default=0.0)
 
 
 def _labels(rows: int) -> list[str]:
