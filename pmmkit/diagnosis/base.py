@@ -58,6 +58,13 @@ class Base:
             for channel, names in self.names.items()
         }
 
+    def expected(self, view: View) -> Forces:
+        """All harmonics of the forces that are predicted in a view."""
+        if view.expected:
+            return dict(view.expected)
+        forces = self.forces(view.motion, view.speed)
+        return {channel: view.harmonics(history) for channel, history in forces.items()}
+
     def design(self, view: View, channel: str) -> Array:
         """Harmonics of what the derivatives of a channel multiply in a view, (m, p)."""
         return view.project(self.columns(self.names[channel], view.motion, view.speed))
@@ -67,9 +74,10 @@ class Base:
     ) -> Forces:
         """Harmonics of how the prediction changes per unit of something, by a small step."""
         motion, speed = moved(view)
-        before, after = self.forces(view.motion, view.speed), self.forces(motion, speed)
+        after = self.forces(motion, speed)
         return {
-            channel: view.project((after[channel] - before[channel]) / step) for channel in before
+            channel: view.pick(view.harmonics(after[channel]) - before) / step
+            for channel, before in self.expected(view).items()
         }
 
     def law(self, speed: float) -> float:

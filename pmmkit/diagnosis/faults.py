@@ -64,10 +64,7 @@ def _zero(view: View, base: Base, value: float) -> Mapping[str, Array]:
 
 def _predicted(view: View, base: Base) -> Forces:
     """Harmonics of what the gauges show according to the base."""
-    return {
-        channel: view.project(values)
-        for channel, values in base.forces(view.motion, view.speed).items()
-    }
+    return {channel: view.pick(x) for channel, x in base.expected(view).items()}
 
 
 def _turn(harmonics: Array, factors: list[complex]) -> Array:
@@ -81,21 +78,21 @@ def _turn(harmonics: Array, factors: list[complex]) -> Array:
 
 
 def _orders(view: View) -> range:
-    return range((view.rows - 1) // 2 + 1)
+    return range((len(view.every if view.every is not None else view.projection) - 1) // 2 + 1)
 
 
 def _clock(view: View, base: Base, value: float) -> Mapping[str, Array]:
     """Forces that come a second late."""
     del value
     factors = [-1j * n * view.omega for n in _orders(view)]
-    return _one(view, {c: _turn(x, factors) for c, x in _predicted(view, base).items()})
+    return _one(view, {c: view.pick(_turn(x, factors)) for c, x in base.expected(view).items()})
 
 
 def _filter(view: View, base: Base, corner: float) -> Mapping[str, Array]:
     """A one-pole filter of a corner frequency [Hz] on the forces."""
     factors = [1.0 / (1.0 + 1j * n * view.omega / (2 * math.pi * corner)) - 1.0
                for n in _orders(view)]  # fmt: skip
-    return _one(view, {c: _turn(x, factors) for c, x in _predicted(view, base).items()})
+    return _one(view, {c: view.pick(_turn(x, factors)) for c, x in base.expected(view).items()})
 
 
 def _cross_talk(view: View, base: Base, value: float) -> Mapping[str, Array]:

@@ -80,8 +80,8 @@ def histories(
 
 def _missing(view: View, base: Base, lag: float, harmonics: Array) -> Array:
     """What a lag takes from harmonics; a static run has had the time."""
-    found = np.zeros(view.rows)
-    for n in range(1, (view.rows - 1) // 2 + 1):
+    found = np.zeros(len(harmonics))
+    for n in range(1, (len(harmonics) - 1) // 2 + 1):
         lost = 1.0 - kept(n, view.omega, lag, base.ship.L, view.speed)
         late = (harmonics[2 * n - 1] - 1j * harmonics[2 * n]) * lost
         found[2 * n - 1], found[2 * n] = late.real, -late.imag
@@ -115,9 +115,10 @@ def from_catalogue(name: str) -> Candidate:
         parts: dict[str, list[Array]] = {}
         for label in sizes:
             for channel, force in histories(effect, view, base, {label: 1.0, inner: value}).items():
-                part = view.project(force)
+                part = view.harmonics(force)
                 if effect.states:
                     part = _missing(view, base, value, part)
+                part = view.pick(part)
                 parts.setdefault(channel, []).append(part)
         return spread_over(view, parts, len(sizes))
 

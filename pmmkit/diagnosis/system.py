@@ -196,7 +196,8 @@ def run_columns(channel: Channel, views: Sequence[View], base: Base, predicted: 
     found = np.zeros((len(channel.y), 3))
     for i, rows in zip(channel.views, channel.rows, strict=True):
         view = views[i]
-        found[rows.start, 0] = channel.scale * base.reference**2
+        if view.has_mean:
+            found[rows.start, 0] = channel.scale * base.reference**2
         found[rows, 1] = predicted[rows]
         if view.run.settings.drift and not view.run.dynamic:
             found[rows, 2] = _by_drift(view, base, channel.name)

@@ -51,6 +51,12 @@ class View:
         Where a covariance comes from that is not that of a record: the repeats of the campaign,
         what it states, the numerical uncertainty; ``unknown`` where it is zero for want of
         anything better.
+    every : array (k, n), optional
+        The projection onto all harmonics, where a table lacks some of them.
+    kept : array of bool (k,), optional
+        Which of them it has.
+    expected : mapping of channel to array (k,)
+        All harmonics of the forces that a fitted base predicts; empty before the fit.
     """
 
     run: Run
@@ -63,6 +69,9 @@ class View:
     heading: Array
     labels: tuple[str, ...] = ()
     noise: Mapping[str, Noise] = field(default_factory=lambda: RECORD)
+    every: Array | None = None
+    kept: NDArray[np.bool_] | None = None
+    expected: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
 
     def known(self, channel: str) -> bool:
         """Whether anything is known of the noise of a channel."""
@@ -95,6 +104,20 @@ class View:
         """Mean or harmonics of a history (n,) or (n, q)."""
         found: Array = self.projection @ history
         return found
+
+    def harmonics(self, history: Array) -> Array:
+        """C0, C1, S1 … of a history, those too that the forces lack."""
+        found: Array = (self.projection if self.every is None else self.every) @ history
+        return found
+
+    def pick(self, harmonics: Array) -> Array:
+        """Of all harmonics those that the forces have."""
+        return harmonics if self.kept is None else harmonics[self.kept]
+
+    @property
+    def has_mean(self) -> bool:
+        """Whether the first row is a mean."""
+        return self.kept is None or bool(self.kept[0])
 
 
 def views_of(
@@ -188,6 +211,7 @@ def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
         t=prepared.t - prepared.begin, covariance=covariance,
         force=force if keep else {name: force[name] for name in covariance},
         heading=_heading(result.run, motion),
+        every=None if rows.all() else prepared.projection, kept=None if rows.all() else rows,
         labels=tuple(label for label, there in zip(result.labels, rows, strict=True) if there),
     )  # fmt: skip
 
