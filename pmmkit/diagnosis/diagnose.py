@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,9 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import effects_of
 from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import System
-from pmmkit.diagnosis.views import views_of
+from pmmkit.diagnosis.views import View, views_of
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, Problem
 from pmmkit.model import Model, load_model
 from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
@@ -108,6 +108,7 @@ def diagnose_captive(
     floor: float = 0.005,
     candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
+    noise: float | None = None,
     seed: int = 0,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
@@ -126,6 +127,9 @@ def diagnose_captive(
         Who takes part; by default the whole catalogue of effects and faults.
     given : sequence of str
         Effects that the base has already, beside its derivatives: they are fitted with it.
+    noise : float, optional
+        Standard uncertainty of a mean or harmonic over the rms force of its channel, of runs that
+        state none (tables, CFD).
     seed : int
         Of the draws that calibrate chance.
 
@@ -148,7 +152,7 @@ def diagnose_captive(
     sizes from the catalogue and a price of ln 2K per effect. Nothing is named unless chance gives
     so much evidence in less than 1 % of campaigns without any effect.
     """
-    system = captive_system(campaign, structure, floor=floor, candidates=candidates)
+    system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
     return answer(system, given, floor=floor, seed=seed)
 
 
@@ -158,12 +162,13 @@ def captive_system(
     *,
     floor: float = 0.005,
     candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None,
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once.
 
     Parameters
     ----------
-    campaign, structure, floor, candidates
+    campaign, structure, floor, candidates, noise
         As for `diagnose_captive`.
 
     Returns
@@ -175,13 +180,11 @@ def captive_system(
     DataError
         If the campaign is free-running, or holds no run with a known noise.
     """
-    usable = [view for view in views_of(campaign) if view.force]
-    if not usable:
-        raise DataError(
-            "No run states its noise: a diagnosis needs histories of steady or oscillating runs."
-        )
+    usable = _usable(views_of(campaign, unknown_noise=True), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
     names = columns_of(structure_of(structure), campaign.runs, channels).required
+    if "X" in names and any(np.any(view.motion.thrust) for view in usable):
+        names = {**names, "X": tuple(dict.fromkeys((*names["X"], "XT")))}
     speeds = sorted({round(view.speed, 6) for view in usable})
     base = Base(
         names=names, values={}, ship=campaign.ship, water=campaign.water, convention=Convention(),
@@ -190,6 +193,45 @@ def captive_system(
     every = _contestants(base, speeds) if candidates is None else tuple(candidates)
     with threadpool_limits(1):
         return build(usable, base, every, floor=floor)
+
+
+def _usable(views: Sequence[View], noise: float | None) -> list[View]:
+    """Views whose noise is known, or is stated here."""
+    if noise is None:
+        kept = [_with_known(view) for view in views]
+        if found := [view for view in kept if view.force]:
+            return found
+        raise DataError(
+            Problem(
+                message="No run states its noise, so nothing can be said of what is beyond it.",
+                remedy="Give histories or repeats (repeat_of), state [uncertainty] Y_gauge … or "
+                "[cfd] U_SN in the campaign file, or state the uncertainty of a mean or harmonic "
+                "yourself: noise = 0.01 of the rms force (--noise 0.01).",
+            )
+        )
+    sizes: dict[str, list[float]] = {}
+    for view in views:
+        for name, values in view.force.items():
+            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
+    scale = {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
+    return [_with_stated(view, scale, noise) for view in views]
+
+
+def _with_known(view: View) -> View:
+    """A view without the channels of unknown noise."""
+    return replace(
+        view, force={name: x for name, x in view.force.items() if view.known(name)}
+    )  # fmt: skip
+
+
+def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
+    """A view with a stated noise where none is known."""
+    given = {
+        name: (noise * scale[name] * view.speed**2) ** 2 * np.eye(view.rows)
+        for name in view.force
+        if not view.known(name)
+    }
+    return replace(view, covariance={**view.covariance, **given})
 
 
 def _contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:

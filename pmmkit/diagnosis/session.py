@@ -238,6 +238,7 @@ class ErrorFall:
 def begin(
     model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, *,
     floor: float = 0.005, candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None,
 ) -> Session:  # fmt: skip
     """A session about a model and captive tests.
 
@@ -247,7 +248,7 @@ def begin(
         As for `diagnose`.
     campaign : Campaign
         Captive tests with histories.
-    floor, candidates
+    floor, candidates, noise
         As for `diagnose_captive`.
 
     Returns
@@ -260,7 +261,9 @@ def begin(
         If the campaign is free-running, or holds no run with a known noise.
     """
     base = derivatives_of(model)
-    system = captive_system(campaign, base.structure, floor=floor, candidates=candidates)
+    system = captive_system(
+        campaign, base.structure, floor=floor, candidates=candidates, noise=noise
+    )
     return Session(
         source=base.source, campaign=campaign, system=system, floor=floor, begun=base.effects
     )  # fmt: skip
@@ -314,7 +317,10 @@ def _steps(data: object, path: str) -> _Saved:
     return _Saved(floor=floor, steps=tuple(zip(*texts, strict=True)))
 
 
-def fit(model: Model | str | Path, campaign: Campaign, *, floor: float = 0.005) -> Model:
+def fit(
+    model: Model | str | Path, campaign: Campaign, *, floor: float = 0.005,
+    noise: float | None = None,
+) -> Model:  # fmt: skip
     """A model with its derivatives and effects fitted together to captive tests.
 
     Parameters
@@ -326,6 +332,8 @@ def fit(model: Model | str | Path, campaign: Campaign, *, floor: float = 0.005) 
         Captive tests with histories.
     floor : float
         What is too small to matter, over the rms force of a channel; it widens the uncertainty.
+    noise : float, optional
+        As for `diagnose_captive`.
 
     Returns
     -------
@@ -338,7 +346,7 @@ def fit(model: Model | str | Path, campaign: Campaign, *, floor: float = 0.005) 
         If the campaign is free-running, or holds no run with a known noise.
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    return begin(loaded, campaign, floor=floor).model()
+    return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
 def undone(model: Model) -> tuple[Model, str]:
