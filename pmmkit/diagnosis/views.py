@@ -133,7 +133,6 @@ def views_of(
         Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
         campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
         `View.known` says so. Harmonics that a table lacks are left out.
-
     pieces : bool
         Whether long records are cut in two; False takes each as the reduction does.
 
