@@ -23,7 +23,7 @@ METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diam
 
 def add(
     model: str, effects: Sequence[str], campaign: Path, target: Path, *, undo: bool = False,
-    why: str = "", floor: float = 0.005, drawn: bool = True, data: Path | None = None,
+    why: str = "", floor: float = 0.005, noise: float | None = None, drawn: bool = True, data: Path | None = None,
     out: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """Add effects to a model with a joint fit, and write it.
@@ -44,6 +44,8 @@ def add(
         A remark for the history.
     floor : float
         What is too small to matter, over the rms force of a channel.
+    noise : float, optional
+        Uncertainty of a mean or harmonic over the rms force, of runs that state none.
     drawn : bool
         Whether to draw figures into `out`.
     out : Path, optional
@@ -61,7 +63,7 @@ def add(
         before, taken = undone(before)
     opened = open_campaign(campaign, data=data)
     refuse(examine(opened))
-    session = begin(before, opened, floor=floor)
+    session = begin(before, opened, floor=floor, noise=noise)
     for effect in effects:
         session = session.add(effect, why)
     after = session.model()

@@ -21,7 +21,7 @@ from pmmkit.structures import STRUCTURES
 
 def diagnose(
     model: str, campaign: Path, out: Path, *, floor: float = 0.005, given: Sequence[str] = (),
-    drawn: bool = True, data: Path | None = None,
+    noise: float | None = None, drawn: bool = True, data: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """Diagnose a campaign, and write everything.
 
@@ -37,6 +37,8 @@ def diagnose(
         What is too small to matter, over the rms force of a channel.
     given : sequence of str
         Effects that are known to be there.
+    noise : float, optional
+        Uncertainty of a mean or harmonic over the rms force, of runs that state none.
     drawn : bool
         Whether to draw figures.
 
@@ -48,7 +50,7 @@ def diagnose(
     opened = open_campaign(campaign, data=data)
     checked = examine(opened)
     refuse(checked)
-    session = begin(model, opened, floor=floor)
+    session = begin(model, opened, floor=floor, noise=noise)
     for effect in given:
         session = session.add(effect, "known to be there")
     loop = loop_of(session, model)

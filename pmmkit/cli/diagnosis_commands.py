@@ -20,6 +20,14 @@ Floor = Annotated[
         "uncertainty.",
     ),
 ]  # fmt: skip
+Noise = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0, max=0.5,
+        help="Standard uncertainty of a mean or harmonic, over the rms force, of runs that state "
+        "none (tables, CFD).",
+    ),
+]  # fmt: skip
 Drawn = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
 
 
@@ -28,6 +36,7 @@ def diagnose(
     model: Base,
     campaign: Campaign,
     floor: Floor = 0.005,
+    noise: Noise = None,
     given: Annotated[
         str | None,
         typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
@@ -42,7 +51,7 @@ def diagnose(
 
     finish(
         diagnosing.diagnose(
-            model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor,
+            model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor, noise=noise,
             given=(given or "").replace(",", " ").split(), drawn=figures, data=data,
         ),
         json,
@@ -66,6 +75,7 @@ def add(
     ] = False,
     why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
     floor: Floor = 0.005,
+    noise: Noise = None,
     figures: Drawn = True,
     data: Data = None,
     out: Out = None,
@@ -79,7 +89,7 @@ def add(
     finish(
         adding.add(
             model, effects or [], fit, target or Path(f"{Path(model).stem}-extended.toml"),
-            undo=undo, why=why, floor=floor, drawn=figures, data=data, out=out,
+            undo=undo, why=why, floor=floor, noise=noise, drawn=figures, data=data, out=out,
         ),
         json,
     )  # fmt: skip

@@ -77,7 +77,9 @@ def fitted_table(
 
 def _place(label: str) -> tuple[str, bool] | None:
     """Derivative that a coefficient adds to, and whether it does so with the speed."""
-    name = label.rsplit(": ", 1)[-1]
+    effect, _, name = label.rpartition(": ")
+    if effect in catalogue() and catalogue()[effect].enters:
+        return None
     plain = name.removesuffix(BY_SPEED)
     try:
         parse_derivative(plain)
@@ -144,7 +146,11 @@ def refitted(
     taken = table.select([name for name in known if name not in left])
     changed = _with_table(model, taken, Fn, rudder if steered else [], campaign)
     for block in effects:
-        if block.candidate.kind == "physics" and not _is_terms(block):
+        if (
+            block.candidate.kind == "physics"
+            and block.candidate.name in catalogue()
+            and (catalogue()[block.candidate.name].enters)
+        ):
             changed = _with_part(changed, block, fit, _froude_numbers(campaign))
     return Refit(model=changed, notes=tuple(notes))
 
@@ -159,10 +165,6 @@ def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
     )  # fmt: skip
     return made.with_(history=model.history)
-
-
-def _is_terms(block: Block) -> bool:
-    return all(_place(name) is not None for name in block.candidate.coefficients)
 
 
 def _target(convention: Convention) -> Convention:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.system import Channel, Places, Scatter
 
 Array = NDArray[np.float64]
-OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03)
+OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03, 0.05)
 GAINS: Final = (0.0, 0.002, 0.004, 0.006, 0.01, 0.02)
 SETTINGS: Final = (0.0, 0.015, 0.03, 0.06)
 """Run scatter that is tried: offset over the channel's scale, gain, drift setting [deg]."""

@@ -60,6 +60,11 @@ EFFECTS: Final = (
         check="pure yaw at r' 0.8, or circular motion",
     ),
     terms(
+        "cubic_hull_terms", "hull", "Damping that grows with the cube of sway and of yaw.",
+        {"Yvvv": -0.109, "Nvvv": 0.0015, "Yrrr": 0.0018, "Nrrr": -0.0023},
+        source="Abkowitz 1964", check="static drift to 15°, and pure yaw at a third amplitude",
+    ),
+    terms(
         "yaw_sway_coupling", "hull_coupling",
         "Products of sway and yaw in side force and moment.",
         {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156},
