@@ -1,4 +1,4 @@
-"""HMRI's captive tests of the KVLCC2: what a linear and a cubic model lack; tables without noise."""
+"""HMRI's captive tests: what a linear and a cubic model lack; tables that state no noise."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_what_is_named_lowers_the_error_step_by_step(campaign, base, expected, f
 
 def test_without_a_stated_noise_nothing_is_said(campaign):
     """Tables of means and harmonics hold no noise; the user's statement must come first."""
-    with pytest.raises(DataError, match="noise = 0.01"):
+    with pytest.raises(DataError, match=r"noise = 0\.01"):
         diagnose_captive(campaign, "cubic")
 
 

@@ -22,10 +22,19 @@ METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diam
 
 
 def add(
-    model: str, effects: Sequence[str], campaign: Path, target: Path, *, undo: bool = False,
-    why: str = "", floor: float = 0.005, noise: float | None = None, drawn: bool = True, data: Path | None = None,
+    model: str,
+    effects: Sequence[str],
+    campaign: Path,
+    target: Path,
+    *,
+    undo: bool = False,
+    why: str = "",
+    floor: float = 0.005,
+    noise: float | None = None,
+    drawn: bool = True,
+    data: Path | None = None,
     out: Path | None = None,
-) -> Outcome:  # fmt: skip
+) -> Outcome:
     """Add effects to a model with a joint fit, and write it.
 
     Parameters

@@ -143,9 +143,23 @@ def _by_speed(base: Base, speed: float) -> Mapping[str, float]:
 PHYSICS: Final = tuple(
     from_catalogue(name)
     for name in (
-        "cubic_hull_terms", "modulus_sway_drag", "modulus_yaw_drag", "crossflow_drag",
-        "yaw_sway_coupling", "surge_yaw_coupling", "surge_fourth_order", "froude_linear",
-        "froude_nonlinear", "resistance_curve", "asymmetry", "even_hull_terms", "memory",
-        "lagged_crossflow", "nonlinear_added_mass", "heel_coupling", "rudder_stall", "rudder_cross_terms",
+        "cubic_hull_terms",
+        "modulus_sway_drag",
+        "modulus_yaw_drag",
+        "crossflow_drag",
+        "yaw_sway_coupling",
+        "surge_yaw_coupling",
+        "surge_fourth_order",
+        "froude_linear",
+        "froude_nonlinear",
+        "resistance_curve",
+        "asymmetry",
+        "even_hull_terms",
+        "memory",
+        "lagged_crossflow",
+        "nonlinear_added_mass",
+        "heel_coupling",
+        "rudder_stall",
+        "rudder_cross_terms",
     )
-)  # fmt: skip
+)
