@@ -21,6 +21,7 @@ from pmmkit.model import Model, load_model
 from pmmkit.progress import shown
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
+from pmmkit.report.loop import VERDICTS
 from pmmkit.report.words import percent
 from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.simulation import froude_sweep, simulate
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 RUDDER_DEG: Final = 35.0
 STEPS: Final = 7
 """Froude numbers of a sweep in a report."""
+ROUNDS: Final = 3
+"""Rounds of naming and adding in a demo."""
 PARTS: Final = ("propeller", "rudder_mmg")
 
 
@@ -86,7 +89,8 @@ def reduce(
     loop = None
     if asked:
         say(f"Diagnosing what the structure {asked} lacks ...")
-        loop = loop_of(begin(asked, opened), f"one set of derivatives ({asked}) over all speeds")
+        base = f"one set of derivatives ({asked}) over all speeds"
+        loop = loop_of(begin(asked, opened), base, rounds=ROUNDS)
     say("Writing tables, figures and the report ...")
     files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
     content = {
@@ -138,11 +142,12 @@ def _missing(loop: Loop | None) -> list[str]:
     if loop is None:
         return []
     steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
+    shares = [f"{name} {100 * item.share():.1f}" for name, item in steps]
+    end = loop.end or loop.diagnosis
     return [
         "",
-        f"What {loop.base} lacks: {', '.join(loop.diagnosis.best) or 'nothing'}. Error of "
-        "left-out conditions, in per cent of the rms force:",
-        "  " + ", ".join(f"{name} {100 * item.share():.1f}" for name, item in steps),
+        f"What {loop.base} lacks, step by step, with the error of left-out conditions in per cent "
+        f"of the rms force: {', '.join(shares)}. {VERDICTS[end.verdict]}",
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
 from pmmkit.diagnosis.given import best_blocks, knowing
 from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels, refined
 from pmmkit.diagnosis.system import Block, System
+from pmmkit.effects.terms import BY_SPEED
 
 Array = NDArray[np.float64]
 CHANCE: Final = 0.01
@@ -115,7 +116,25 @@ def taken_as_given(system: System, names: Sequence[str]) -> Given:
         near = best_blocks(system, name, 2)
         system = knowing(system, near)
         blocks.append(near[0])
-    return Given(system=system, blocks=tuple(blocks))
+    return Given(system=_askable(system, blocks), blocks=tuple(blocks))
+
+
+def _askable(system: System, given: Sequence[Block]) -> System:
+    """Without what changes a derivative with the speed that the base does not have yet.
+
+    Where most runs have one speed, the term and its change with the speed are one.
+    """
+    known = {name for names in system.base.names.values() for name in names}
+    known |= {name for block in given for name in block.candidate.coefficients}
+    blocks = [
+        block for block in system.blocks
+        if all(
+            name.removesuffix(BY_SPEED) in known
+            for name in block.candidate.coefficients
+            if name.endswith(BY_SPEED)
+        )
+    ]  # fmt: skip
+    return replace(system, blocks=tuple(blocks))
 
 
 def blocks_of(system: System, entry: Entry) -> list[Block]:

@@ -22,7 +22,6 @@ from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import System
 from pmmkit.diagnosis.views import View, views_of
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.terms import BY_SPEED
 from pmmkit.errors import DataError, Problem
 from pmmkit.model import Model, load_model
 from pmmkit.reduction.columns import columns_of
@@ -236,19 +235,11 @@ def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
 
 
 def _contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
-    """The catalogue, without what the base has already, and what changes with speed if it has it.
-
-    A cubic term that changes with the speed needs the cubic term first: at one speed they are one.
-    """
+    """The catalogue, without what the base has already."""
     known = {name for names in base.names.values() for name in names}
     found = [
         item for item in (*PHYSICS, *FAULTS)
         if not set(item.coefficients) <= known
-        and all(
-            name.removesuffix(BY_SPEED) in known
-            for name in item.coefficients
-            if name.endswith(BY_SPEED)
-        )
     ]  # fmt: skip
     if len(speeds) > 1:
         found.append(carriage_fault(tuple(speeds)))

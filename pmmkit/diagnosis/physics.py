@@ -131,13 +131,13 @@ def from_catalogue(name: str) -> Candidate:
     )  # fmt: skip
 
 
+FROUDE: Final = ("froude_linear", "froude_nonlinear", "froude_coupling", "froude_surge")
+"""Derivatives that change with the Froude number."""
+
+
 def _by_speed(base: Base, speed: float) -> Mapping[str, float]:
     F = base.law(speed)
-    return {
-        item.name: F
-        for name in ("froude_linear", "froude_nonlinear")
-        for item in effect_of(name).parameters
-    }
+    return {item.name: F for name in FROUDE for item in effect_of(name).parameters}
 
 
 PHYSICS: Final = tuple(
@@ -152,6 +152,8 @@ PHYSICS: Final = tuple(
         "surge_fourth_order",
         "froude_linear",
         "froude_nonlinear",
+        "froude_coupling",
+        "froude_surge",
         "resistance_curve",
         "asymmetry",
         "even_hull_terms",

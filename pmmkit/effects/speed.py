@@ -57,4 +57,17 @@ FROUDE_NONLINEAR: Final = terms(
     {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008}, source="Yoon 2009",
     check="amplitude steps at the extreme speeds", excites=("several speeds",),
 )  # fmt: skip
-EFFECTS: Final = (RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR)
+FROUDE_COUPLING: Final = terms(
+    "froude_coupling", "speed", "Products of sway and yaw that change with the Froude number.",
+    {"Yvvr F": 0.005, "Yvrr F": -0.010, "Nvvr F": -0.010, "Nvrr F": 0.0004, "Xvr F": 0.0008},
+    source="Yoon 2009",
+    check="yaw with drift at the extreme speeds", excites=("several speeds",),
+)  # fmt: skip
+FROUDE_SURGE: Final = terms(
+    "froude_surge", "speed", "Resistance of sway and yaw that changes with the Froude number.",
+    {"Xvv F": -0.0006, "Xrr F": 0.0001}, source="Yoon 2009",
+    check="static drift and pure yaw at the extreme speeds", excites=("several speeds",),
+)  # fmt: skip
+EFFECTS: Final = (
+    RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR, FROUDE_COUPLING, FROUDE_SURGE,
+)  # fmt: skip

@@ -37,15 +37,18 @@ class Loop:
         Of the base.
     fall : ErrorFall
         Of the base and of each effect that was named.
+    end : Diagnosis or None
+        Of the base with all of them, where the loop went on.
     """
 
     base: str
     diagnosis: Diagnosis
     fall: ErrorFall
+    end: Diagnosis | None = None
 
 
-def loop_of(session: Session, base: str) -> Loop:
-    """Diagnose a session, and add what is named step by step, what explains most first.
+def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
+    """Diagnose a session, add what is named step by step, what explains most first, and go on.
 
     Parameters
     ----------
@@ -53,11 +56,19 @@ def loop_of(session: Session, base: str) -> Loop:
         A model and its tests.
     base : str
         The model in words.
+    rounds : int
+        Diagnoses at most whose effects are added.
     """
-    found = session.diagnose()
-    for item in found.findings:
-        session = session.add(item.effect, item.evidence)
-    return Loop(base=base, diagnosis=found, fall=session.fall())
+    first = found = session.diagnose()
+    for _ in range(rounds):
+        for item in found.findings:
+            session = session.add(item.effect, item.evidence)
+        if rounds == 1 or not found.findings:
+            break
+        found = session.diagnose()
+    return Loop(
+        base=base, diagnosis=first, fall=session.fall(), end=None if found is first else found
+    )  # fmt: skip
 
 
 def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> Path:
@@ -117,7 +128,7 @@ def loop_sections(loop: Loop) -> list[Section]:
                 )
             ],
         ),
-        *([_fall(loop.fall)] if len(loop.fall.steps) > 1 else []),
+        *([_fall(loop)] if len(loop.fall.steps) > 1 else []),
         Section(
             title="What these runs could show",
             paragraphs=["Whatever the forces are, an effect below these sizes stays hidden."],
@@ -174,10 +185,10 @@ def _said(item: Finding) -> str:
     return said
 
 
-def _fall(fall: ErrorFall) -> Section:
-    frame = fall.to_pandas()
+def _fall(loop: Loop) -> Section:
+    fall = loop.fall
     rows: list[list[Cell]] = []
-    tests = [name for name in dict.fromkeys(frame["test"]) if name != "all"]
+    tests = list(dict.fromkeys(fall.errors[0].tests))
     channels = fall.errors[0].channels
     for name, item in zip(fall.steps, fall.errors, strict=True):
         own = item.of_channel()
@@ -188,6 +199,8 @@ def _fall(fall: ErrorFall) -> Section:
     units = [f"{name} [{'N' if name in 'XY' else 'N m'}]" for name in channels]
     head = ["after", "all [%]", *units, *(f"{TESTS.get(name, name)} [%]" for name in tests)]
     points = [f"{name} does not lower the error of left-out conditions." for name in fall.useless]
+    if loop.end is not None:
+        points.append(f"Asked again after the last step: {VERDICTS[loop.end.verdict]}")
     return Section(
         title="How the error falls",
         paragraphs=[
