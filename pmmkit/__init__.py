@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.diagnosis.own import own_effect, own_effects
+    from pmmkit.diagnosis.session import fit
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
@@ -78,6 +79,7 @@ __all__ = [
     "estimated_model",
     "evaluate_trials",
     "examine",
+    "fit",
     "fit_to_forces",
     "free_records",
     "from_values",
@@ -124,6 +126,7 @@ _HOMES: Final = {
     "diagnosis.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
     "diagnosis.own": ("own_effect", "own_effects"),
+    "diagnosis.session": ("fit",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "identification": ("fit_to_forces", "free_records", "identify"),

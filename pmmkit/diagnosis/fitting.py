@@ -234,6 +234,8 @@ def effects_of(model: Model) -> tuple[str, ...]:
 _OF_SPEED: Final = {
     "froude_linear": ("Yv", "Yr", "Nv", "Nr"),
     "froude_nonlinear": ("Yvvv", "Yrrr", "Nvvv", "Nrrr"),
+    "froude_coupling": ("Yvvr", "Yvrr", "Nvvr", "Nvrr", "Xvr"),
+    "froude_surge": ("Xvv", "Xrr"),
     "resistance_curve": ("Xuu",),
 }
 """Effects of the speed, and the derivatives that vary with it where a model has them."""
