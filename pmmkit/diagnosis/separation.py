@@ -1,0 +1,173 @@
+"""How well runs tell effects apart: at their usual sizes, or as data have made them likely."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.contest import log_evidence
+from pmmkit.diagnosis.information import Reduced, Rows, at_usual_size
+from pmmkit.diagnosis.system import Block, Places
+
+Array = NDArray[np.float64]
+NEAR: Final = 2
+"""Grid values of an effect that stay in a rivalry."""
+
+
+def blocks_by_name(rows: Rows) -> dict[str, list[Block]]:
+    """Grid points of every effect."""
+    found: dict[str, list[Block]] = {}
+    for block in rows.blocks:
+        found.setdefault(block.candidate.name, []).append(block)
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Usual:
+    """All effects at their usual sizes, in the middle of their grids.
+
+    Parameters
+    ----------
+    names : tuple of str (e,)
+        Effects.
+    sizes : array (k, e)
+        Coefficients of each.
+    groups : tuple of (places (b, q), effects (b,))
+        Blocks of equal numbers of coefficients with the effect each belongs to.
+    """
+
+    names: tuple[str, ...]
+    sizes: Array
+    groups: tuple[tuple[Places, Places], ...]
+
+    def signals(self, gram: Array) -> Array:
+        """Squared signal over noise of each effect (e,)."""
+        found: Array = np.einsum("ke,kl,le->e", self.sizes, gram, self.sizes, optimize=True)
+        return found
+
+    def separations(self, gram: Array) -> Array:
+        """Squared signal of each effect that no size of another explains (e, e).
+
+        Row: the effect that is there; column: the one that is tried in its place, at the best of
+        its grid. Infinite on the diagonal.
+        """
+        cross = gram @ self.sizes
+        total = np.einsum("ke,ke->e", self.sizes, cross)
+        explained = np.zeros((len(self.names), len(self.names)))
+        for places, effects in self.groups:
+            inner = gram[places[:, :, None], places[:, None, :]] + np.eye(places.shape[1])
+            taken = np.einsum("bqe,bqe->be", cross[places], np.linalg.solve(inner, cross[places]))
+            np.maximum.at(explained, effects, taken)
+        left = total[:, None] - explained.T
+        np.fill_diagonal(left, np.inf)
+        found: Array = np.maximum(left, 0.0)
+        return found
+
+
+def usual(rows: Rows) -> Usual:
+    """All effects of some rows at their usual sizes."""
+    by_name = blocks_by_name(rows)
+    sizes = np.zeros((rows.width, len(by_name)))
+    sorted_by: dict[int, list[tuple[Places, int]]] = {}
+    for number, own in enumerate(by_name.values()):
+        middle = own[len(own) // 2]
+        sizes[middle.columns, number] = at_usual_size(middle)
+        for block in own:
+            sorted_by.setdefault(block.candidate.size, []).append((block.places, number))
+    groups = tuple(
+        (np.stack([places for places, _ in own]), np.array([number for _, number in own]))
+        for own in sorted_by.values()
+    )
+    return Usual(names=tuple(by_name), sizes=sizes, groups=groups)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Likely:
+    """A set of effects at one choice of grid values, fitted to the runs that are made.
+
+    Parameters
+    ----------
+    share : float
+        Of the choice among those of the set.
+    places : array (q,)
+        Its columns.
+    mean, covariance : array (q,), (q, q)
+        Coefficients in units of their prior.
+    """
+
+    share: float
+    places: Places
+    mean: Array
+    covariance: Array
+
+    def predicted(self, columns: Array) -> tuple[Array, Array]:
+        """Mean and covariance of new rows of unit noise (m,), (m, m)."""
+        own = columns[:, self.places]
+        return own @ self.mean, np.eye(len(own)) + own @ self.covariance @ own.T
+
+
+def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
+    """A set of effects as the data have made it likely, at the best of its grid values."""
+    by_name = blocks_by_name(reduced.rows)
+
+    def evidence(blocks: Sequence[Block]) -> float:
+        at = np.concatenate([block.places for block in blocks])
+        return log_evidence(
+            reduced.gram[np.ix_(at, at)], reduced.score[at], reduced.rows.centre[at]
+        )
+
+    near = [sorted(by_name[name], key=lambda b: -evidence([b]))[:NEAR] for name in names]
+    found = [(evidence(blocks), blocks) for blocks in product(*near)]
+    top = max(value for value, _ in found)
+    total = sum(math.exp(value - top) for value, _ in found)
+    made = []
+    for value, blocks in sorted(found, key=lambda item: -item[0]):
+        at = np.concatenate([block.places for block in blocks])
+        G, centre = reduced.gram[np.ix_(at, at)], reduced.rows.centre[at]
+        covariance = np.linalg.inv(G + np.eye(len(at)))
+        mean = centre + covariance @ (reduced.score[at] - G @ centre)
+        made.append(
+            Likely(share=math.exp(value - top) / total, places=at, mean=mean, covariance=covariance)
+        )
+    return tuple(made)
+
+
+def expected_odds(columns: Array, rivals: Sequence[Sequence[Likely]]) -> Array:
+    """Expected gain in ln odds of each rival over each other, if it is the true one (n, n).
+
+    Parameters
+    ----------
+    columns : array (m, k)
+        What new runs add, see `Reduced.added`.
+    rivals : sequence of sequence of Likely
+        Sets of effects, each at its choices of grid values.
+
+    Returns
+    -------
+    array (n, n)
+        Kullback-Leibler divergence of what the row's set predicts for the runs from what the
+        column's predicts: exact for one choice, a bound where a set has several.
+    """
+    predicted = [[item.predicted(columns) for item in own] for own in rivals]
+    found = np.full((len(rivals), len(rivals)), np.inf)
+    for i, own in enumerate(predicted):
+        mean, V = own[0]
+        log_own = np.linalg.slogdet(V)[1]
+        for j, other in enumerate(predicted):
+            if i == j:
+                continue
+            away = []
+            for item, (there, W) in zip(rivals[j], other, strict=True):
+                right = np.linalg.solve(W, np.column_stack([V, mean - there]))
+                square = float((mean - there) @ right[:, -1])
+                half = np.trace(right[:, :-1]) - len(V) + np.linalg.slogdet(W)[1] - log_own
+                away.append(math.log(max(item.share, 1e-300)) - 0.5 * (float(half) + square))
+            top = max(away)
+            found[i, j] = -(top + math.log(sum(math.exp(x - top) for x in away)))
+    return np.maximum(found, 0.0)
