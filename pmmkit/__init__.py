@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.diagnosis.own import own_effect, own_effects
+    from pmmkit.diagnosis.next_run import next_runs
+    from pmmkit.diagnosis.options import Limits
+    from pmmkit.diagnosis.programme import plan
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
@@ -61,6 +64,7 @@ __all__ = [
     "Comparison",
     "DerivativeTable",
     "Ensemble",
+    "Limits",
     "Model",
     "PmmkitError",
     "Reduction",
@@ -93,9 +97,11 @@ __all__ = [
     "load_ship",
     "model_of",
     "monte_carlo",
+    "next_runs",
     "open_campaign",
     "own_effect",
     "own_effects",
+    "plan",
     "read_table",
     "reduce",
     "reduce_campaign",
@@ -124,6 +130,9 @@ _HOMES: Final = {
     "diagnosis.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
     "diagnosis.own": ("own_effect", "own_effects"),
+    "diagnosis.next_run": ("next_runs",),
+    "diagnosis.options": ("Limits",),
+    "diagnosis.programme": ("plan",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "identification": ("fit_to_forces", "free_records", "identify"),

@@ -1,4 +1,4 @@
-"""What a plan stands on: runs made and runs that could be made, seen with one base and one noise."""
+"""What a plan stands on: runs made and possible runs, seen with one base and one noise."""
 
 from __future__ import annotations
 
@@ -125,9 +125,9 @@ def ground_of(
 def _loaded(model: Asked) -> Model | Structure:
     if isinstance(model, (Structure, Model)):
         return model
-    if isinstance(model, (str, Path)) and str(model) not in STRUCTURES:
+    if isinstance(model, Path) or (isinstance(model, str) and model not in STRUCTURES):
         return load_model(model)
-    return structure_of(model if isinstance(model, str) else [str(x) for x in model])
+    return structure_of(model)
 
 
 def derivatives_of(model: Model) -> tuple[str, ...]:

@@ -102,14 +102,14 @@ def rows_of(
     null, prior = {}, {}
     for c in channels:
         p = c.design.shape[1]
-        candidate = np.zeros((len(c.y), len(centre)))
-        for block, columns in zip(blocks, raw, strict=True):
-            if c.name in columns:
-                candidate[:, block.columns] = columns[c.name] * prior_sizes(block.candidate)
+        effects = np.zeros((len(c.y), len(centre)))
+        for block, by_channel in zip(blocks, raw, strict=True):
+            if c.name in by_channel:
+                effects[:, block.columns] = by_channel[c.name] * prior_sizes(block.candidate)
         features = floor * floor_features(c, views, base)
         predicted = c.design @ [base.values[name] for name in base.names[c.name]]
         own = run_columns(c, views, base, predicted)
-        columns = np.column_stack([c.design, features, candidate, c.y])
+        columns = np.column_stack([c.design, features, effects, c.y])
         white = whitened(c, columns, own, scatter)
         size = np.linalg.norm(white[:, :p], axis=0)
         white[:, :p] /= np.where(size > 0, size, 1.0)
@@ -179,22 +179,23 @@ class Known:
 
     def reduced(self) -> Reduced:
         """What is said of the candidates, whatever base and floor are."""
-        from scipy.linalg import cho_factor, cho_solve
+        from scipy.linalg import solve_triangular
 
         k = self.rows.width
         gram, score = np.zeros((k, k)), np.zeros(k)
-        factors, solved = {}, {}
+        inverse, solved = {}, {}
         for name, total in self.sums.items():
             n = self.rows.null[name]
-            factor = cho_factor(total[:n, :n] + np.diag(self.rows.prior[name]), lower=True)
-            solved[name] = cho_solve(factor, total[:n, n:])
-            left = total[n:, n:] - total[n:, :n] @ solved[name]
+            root = np.linalg.cholesky(total[:n, :n] + np.diag(self.rows.prior[name]))
+            inverse[name] = solve_triangular(root, np.eye(n), lower=True, check_finite=False)
+            half = inverse[name] @ total[:n, n:]
+            solved[name] = inverse[name].T @ half
+            left = total[n:, n:] - half.T @ half
             gram += left[:k, :k]
             score += left[:k, k]
-            factors[name] = factor[0]
         return Reduced(
             rows=self.rows, gram=(gram + gram.T) / 2, score=score,
-            factors=MappingProxyType(factors), solved=MappingProxyType(solved),
+            inverse=MappingProxyType(inverse), solved=MappingProxyType(solved),
         )  # fmt: skip
 
 
@@ -221,14 +222,14 @@ class Reduced:
         Products of the candidates' columns, the null taken off.
     score : array (k,)
         Their products with the data.
-    factors, solved : mapping of channel to array
-        Cholesky factor of the null's precision, and the null's answer to candidates and data.
+    inverse, solved : mapping of channel to array
+        Inverse root of the null's precision, and the null's answer to candidates and data.
     """
 
     rows: Rows
     gram: Array
     score: Array
-    factors: Mapping[str, Array]
+    inverse: Mapping[str, Array]
     solved: Mapping[str, Array]
 
     def added(self, run: str, times: int = 1) -> Array:
@@ -249,13 +250,37 @@ class Reduced:
         for name, white in self.rows.of_run[run].items():
             n = self.rows.null[name]
             part = np.sqrt(times) * white
-            half = solve_triangular(
-                self.factors[name], part[:, :n].T, lower=True, check_finite=False
-            )
-            root = np.linalg.cholesky(np.eye(len(part)) + half.T @ half)
             own = part[:, n:-1] - part[:, :n] @ self.solved[name][:, :-1]
+            root = self._root(name, part)[1]
             found.append(solve_triangular(root, own, lower=True, check_finite=False))
         return np.concatenate(found)
+
+    def precision(self, run: str | None = None) -> dict[str, Array]:
+        """Precision of every base coefficient by channel, with one more run where one is named.
+
+        Coefficients are in units in which a column has the length one over all rows there are.
+        """
+        from scipy.linalg import solve_triangular
+
+        found = {}
+        for name, inverse in self.inverse.items():
+            p = self.rows.null[name] - FEATURES
+            variance = np.sum(inverse[:, :p] ** 2, axis=0)
+            white = self.rows.of_run[run].get(name) if run is not None else None
+            if white is not None:
+                half, root = self._root(name, white)
+                taken = solve_triangular(
+                    root, half @ inverse[:, :p], lower=True, check_finite=False
+                )  # fmt: skip
+                variance -= np.sum(taken**2, axis=0)
+            found[name] = 1.0 / np.maximum(variance, 1e-300)
+        return found
+
+    def _root(self, name: str, white: Array) -> tuple[Array, Array]:
+        """Rows over the root of the null's precision, and the root of their covariance."""
+        half = white[:, : self.rows.null[name]] @ self.inverse[name].T
+        root = np.asarray(np.linalg.cholesky(np.eye(len(white)) + half @ half.T), float)
+        return half, root
 
 
 def at_usual_size(block: Block) -> Array:

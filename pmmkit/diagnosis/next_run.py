@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.coverage import SHOWS
-from pmmkit.diagnosis.diagnose import RIVALS, Diagnosis, diagnose
+from pmmkit.diagnosis.diagnose import RIVALS, Diagnosis, diagnose, odds
 from pmmkit.diagnosis.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.information import Reduced
 from pmmkit.diagnosis.options import Limits, Option
-from pmmkit.diagnosis.separation import Likely, expected_odds, likely, usual
+from pmmkit.diagnosis.separation import expected_odds, likely, usual
 from pmmkit.errors import UnknownNameError
 from pmmkit.runs.run import Campaign
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 LEAST: Final = 3.0
 """Expected gain in ln odds below which a run is not worth its time."""
-ENOUGH: Final = 16.0
-"""Expected gain in ln odds that leaves 3 even two standard deviations below; more is no better."""
 REPEATS: Final = 8
 """Repeats of one run that are thought of before a check at the bench is advised."""
 
@@ -164,20 +162,21 @@ def next_runs(
             return _apart_at_usual_size(ground, reduced, effects, most)
         if not effects:
             found = found or diagnose(model, campaign, **settings)
-            rivals = [names for names, _ in found.group if set(names) <= set(ground.candidates)]
-            if len(rivals) > 1:
-                return _apart(ground, reduced, rivals, [odds for _, odds in found.group], most)
+            group = [item for item in found.group if set(item[0]) <= set(ground.candidates)]
+            if len(group) > 1:
+                rivals, against = zip(*group, strict=True)
+                return _apart(ground, reduced, rivals, against, most)
         return _shown(ground, reduced, effects, most)
 
 
 def _apart(
-    ground: Ground, reduced: Reduced, rivals: Sequence[Sequence[str]], odds: Sequence[float],
+    ground: Ground, reduced: Reduced, rivals: Sequence[Sequence[str]], against: Sequence[float],
     most: int,
 ) -> Advice:  # fmt: skip
     """Rivals of a diagnosis, as the data have made them likely."""
     sets = [likely(reduced, names) for names in rivals]
     names = tuple(" and ".join(own) for own in rivals)
-    weight = np.array(odds[: len(sets)])
+    weight = np.array(against)
     weight = weight / weight.sum()
     ahead = np.log(weight)[:, None] - np.log(weight)
 
@@ -220,7 +219,7 @@ def _resolved(gains: Array, ahead: Array, weight: Array) -> float:
 def _ranked(
     ground: Ground, reduced: Reduced, names: tuple[str, ...], weight: Array, tried: Any, most: int
 ) -> Advice:
-    """Options by gain over time; repeats of the best where no single run is worth it."""
+    """Options by how probably they resolve, over time; repeats where no single run is worth it."""
 
     def gains_of(run: str, times: int) -> tuple[float, dict[str, float], float]:
         gains, resolves = tried(reduced.added(run, times))
@@ -233,13 +232,13 @@ def _ranked(
         return NextRun(
             option=option, gain=gain, gains=MappingProxyType(gains), resolves=resolves,
             repeats=times, hours=times * option.hours,
-            words=f"{often}{option.words}: expected odds {_odds(gain)} between "
+            words=f"{often}{option.words}: expected odds {odds(gain)} between "
             f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}",
         )  # fmt: skip
 
     single = {run: gains_of(run, 1) for run in ground.options}
     worth = [made(run, 1, found) for run, found in single.items() if found[0] >= LEAST]
-    worth.sort(key=lambda item: (-min(item.gain, ENOUGH) / item.hours, -item.gain))
+    worth.sort(key=lambda item: (-item.resolves / item.hours, -item.gain))
     wanted = tuple(dict.fromkeys(part for name in names for part in name.split(" and ")))
     checks = _checks(ground, wanted)
     if not worth:
@@ -257,7 +256,7 @@ def _repeated(ground: Ground, single: Mapping[str, Any], gains_of: Any, made: An
         found = [made(run, times, gains_of(run, times)) for run in best]
         worth = [item for item in found if item.gain >= LEAST]
         if worth:
-            return sorted(worth, key=lambda item: (-item.gain / item.hours))
+            return sorted(worth, key=lambda item: -item.gain / item.hours)
     return []
 
 
@@ -291,7 +290,10 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
             names = [sizes.names[i] for i in seen]
             found.append(
                 NextRun(
-                    option=option, gain=float(len(seen)), resolves=math.nan, repeats=1,
+                    option=option,
+                    gain=float(len(seen)),
+                    resolves=math.nan,
+                    repeats=1,
                     hours=option.hours,
                     gains=MappingProxyType({sizes.names[i]: float(after[i]) for i in seen}),
                     words=f"{option.words}: makes {', '.join(names)} visible at usual size",
@@ -313,9 +315,3 @@ def _checks(ground: Ground, names: Iterable[str]) -> Mapping[str, str]:
     return MappingProxyType(
         {name: ground.candidates[name].check for name in names if ground.candidates[name].check}
     )
-
-
-def _odds(gain: float) -> str:
-    if gain > math.log(1000.0):
-        return "over 1000 to 1"
-    return f"of {math.exp(gain):.3g} to 1"

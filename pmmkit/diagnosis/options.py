@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.runs.nominal import require_settings
-from pmmkit.runs.run import DYNAMIC_TESTS, STATIC_TESTS, Campaign, Run, Settings
+from pmmkit.runs.run import STATIC_TESTS, Campaign, Run, Settings
 from pmmkit.ship import Ship, Water
 
 USUAL: Final = (
@@ -299,7 +296,7 @@ def _possible(option: Option, limits: Limits, ship: Ship, water: Water) -> bool:
     return across + 1.5 * ship.B <= limits.tank_width / 2.0
 
 
-Given = Iterator[Mapping[str, float]]
+Given = Iterator[dict[str, Any]]
 
 
 def _straight(limits: Limits, ship: Ship, speed: float) -> Given:
@@ -372,79 +369,6 @@ _GRIDS: Final = {
     "drift_rudder": _drift_rudder, "static_heel": _heel, "pure_sway": _sway, "pure_yaw": _yaw,
     "yaw_drift": _yaw_drift, "sway_yaw": _sway_yaw,
 }  # fmt: skip
-
-
-def read_options(path: str | Path, limits: Limits, ship: Ship) -> tuple[Option, ...]:
-    """Options that a user lists in a file, as ``[[runs]]`` of a campaign file without ``file``.
-
-    Parameters
-    ----------
-    path : path
-        A TOML file.
-    limits : Limits
-        Cycles, tank and wait, from which times come.
-    ship : Ship
-        Of the model.
-
-    Returns
-    -------
-    tuple of Option
-
-    Raises
-    ------
-    CampaignError
-        With everything that is wrong with the file.
-    """
-    place = Path(path)
-    try:
-        entries = tomllib.loads(place.read_text(encoding="utf-8")).get("runs", [])
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise CampaignError(Problem(message=f"is not TOML: {error}.", file=str(place))) from error
-    found, wrong = [], []
-    if not isinstance(entries, list) or not entries:
-        wrong.append(Problem(message="has no [[runs]].", file=str(place)))
-        entries = []
-    for number, entry in enumerate(entries, start=1):
-        try:
-            found.append(_listed(entry, limits, ship))
-        except (CampaignError, TypeError, ValueError) as error:
-            wrong.append(Problem(message=str(error), file=str(place), entry=f"[[runs]] #{number}"))
-    if wrong:
-        raise CampaignError(wrong)
-    return tuple(found)
-
-
-_ANGLES: Final = ("drift_deg", "heel_deg", "rudder_deg", "yaw_amplitude_deg")
-_PLAIN: Final = {"speed": "speed", "period": "period", "amplitude_m": "amplitude",
-                 "propeller_rps": "propeller_rps", "yaw_rate": "yaw_rate",
-                 "radius": "radius"}  # fmt: skip
-_IGNORED: Final = ("id", "file", "test", "repeat_of")
-
-
-def _listed(entry: Mapping[str, Any], limits: Limits, ship: Ship) -> Option:
-    allowed = (*_ANGLES, *_PLAIN, *_IGNORED)
-    unknown = [name for name in entry if name not in allowed]
-    test = entry.get("test")
-    wrong = [f"{name!r} is no setting of a run: {', '.join(allowed)}." for name in unknown]
-    if test not in (*STATIC_TESTS, *DYNAMIC_TESTS):
-        wrong.append(f"test = {test!r} is no captive test.")
-    numbers = [name for name in entry if name in (*_ANGLES, *_PLAIN)]
-    wrong += [
-        f"{name} = {entry[name]!r} is no number." for name in numbers
-        if isinstance(entry[name], bool) or not isinstance(entry[name], (int, float))
-    ]  # fmt: skip
-    if not wrong and not entry.get("speed", 0.0) > 0:
-        wrong.append("speed must be there, and positive.")
-    if wrong:
-        raise CampaignError(wrong)
-    given = {name.removesuffix("_deg"): math.radians(entry[name])
-             for name in _ANGLES if name in entry}  # fmt: skip
-    given |= {_PLAIN[name]: float(entry[name]) for name in _PLAIN if name in entry}
-    option = timed(str(test), Settings(**given), limits, ship)
-    if option is None:
-        raise CampaignError("the tank is too short for three cycles.")
-    require_settings(option.run())
-    return option
 
 
 def entries_text(options: Iterable[Option]) -> str:

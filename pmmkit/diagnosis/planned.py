@@ -166,7 +166,7 @@ def planned_views(
         pieces = [(1, 2, True), (2, option.cycles, False)]
     found = []
     for first, last, early in pieces:
-        t = np.arange(SAMPLES * first, SAMPLES * last) * (period / SAMPLES)
+        t = np.arange(SAMPLES * first, SAMPLES * last, dtype=np.float64) * (period / SAMPLES)
         projection = projector(design_matrix(2 * math.pi * t / period, ORDER))
         duration = (last - first) * period
         view = _view(run, base, noise, t, projection, duration, motion_x, early=early)

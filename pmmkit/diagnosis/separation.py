@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.contest import log_evidence
-from pmmkit.diagnosis.information import Reduced, Rows, at_usual_size
+from pmmkit.diagnosis.information import Reduced, Rows, at_usual_size, known
 from pmmkit.diagnosis.system import Block, Places
 
 Array = NDArray[np.float64]
@@ -30,7 +30,7 @@ def blocks_by_name(rows: Rows) -> dict[str, list[Block]]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Usual:
-    """All effects at their usual sizes, in the middle of their grids.
+    """All effects at their usual sizes, at grid values where they are neither weak nor strong.
 
     Parameters
     ----------
@@ -71,12 +71,21 @@ class Usual:
 
 
 def usual(rows: Rows) -> Usual:
-    """All effects of some rows at their usual sizes."""
+    """All effects of some rows at their usual sizes.
+
+    Of the grid values the median counts, as all rows together show them.
+    """
     by_name = blocks_by_name(rows)
+    gram = known(rows, rows.of_run).reduced().gram
+
+    def signal(block: Block) -> float:
+        size = at_usual_size(block)
+        return float(size @ gram[block.columns, block.columns] @ size)
+
     sizes = np.zeros((rows.width, len(by_name)))
     sorted_by: dict[int, list[tuple[Places, int]]] = {}
     for number, own in enumerate(by_name.values()):
-        middle = own[len(own) // 2]
+        middle = sorted(own, key=signal)[len(own) // 2]
         sizes[middle.columns, number] = at_usual_size(middle)
         for block in own:
             sorted_by.setdefault(block.candidate.size, []).append((block.places, number))
@@ -170,4 +179,5 @@ def expected_odds(columns: Array, rivals: Sequence[Sequence[Likely]]) -> Array:
                 away.append(math.log(max(item.share, 1e-300)) - 0.5 * (float(half) + square))
             top = max(away)
             found[i, j] = -(top + math.log(sum(math.exp(x - top) for x in away)))
-    return np.maximum(found, 0.0)
+    gained: Array = np.maximum(found, 0.0)
+    return gained
