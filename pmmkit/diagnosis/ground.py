@@ -197,7 +197,7 @@ def _offered(options: Sequence[Option] | None, limits: Limits, base: Base) -> tu
     found = options_of(limits, base.ship, base.water) if options is None else tuple(options)
     if not found:
         raise DataError("No run is possible within these limits.")
-    return found
+    return tuple({option.id: option for option in found}.values())
 
 
 def _ruddered(

@@ -95,7 +95,8 @@ def hidden_campaign(
         raise ValueError(f"unknown: effects {unknown}, or {noise=}, {truth=}.")
     smooth = background(seed) if noise == "hard" else None
     made = []
-    asked = plans(programme, sided) if isinstance(programme, str) else programme
+    named = isinstance(programme, str)
+    asked, title = (plans(programme, sided), programme) if named else (programme, "as planned")
     for number, plan in enumerate(asked):
         t = record_times(plan)
         chance = draw(noise, seed, number, len(t))
@@ -111,7 +112,7 @@ def hidden_campaign(
             reading = add(reading, inertia(told))
         made.append(_run(plan, _sample(reading, m, t, chance, roll_measured), balance))
     return Campaign(
-        title=f"hidden effects, {programme if isinstance(programme, str) else 'as planned'}", ship=SHIP, water=WATER, runs=tuple(made),
+        title=f"hidden effects, {title}", ship=SHIP, water=WATER, runs=tuple(made),
         forces="balance" if balance else "hydrodynamic", free=("heave", "pitch", "roll"),
         uncertainty=_scatter() if stated and noise != "none" else (),
     )  # fmt: skip
