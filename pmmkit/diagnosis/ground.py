@@ -110,6 +110,11 @@ def ground_of(
         return _with_tests(
             loaded, campaign, views, limits, options, floor=floor, candidates=candidates
         )
+    if campaign is not None and campaign.runs:
+        raise DataError(
+            "No run states its noise: a plan on top of tests needs histories. Leave the tests out "
+            "(open_campaign(…, runs=False), --before) to plan as if none were made."
+        )
     if not isinstance(loaded, Model):
         raise DataError(
             "Before any test a plan needs the size of the forces: give a model with values, such "
