@@ -19,6 +19,7 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.faults import FAULTS
+from pmmkit.diagnosis.given import best_blocks, knowing
 from pmmkit.diagnosis.ground import ground_of
 from pmmkit.diagnosis.information import known, rows_of
 from pmmkit.diagnosis.next_run import next_runs
@@ -112,13 +113,18 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 # What runs tell adds up
 
 
-def test_information_is_that_of_the_diagnosis_and_adds_up():
+@pytest.mark.parametrize("given", [(), ("memory", "even_hull_terms")])
+def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
     views = views_of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
     every = [*PHYSICS, *FAULTS]
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
+    blocks = [block for name in given for block in best_blocks(system, name, 2)]
+    rows = rows.knowing({name: [b.value for b in blocks if b.candidate.name == name]
+                         for name in given})  # fmt: skip
+    system = knowing(system, blocks)
     ids = list(rows.of_run)
     whole, part = known(rows, ids).reduced(), known(rows, ids[:-1]).reduced()
     k = rows.width

@@ -15,8 +15,8 @@ def plan(
     model: Annotated[
         str,
         typer.Argument(
-            help="Base of the diagnosis: structure, derivatives such as 'Yv Nv', library ship or "
-            "model file; a model with values before any test."
+            help="Model file, library ship, or a structure such as cubic; a model with values "
+            "before any test."
         ),
     ],
     campaign: Annotated[
@@ -42,6 +42,10 @@ def plan(
     floor: Annotated[
         float, typer.Option(help="What is too small to matter, over the rms force.")
     ] = 0.005,
+    given: Annotated[
+        str | None,
+        typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
+    ] = None,
     before: Annotated[
         bool, typer.Option("--before", help="As if no test of the campaign were made.")
     ] = False,
@@ -65,6 +69,7 @@ def plan(
         limits=limits,
         noise=noise,
         floor=floor,
+        given=(given or "").replace(",", " ").split(),
         before=before,
         data=data,
     )

@@ -19,25 +19,24 @@ from pmmkit.files import atomic_folder
 from pmmkit.model import load_model
 from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.runs.run import Campaign
-from pmmkit.structures import STRUCTURES
 
 
 def plan(
     model: str, campaign: Path | None, out: Path, *, effects: Sequence[str], runs: int | None,
     hours: float | None, speeds: Sequence[float] | None, limits: Path | None, noise: float,
-    floor: float, before: bool, data: Path | None,
+    floor: float, given: Sequence[str], before: bool, data: Path | None,
 ) -> Outcome:  # fmt: skip
     """The next run where tests are made, a programme where there are none or one is asked for.
 
     Parameters
     ----------
     model : str
-        Structure, derivatives, library ship or model file.
+        Structure, library ship or model file.
     campaign, data : Path, optional
         As for `open_campaign`; `before` leaves its tests out.
     out : Path
         Folder for ``plan.csv`` and ``plan.toml``.
-    effects, runs, hours, noise, floor
+    effects, runs, hours, noise, floor, given
         As for `programme.plan`.
     speeds : sequence of float, optional
         [m/s]
@@ -53,16 +52,21 @@ def plan(
     """
     check_folder(out)
     opened = None if campaign is None else _opened(campaign, data, before)
-    base: Any = _base(model)
-    allowed, options = _limits(opened, base, limits, speeds)
+    allowed, options = _limits(opened, model, limits, speeds)
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(
-            base, opened, effects=effects, limits=allowed, options=options, floor=floor
+            model,
+            opened,
+            effects=effects,
+            limits=allowed,
+            options=options,
+            floor=floor,
+            given=given,
         )
         return _advised(advice, out)
     made = programme(
-        base, opened, runs=runs, hours=hours, effects=effects, limits=allowed, options=options,
-        noise=noise, floor=floor,
+        model, opened, runs=runs, hours=hours, effects=effects, limits=allowed, options=options,
+        noise=noise, floor=floor, given=given,
     )  # fmt: skip
     return _planned(made, out)
 
@@ -78,15 +82,8 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
         raise
 
 
-def _base(model: str) -> Any:
-    """A model where one is meant, else a structure or derivatives."""
-    if model in STRUCTURES or any(mark in model for mark in (" ", ",")):
-        return model if model in STRUCTURES else model.replace(",", " ").split()
-    return load_model(model)
-
-
 def _limits(
-    campaign: Campaign | None, base: Any, file: Path | None, speeds: Sequence[float] | None
+    campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[float] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
     found = limits_of(campaign) if campaign is not None and campaign.runs else None
     if speeds is not None:
@@ -95,9 +92,7 @@ def _limits(
         if found is None:
             raise DataError("Before any test a plan needs speeds: --speeds 1.0,1.5, or --limits.")
         return found, None
-    ship = campaign.ship if campaign is not None else getattr(base, "ship", None)
-    if ship is None:
-        raise DataError("A structure has no ship: give a campaign, or a model in its place.")
+    ship = campaign.ship if campaign is not None else load_model(model).ship
     return read_plan_file(file, ship, found)
 
 

@@ -8,16 +8,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-
-from pmmkit.conventions import Convention
 from pmmkit.diagnosis.base import Base
-from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.candidate import Candidate
-from pmmkit.diagnosis.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.diagnose import captive_system, contestants, derivatives_of
+from pmmkit.diagnosis.given import best_blocks
 from pmmkit.diagnosis.information import FADING, Known, Rows, known, rows_of
 from pmmkit.diagnosis.options import Limits, Option, limits_of, options_of
-from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.planned import (
     NoiseOf,
     base_of,
@@ -26,14 +22,13 @@ from pmmkit.diagnosis.planned import (
     stated_noise,
     with_names,
 )
-from pmmkit.diagnosis.system import Scatter, channels_of
-from pmmkit.diagnosis.views import View, views_of
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.errors import DataError
-from pmmkit.model import Model, load_model
+from pmmkit.diagnosis.system import Scatter, System, channels_of
+from pmmkit.diagnosis.views import View
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.model import Model
 from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
-from pmmkit.structures import STRUCTURES, Structure, structure_of
+from pmmkit.structures import Structure, structure_of
 
 Asked = Model | str | Path | Sequence[str] | Structure
 CHANNELS: Final = ("X", "Y", "N")
@@ -53,22 +48,37 @@ class Ground:
         Runs that could be made, by their id among the rows.
     candidates : mapping of str to Candidate
         Effects and faults by name.
+    given : tuple of str
+        Effects that the base has beside its derivatives.
+    system : System, optional
+        Of the runs that are made, as a diagnosis asks it.
     """
 
     rows: Rows
     made: tuple[str, ...]
     options: Mapping[str, Option]
     candidates: Mapping[str, Candidate]
+    given: tuple[str, ...] = ()
+    system: System | None = None
 
     def known(self) -> Known:
         """What the runs made tell."""
         return known(self.rows, self.made)
 
+    def check(self, effects: Sequence[str]) -> None:
+        """Raise an UnknownNameError if effects do not take part."""
+        unknown = [name for name in effects if name not in self.candidates]
+        if unknown:
+            raise UnknownNameError(
+                f"{', '.join(unknown)}: no effect that takes part; these do: "
+                f"{', '.join(sorted(self.candidates))}."
+            )
+
 
 def ground_of(
     model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
     options: Sequence[Option] | None = None, floor: float = 0.005, noise: float = 0.015,
-    candidates: Sequence[Candidate] | None = None,
+    candidates: Sequence[Candidate] | None = None, given: Sequence[str] = (),
 ) -> Ground:  # fmt: skip
     """Measured and possible runs on one footing.
 
@@ -88,6 +98,8 @@ def ground_of(
         Standard deviation of a record's noise over the rms force, where no test tells it.
     candidates : sequence of Candidate, optional
         Effects and faults; the catalogue by default.
+    given : sequence of str
+        Effects that the base has, beside its derivatives and those of the model.
 
     Returns
     -------
@@ -98,82 +110,54 @@ def ground_of(
     DataError
         If there are neither tests nor a model with values, or nothing can be offered.
     """
-    views = [] if campaign is None else [view for view in views_of(campaign) if view.force]
-    loaded = _loaded(model)
+    base = derivatives_of(model)
+    have = tuple(dict.fromkeys((*base.effects, *given)))
     if campaign is not None and campaign.runs:
-        limits = limits or limits_of(campaign)
-    if limits is None and options is not None:
+        return _with_tests(
+            structure_of(base.structure), campaign, limits or limits_of(campaign), options,
+            floor=floor, candidates=candidates, given=have,
+        )  # fmt: skip
+    if limits is None and options:
         limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
     if limits is None:
         raise DataError("Before any test a plan needs limits: the speeds at least.")
-    if views and campaign is not None:
-        return _with_tests(
-            loaded, campaign, views, limits, options, floor=floor, candidates=candidates
-        )
-    if campaign is not None and campaign.runs:
-        raise DataError(
-            "No run states its noise: a plan on top of tests needs histories. Leave the tests out "
-            "(open_campaign(…, runs=False), --before) to plan as if none were made."
-        )
-    if not isinstance(loaded, Model):
+    if not isinstance(base.source, Model):
         raise DataError(
             "Before any test a plan needs the size of the forces: give a model with values, such "
             "as estimated_model makes from particulars, in place of a structure."
         )
+    loaded = base.source
     if campaign is not None:
         loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
     return _before_tests(
-        loaded, limits, options, floor=floor, noise=noise, candidates=candidates
+        loaded, limits, options, floor=floor, noise=noise, candidates=candidates, given=have
     )  # fmt: skip
-
-
-def _loaded(model: Asked) -> Model | Structure:
-    if isinstance(model, (Structure, Model)):
-        return model
-    if isinstance(model, Path) or (isinstance(model, str) and model not in STRUCTURES):
-        return load_model(model)
-    return structure_of(model)
-
-
-def derivatives_of(model: Model) -> tuple[str, ...]:
-    """Derivatives of hull and added mass that a model has."""
-    return tuple(
-        name
-        for effect in ("hull_polynomial", "added_mass")
-        if effect in model.parts
-        for name in model.parts[effect].values
-        if catalogue()[effect].parameter(name) is None
-    )
 
 
 def _with_tests(
-    model: Model | Structure, campaign: Campaign, views: Sequence[View], limits: Limits,
-    options: Sequence[Option] | None, *, floor: float, candidates: Sequence[Candidate] | None,
+    structure: Structure, campaign: Campaign, limits: Limits, options: Sequence[Option] | None, *,
+    floor: float, candidates: Sequence[Candidate] | None, given: tuple[str, ...],
 ) -> Ground:  # fmt: skip
-    structure = structure_of(derivatives_of(model)) if isinstance(model, Model) else model
-    channels = tuple(dict.fromkeys(name for view in views for name in view.force))
-    speeds = sorted({round(view.speed, 6) for view in views})
-    base = Base(
-        names=columns_of(structure, campaign.runs, channels).required, values={},
-        ship=campaign.ship, water=campaign.water, convention=Convention(),
-        reference=float(np.median(speeds)),
-    )  # fmt: skip
-    offered = _offered(options, limits, base)
-    every = _contestants(base, [*speeds, *limits.speeds], candidates)
-    system = build(views, base, [c for c in every if c is not FADING], floor=floor)
-    wider = _ruddered(system.base, structure, offered, channels)
-    noise = measured_noise(views)
-    planned = _views(offered, wider, noise, campaign.motion_reference_x)
+    system = captive_system(campaign, structure, floor=floor, candidates=candidates)
+    views = system.views
+    offered = _offered(options, limits, system.base)
+    speeds = [*(view.speed for view in views), *limits.speeds]
+    every = _contestants(system.base, speeds, candidates)
+    channels = tuple(c.name for c in system.channels)
+    base = _ruddered(system.base, structure, offered, channels)
+    planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
     rows = rows_of(
-        [*views, *planned], wider, every, floor=floor, scatter=system.scatter,
+        [*views, *planned], base, every, floor=floor, scatter=system.scatter,
         scale={c.name: c.scale for c in system.channels},
     )  # fmt: skip
-    return _ground(rows, tuple(dict.fromkeys(view.run.id for view in views)), offered, every)
+    values = {name: [b.value for b in best_blocks(system, name, 2)] for name in given}
+    made = tuple(dict.fromkeys(view.run.id for view in views))
+    return _ground(rows.knowing(values), made, offered, every, given, system)
 
 
 def _before_tests(
     model: Model, limits: Limits, options: Sequence[Option] | None, *, floor: float, noise: float,
-    candidates: Sequence[Candidate] | None,
+    candidates: Sequence[Candidate] | None, given: tuple[str, ...],
 ) -> Ground:  # fmt: skip
     base = base_of(model, limits.speeds)
     offered = _offered(options, limits, base)
@@ -185,16 +169,19 @@ def _before_tests(
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
     every = _contestants(base, limits.speeds, candidates)
     rows = rows_of(planned, base, every, floor=floor, scatter=Scatter(), scale=scale)
-    return _ground(rows, (), offered, every)
+    grids = {c.name: c.grid for c in every}
+    values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
+    return _ground(rows.knowing(values), (), offered, every, given, None)
 
 
 def _ground(
-    rows: Rows, made: tuple[str, ...], offered: Sequence[Option], every: Sequence[Candidate]
-) -> Ground:
+    rows: Rows, made: tuple[str, ...], offered: Sequence[Option], every: Sequence[Candidate],
+    given: tuple[str, ...], system: System | None,
+) -> Ground:  # fmt: skip
     return Ground(
-        rows=rows, made=made,
+        rows=rows, made=made, given=given, system=system,
         options=MappingProxyType({option.run().id: option for option in offered}),
-        candidates=MappingProxyType({c.name: c for c in every}),
+        candidates=MappingProxyType({c.name: c for c in every if c.name not in given}),
     )  # fmt: skip
 
 
@@ -224,12 +211,6 @@ def _views(
 def _contestants(
     base: Base, speeds: Sequence[float], candidates: Sequence[Candidate] | None
 ) -> tuple[Candidate, ...]:
-    """Effects and faults, without what the base has already."""
     if candidates is not None:
         return tuple(candidates)
-    have = {name for names in base.names.values() for name in names}
-    found = [c for c in (*PHYSICS, *FAULTS) if not set(c.coefficients) <= have]
-    several = sorted({round(speed, 6) for speed in speeds})
-    if len(several) > 1:
-        found.append(carriage_fault(tuple(several)))
-    return (*found, FADING)
+    return (*contestants(base, sorted({round(speed, 6) for speed in speeds})), FADING)

@@ -23,6 +23,7 @@ from pmmkit.diagnosis.system import (
     FEATURES,
     WIDER,
     Block,
+    Places,
     Scatter,
     candidate_columns,
     channels_of,
@@ -49,6 +50,8 @@ class Rows:
         Candidates at their grid points, with their places among the candidates' columns.
     centre : array (k,)
         Expected coefficients of the candidates, in units of their prior.
+    given : array of int
+        Columns of effects that the base has, of unknown size within their prior.
     null : mapping of channel to int
         Columns of base and floor.
     of_run : mapping of run id to mapping of channel to array (m, null + k + 1)
@@ -60,6 +63,7 @@ class Rows:
     base: Base
     blocks: tuple[Block, ...]
     centre: Array
+    given: Places
     null: Mapping[str, int]
     of_run: Mapping[str, Mapping[str, Array]]
     prior: Mapping[str, Array]
@@ -68,6 +72,15 @@ class Rows:
     def width(self) -> int:
         """Number of the candidates' columns."""
         return len(self.centre)
+
+    def knowing(self, values: Mapping[str, Sequence[float]]) -> Rows:
+        """Rows for a base that has effects, at some values of their grids; others take part."""
+        own = [b.places for b in self.blocks if b.value in values.get(b.candidate.name, ())]
+        return replace(
+            self,
+            given=np.concatenate([self.given, *own]),
+            blocks=tuple(b for b in self.blocks if b.candidate.name not in values),
+        )
 
 
 def rows_of(
@@ -119,8 +132,8 @@ def rows_of(
         for name, rows in zip(ids, c.runs, strict=True):
             of_run[name][c.name] = white[rows]
     return Rows(
-        base=base, blocks=blocks, centre=centre, null=MappingProxyType(null),
-        of_run=MappingProxyType(of_run), prior=MappingProxyType(prior),
+        base=base, blocks=blocks, centre=centre, given=np.zeros(0, int),
+        null=MappingProxyType(null), of_run=MappingProxyType(of_run), prior=MappingProxyType(prior),
     )  # fmt: skip
 
 
@@ -193,8 +206,15 @@ class Known:
             left = total[n:, n:] - half.T @ half
             gram += left[:k, :k]
             score += left[:k, k]
+        given, centre = self.rows.given, self.rows.centre[self.rows.given]
+        root = np.linalg.cholesky(gram[np.ix_(given, given)] + np.eye(len(given)))
+        across = np.linalg.solve(root, gram[given])
+        away = np.linalg.solve(root, score[given] - gram[np.ix_(given, given)] @ centre)
+        score = score - gram[:, given] @ centre - across.T @ away
+        gram = gram - across.T @ across
         return Reduced(
             rows=self.rows, gram=(gram + gram.T) / 2, score=score,
+            of_given=np.linalg.solve(root.T, np.column_stack([across, np.linalg.inv(root)])),
             inverse=MappingProxyType(inverse), solved=MappingProxyType(solved),
         )  # fmt: skip
 
@@ -222,6 +242,8 @@ class Reduced:
         Products of the candidates' columns, the null taken off.
     score : array (k,)
         Their products with the data.
+    of_given : array (g, k + g)
+        What the effects of the base answer to candidates, and their covariance.
     inverse, solved : mapping of channel to array
         Inverse root of the null's precision, and the null's answer to candidates and data.
     """
@@ -229,6 +251,7 @@ class Reduced:
     rows: Rows
     gram: Array
     score: Array
+    of_given: Array
     inverse: Mapping[str, Array]
     solved: Mapping[str, Array]
 
@@ -253,7 +276,13 @@ class Reduced:
             own = part[:, n:-1] - part[:, :n] @ self.solved[name][:, :-1]
             root = self._root(name, part)[1]
             found.append(solve_triangular(root, own, lower=True, check_finite=False))
-        return np.concatenate(found)
+        whole = np.concatenate(found)
+        held = whole[:, self.rows.given]
+        covariance = np.eye(len(whole)) + held @ self.of_given[:, self.rows.width :] @ held.T
+        spread = np.linalg.cholesky(covariance)
+        return np.asarray(
+            np.linalg.solve(spread, whole - held @ self.of_given[:, : self.rows.width]), float
+        )
 
     def precision(self, run: str | None = None) -> dict[str, Array]:
         """Precision of every base coefficient by channel, with one more run where one is named.

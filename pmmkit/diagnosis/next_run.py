@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from pmmkit.diagnosis.answering import RIVALS, answer
 from pmmkit.diagnosis.coverage import SHOWS
-from pmmkit.diagnosis.diagnose import RIVALS, Diagnosis, diagnose, odds
+from pmmkit.diagnosis.findings import Diagnosis, odds
 from pmmkit.diagnosis.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.information import Reduced
 from pmmkit.diagnosis.options import Limits, Option
 from pmmkit.diagnosis.separation import expected_odds, likely, usual
-from pmmkit.errors import UnknownNameError
 from pmmkit.runs.run import Campaign
 
 if TYPE_CHECKING:
@@ -105,7 +105,8 @@ class Advice:
 def next_runs(
     model: Asked, campaign: Campaign, found: Diagnosis | None = None, *,
     effects: Sequence[str] = (), limits: Limits | None = None,
-    options: Sequence[Option] | None = None, most: int = 10, **settings: Any,
+    options: Sequence[Option] | None = None, most: int = 10, floor: float = 0.005,
+    **settings: Any,
 ) -> Advice:  # fmt: skip
     """Which run, or which check, to make next.
 
@@ -127,8 +128,10 @@ def next_runs(
         Runs that could be made; all within the limits by default.
     most : int
         Runs that are listed.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
     **settings
-        ``floor`` and ``candidates``, as for `diagnose_captive`.
+        ``candidates`` and ``given``, as for `diagnose_captive`.
 
     Returns
     -------
@@ -150,18 +153,14 @@ def next_runs(
     root of twice its size.
     """
     with threadpool_limits(1):
-        ground = ground_of(model, campaign, limits=limits, options=options, **settings)
-        unknown = [name for name in effects if name not in ground.candidates]
-        if unknown:
-            raise UnknownNameError(
-                f"{', '.join(unknown)}: no effect of the diagnosis; it has "
-                f"{', '.join(sorted(ground.candidates))}."
-            )
+        ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
+        ground.check(effects)
         reduced = ground.known().reduced()
         if len(effects) > 1:
             return _apart_at_usual_size(ground, reduced, effects, most)
-        if not effects:
-            found = found or diagnose(model, campaign, **settings)
+        if not effects and found is None and ground.system is not None:
+            found = answer(ground.system, ground.given, floor=floor)
+        if not effects and found is not None:
             group = [item for item in found.group if set(item[0]) <= set(ground.candidates)]
             if len(group) > 1:
                 rivals, against = zip(*group, strict=True)

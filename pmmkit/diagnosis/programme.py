@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from pmmkit.diagnosis.answering import RIVALS
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.coverage import HIDES, SHOWS
-from pmmkit.diagnosis.diagnose import RIVALS
 from pmmkit.diagnosis.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.information import Known, Reduced, known
 from pmmkit.diagnosis.options import Limits, Option
 from pmmkit.diagnosis.separation import Usual, usual
 from pmmkit.diagnosis.system import FEATURES
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import DataError
 from pmmkit.runs.run import Campaign
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def plan(
     options : sequence of Option, optional
         Runs that could be made; all within the limits by default.
     **settings
-        ``floor``, ``noise`` and ``candidates``, as for `ground_of`.
+        ``floor``, ``noise``, ``candidates`` and ``given``, as for `ground_of`.
 
     Returns
     -------
@@ -201,12 +201,7 @@ def plan(
         raise DataError("A plan needs one run at least, and some time.")
     with threadpool_limits(1):
         ground = ground_of(model, campaign, limits=limits, options=options, **settings)
-        unknown = [name for name in effects if name not in ground.candidates]
-        if unknown:
-            raise UnknownNameError(
-                f"{', '.join(unknown)}: no effect of the diagnosis; it has "
-                f"{', '.join(sorted(ground.candidates))}."
-            )
+        ground.check(effects)
         most = runs if runs is not None else RUNS if hours is None else 10**6
         return _planned(ground, _goal(ground, effects), most, math.inf if hours is None else hours)
 
