@@ -57,7 +57,7 @@ def plan(
     from pmmkit.cli import planning
 
     named = stem(Path(model)) if campaign is None else stem(campaign)
-    given = numbers(speeds)
+    listed = numbers(speeds)
     result = planning.plan(
         model,
         campaign,
@@ -65,7 +65,7 @@ def plan(
         effects=tuple((effects or "").replace(",", " ").split()),
         runs=runs,
         hours=hours,
-        speeds=None if given is None else tuple(given),
+        speeds=None if listed is None else tuple(listed),
         limits=limits,
         noise=noise,
         floor=floor,

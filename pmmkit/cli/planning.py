@@ -55,14 +55,9 @@ def plan(
     allowed, options = _limits(opened, model, limits, speeds)
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(
-            model,
-            opened,
-            effects=effects,
-            limits=allowed,
-            options=options,
-            floor=floor,
+            model, opened, effects=effects, limits=allowed, options=options, floor=floor,
             given=given,
-        )
+        )  # fmt: skip
         return _advised(advice, out)
     made = programme(
         model, opened, runs=runs, hours=hours, effects=effects, limits=allowed, options=options,

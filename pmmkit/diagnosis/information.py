@@ -190,6 +190,14 @@ class Known:
         }
         return replace(self, sums=MappingProxyType(sums))
 
+    def plain(self) -> Array:
+        """Products of the candidates' columns as if base and floor were known (k, k)."""
+        found = np.zeros((self.rows.width, self.rows.width))
+        for name, total in self.sums.items():
+            n = self.rows.null[name]
+            found += total[n:-1, n:-1]
+        return found
+
     def reduced(self) -> Reduced:
         """What is said of the candidates, whatever base and floor are."""
         from scipy.linalg import solve_triangular

@@ -42,6 +42,8 @@ TRIED: Final = 16
 """How many those are at least."""
 TIMES: Final = 2
 """How often a plan makes a run: once, and one repeat that shows the scatter."""
+ABSORBED: Final = 1e-3
+"""Share of a signal below which what is left of it counts as absorbed by the base."""
 WORTH: Final = 1e-3
 """Progress, in effects, below which another run is not worth its time."""
 
@@ -347,8 +349,8 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
     sizes = usual(ground.rows)
     signals = sizes.signals(reduced.gram)
     apart = sizes.separations(reduced.gram) >= 2 * RIVALS
-    all_runs = known(ground.rows, [*ground.made, *ground.options]).reduced()
-    possible = sizes.signals(all_runs.gram)
+    all_runs = known(ground.rows, [*ground.made, *ground.options])
+    possible, plain = (sizes.signals(x) for x in (all_runs.reduced().gram, all_runs.plain()))
     found = []
     for i, name in enumerate(sizes.names):
         candidate, signal = ground.candidates[name], float(signals[i])
@@ -359,18 +361,18 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
                 name=name, family=candidate.family, signal=signal, shown=shown,
                 hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
                 twins=tuple(twins) if shown else (),
-                why="" if shown else _why(float(possible[i]), candidate),
+                why="" if shown else _why(possible[i], plain[i], candidate),
             )
         )  # fmt: skip
     return tuple(sorted(found, key=lambda item: -item.signal))
 
 
-def _why(possible: float, candidate: Candidate) -> str:
+def _why(possible: float, plain: float, candidate: Candidate) -> str:
     if possible >= SHOWS:
         return "other runs within the limits show it, with more time"
-    if possible == 0.0 and candidate.excites:
+    if plain == 0.0 and candidate.excites:
         cause = f"no possible run holds {' and '.join(candidate.excites)}"
-    elif possible < 0.1:
+    elif possible < ABSORBED * plain:
         cause = "the base absorbs it in every possible run"
     else:
         cause = "too small beside noise, run scatter and floor"
