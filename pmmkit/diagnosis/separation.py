@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
@@ -16,8 +16,10 @@ from pmmkit.diagnosis.information import Reduced, Rows, at_usual_size, known
 from pmmkit.diagnosis.system import Block, Places
 
 Array = NDArray[np.float64]
-NEAR: Final = 2
-"""Grid values of an effect that stay in a rivalry."""
+NEAR: Final = 8
+"""Choices of grid values of a set that stay in a rivalry."""
+UNLIKELY: Final = 1e-3
+"""Share below which a choice is left out."""
 
 
 def blocks_by_name(rows: Rows) -> dict[str, list[Block]]:
@@ -122,7 +124,7 @@ class Likely:
 
 
 def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
-    """A set of effects as the data have made it likely, at the best of its grid values."""
+    """A set of effects as the data have made it likely, at the likely ones of its grid values."""
     by_name = blocks_by_name(reduced.rows)
 
     def evidence(blocks: Sequence[Block]) -> float:
@@ -131,12 +133,15 @@ def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
             reduced.gram[np.ix_(at, at)], reduced.score[at], reduced.rows.centre[at]
         )
 
-    near = [sorted(by_name[name], key=lambda b: -evidence([b]))[:NEAR] for name in names]
+    each = NEAR if len(names) == 1 else 3
+    near = [sorted(by_name[name], key=lambda b: -evidence([b]))[:each] for name in names]
     found = [(evidence(blocks), blocks) for blocks in product(*near)]
     top = max(value for value, _ in found)
+    found = sorted(found, key=lambda item: -item[0])[:NEAR]
+    found = [item for item in found if item[0] > top + math.log(UNLIKELY)]
     total = sum(math.exp(value - top) for value, _ in found)
     made = []
-    for value, blocks in sorted(found, key=lambda item: -item[0]):
+    for value, blocks in found:
         at = np.concatenate([block.places for block in blocks])
         G, centre = reduced.gram[np.ix_(at, at)], reduced.rows.centre[at]
         covariance = np.linalg.inv(G + np.eye(len(at)))
@@ -161,23 +166,49 @@ def expected_odds(columns: Array, rivals: Sequence[Sequence[Likely]]) -> Array:
     -------
     array (n, n)
         Kullback-Leibler divergence of what the row's set predicts for the runs from what the
-        column's predicts: exact for one choice, a bound where a set has several.
+        column's predicts: exact for one choice of grid values, else as in Notes; infinite on the
+        diagonal.
+
+    Notes
+    -----
+    A set with several choices a of shares w predicts a mixture of normal distributions. Its
+    divergence from another is taken as Σ w_a ln(Σ w_a' exp(-D(a, a')) / Σ w_b exp(-D(a, b))) with
+    the divergences D of the parts [1]_.
+
+    .. [1] Hershey, J.R., Olsen, P.A., 2007. Approximating the Kullback Leibler divergence between
+       Gaussian mixture models. ICASSP 2007. https://doi.org/10.1109/ICASSP.2007.366913
     """
-    predicted = [[item.predicted(columns) for item in own] for own in rivals]
-    found = np.full((len(rivals), len(rivals)), np.inf)
-    for i, own in enumerate(predicted):
-        mean, V = own[0]
-        log_own = np.linalg.slogdet(V)[1]
-        for j, other in enumerate(predicted):
-            if i == j:
-                continue
-            away = []
-            for item, (there, W) in zip(rivals[j], other, strict=True):
-                right = np.linalg.solve(W, np.column_stack([V, mean - there]))
-                square = float((mean - there) @ right[:, -1])
-                half = np.trace(right[:, :-1]) - len(V) + np.linalg.slogdet(W)[1] - log_own
-                away.append(math.log(max(item.share, 1e-300)) - 0.5 * (float(half) + square))
-            top = max(away)
-            found[i, j] = -(top + math.log(sum(math.exp(x - top) for x in away)))
-    gained: Array = np.maximum(found, 0.0)
-    return gained
+    every = [item for own in rivals for item in own]
+    used = np.unique(np.concatenate([item.places for item in every]))
+    root = np.linalg.qr(columns[:, used], mode="r")
+    short = np.zeros((len(root), columns.shape[1]))
+    short[:, used] = root
+    apart = _divergences([item.predicted(short) for item in every])
+    edges = np.cumsum([0, *(len(own) for own in rivals)])
+    share = np.array([item.share for item in every])
+    like = np.stack(
+        [np.logaddexp.reduce(np.log(share[a:b]) - apart[:, a:b], axis=1)
+         for a, b in pairwise(edges)],
+        axis=1,
+    )  # fmt: skip
+    gained = np.stack(
+        [share[a:b] @ (like[a:b, [i]] - like[a:b]) for i, (a, b) in enumerate(pairwise(edges))]
+    )
+    np.fill_diagonal(gained, np.inf)
+    found: Array = np.maximum(gained, 0.0)
+    return found
+
+
+def _divergences(predicted: Sequence[tuple[Array, Array]]) -> Array:
+    """Kullback-Leibler divergence of each normal distribution from each other (n, n)."""
+    means = np.stack([mean for mean, _ in predicted])
+    covariances = np.stack([V for _, V in predicted])
+    logs = np.linalg.slogdet(covariances)[1]
+    found = np.empty((len(predicted), len(predicted)))
+    for j, (mean, W) in enumerate(predicted):
+        inverse = np.linalg.inv(W)
+        away = means - mean
+        square = np.einsum("im,mn,in->i", away, inverse, away)
+        trace = np.einsum("mn,inm->i", inverse, covariances)
+        found[:, j] = 0.5 * (trace - len(mean) + logs[j] - logs + square)
+    return found
