@@ -120,7 +120,8 @@ def tell_loops(loops: list[Loop]) -> None:
     made = [loop for loop in groups if loop.after is not None]
     print(
         f"{len(loops)} campaigns, {len(groups)} groups, {len(made)} with an advised run; the truth "
-        f"alone afterwards in {sum(loop.resolved for loop in made)}, repeats in "
+        f"alone afterwards in {sum(loop.resolved for loop in made)}, expected "
+        f"{sum(loop.advice.runs[0].resolves for loop in made if loop.advice):.1f}, repeats in "
         f"{sum(loop.advice.runs[0].repeats > 1 for loop in made if loop.advice)}"
     )
     for effect in dict.fromkeys(loop.effect for loop in groups):

@@ -232,7 +232,8 @@ def _ranked(
             option=option, gain=gain, gains=MappingProxyType(gains), resolves=resolves,
             repeats=times, hours=times * option.hours,
             words=f"{often}{option.words}: expected odds {odds(gain)} between "
-            f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}",
+            f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}, decided with "
+            f"{100 * resolves:.0f} %",
         )  # fmt: skip
 
     single = {run: gains_of(run, 1) for run in ground.options}
