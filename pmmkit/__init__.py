@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.adding import with_effect, without_effect
     from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
-    from pmmkit.diagnosis.own import own_effect, own_effects
     from pmmkit.diagnosis.next_run import next_runs
     from pmmkit.diagnosis.options import Limits
+    from pmmkit.diagnosis.own import own_effect, own_effects
     from pmmkit.diagnosis.programme import plan
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate

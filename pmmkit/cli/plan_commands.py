@@ -37,7 +37,13 @@ def plan(
         typer.Option(help="TOML file with [limits] of tank and rig, or [[runs]] to choose from."),
     ] = None,
     noise: Annotated[
-        float, typer.Option(help="Noise of a record over the rms force, where no test tells it.")
+        float | None,
+        typer.Option(
+            help="Uncertainty of means and harmonics over the rms force, of tests that state none."
+        ),
+    ] = None,
+    record_noise: Annotated[
+        float, typer.Option(help="Before any test: noise of a record over the rms force.")
     ] = 0.015,
     floor: Annotated[
         float, typer.Option(help="What is too small to matter, over the rms force.")
@@ -68,6 +74,7 @@ def plan(
         speeds=None if listed is None else tuple(listed),
         limits=limits,
         noise=noise,
+        record_noise=record_noise,
         floor=floor,
         given=(given or "").replace(",", " ").split(),
         before=before,

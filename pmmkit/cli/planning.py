@@ -23,8 +23,9 @@ from pmmkit.runs.run import Campaign
 
 def plan(
     model: str, campaign: Path | None, out: Path, *, effects: Sequence[str], runs: int | None,
-    hours: float | None, speeds: Sequence[float] | None, limits: Path | None, noise: float,
-    floor: float, given: Sequence[str], before: bool, data: Path | None,
+    hours: float | None, speeds: Sequence[float] | None, limits: Path | None,
+    noise: float | None, record_noise: float, floor: float, given: Sequence[str], before: bool,
+    data: Path | None,
 ) -> Outcome:  # fmt: skip
     """The next run where tests are made, a programme where there are none or one is asked for.
 
@@ -36,7 +37,7 @@ def plan(
         As for `open_campaign`; `before` leaves its tests out.
     out : Path
         Folder for ``plan.csv`` and ``plan.toml``.
-    effects, runs, hours, noise, floor, given
+    effects, runs, hours, noise, record_noise, floor, given
         As for `programme.plan`.
     speeds : sequence of float, optional
         [m/s]
@@ -56,12 +57,12 @@ def plan(
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(
             model, opened, effects=effects, limits=allowed, options=options, floor=floor,
-            given=given,
+            given=given, noise=noise,
         )  # fmt: skip
         return _advised(advice, out)
     made = programme(
         model, opened, runs=runs, hours=hours, effects=effects, limits=allowed, options=options,
-        noise=noise, floor=floor, given=given,
+        noise=noise, record_noise=record_noise, floor=floor, given=given,
     )  # fmt: skip
     return _planned(made, out)
 

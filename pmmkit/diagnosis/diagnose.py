@@ -216,11 +216,14 @@ def _usable(views: Sequence[View], noise: float | None) -> list[View]:
     scale = {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
     return [_with_stated(view, scale, noise) for view in views]
 
+
 def _with_known(view: View) -> View:
     """A view without the channels of unknown noise."""
     return replace(
         view, force={name: x for name, x in view.force.items() if view.known(name)}
     )  # fmt: skip
+
+
 def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
     """A view with a stated noise where none is known."""
     given = {
@@ -229,10 +232,11 @@ def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
         if not view.known(name)
     }
     return replace(view, covariance={**view.covariance, **given})
-def _contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
-    """The catalogue, without what the base has already."""
+
+
 def contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
     """The catalogue, without what the base has already.
+
     Parameters
     ----------
     base : Base

@@ -77,8 +77,9 @@ class Ground:
 
 def ground_of(
     model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
-    options: Sequence[Option] | None = None, floor: float = 0.005, noise: float = 0.015,
-    candidates: Sequence[Candidate] | None = None, given: Sequence[str] = (),
+    options: Sequence[Option] | None = None, floor: float = 0.005, noise: float | None = None,
+    record_noise: float = 0.015, candidates: Sequence[Candidate] | None = None,
+    given: Sequence[str] = (),
 ) -> Ground:  # fmt: skip
     """Measured and possible runs on one footing.
 
@@ -94,8 +95,10 @@ def ground_of(
         Runs that could be made; within the limits by default.
     floor : float
         What is too small to matter, over the rms force of a channel.
-    noise : float
-        Standard deviation of a record's noise over the rms force, where no test tells it.
+    noise : float, optional
+        Of tests that are made and state none, as for `diagnose_captive`.
+    record_noise : float
+        Before any test: standard deviation of a record's noise over the rms force.
     candidates : sequence of Candidate, optional
         Effects and faults; the catalogue by default.
     given : sequence of str
@@ -115,7 +118,7 @@ def ground_of(
     if campaign is not None and campaign.runs:
         return _with_tests(
             structure_of(base.structure), campaign, limits or limits_of(campaign), options,
-            floor=floor, candidates=candidates, given=have,
+            floor=floor, candidates=candidates, given=have, noise=noise,
         )  # fmt: skip
     if limits is None and options:
         limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
@@ -130,15 +133,16 @@ def ground_of(
     if campaign is not None:
         loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
     return _before_tests(
-        loaded, limits, options, floor=floor, noise=noise, candidates=candidates, given=have
+        loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
     )  # fmt: skip
 
 
 def _with_tests(
     structure: Structure, campaign: Campaign, limits: Limits, options: Sequence[Option] | None, *,
     floor: float, candidates: Sequence[Candidate] | None, given: tuple[str, ...],
+    noise: float | None,
 ) -> Ground:  # fmt: skip
-    system = captive_system(campaign, structure, floor=floor, candidates=candidates)
+    system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]

@@ -107,6 +107,7 @@ def rows_of(
     channels = [
         replace(c, scale=(scale or {}).get(c.name, c.scale)) for c in channels_of(views, base)
     ]
+    views = [replace(view, expected=base.expected(view)) for view in views]
     blocks, centre = _blocks(candidates)
     raw = [
         candidate_columns(block.candidate, block.value, channels, views, base) for block in blocks

@@ -131,7 +131,7 @@ def next_runs(
     floor : float
         What is too small to matter, over the rms force of a channel.
     **settings
-        ``candidates`` and ``given``, as for `diagnose_captive`.
+        ``candidates``, ``given`` and ``noise``, as for `diagnose_captive`.
 
     Returns
     -------

@@ -120,6 +120,8 @@ def _fitting(covariance: Array, dynamic: bool) -> Array:
         return covariance[:1, :1]
     if len(covariance) == ROWS:
         return covariance
+    if len(covariance) > 1:
+        return np.eye(ROWS) * float(np.mean(np.diagonal(covariance)))
     return np.diag(np.where(np.arange(ROWS) > 0, 2.0, 1.0) * covariance[0, 0])
 
 

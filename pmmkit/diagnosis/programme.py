@@ -179,7 +179,7 @@ def plan(
     options : sequence of Option, optional
         Runs that could be made; all within the limits by default.
     **settings
-        ``floor``, ``noise``, ``candidates`` and ``given``, as for `ground_of`.
+        ``floor``, ``noise``, ``record_noise``, ``candidates`` and ``given``, as for `ground_of`.
 
     Returns
     -------
