@@ -23,9 +23,9 @@ from pmmkit.diagnosis.given import best_blocks, knowing
 from pmmkit.diagnosis.ground import ground_of
 from pmmkit.diagnosis.information import known, rows_of
 from pmmkit.diagnosis.next_run import next_runs
-from pmmkit.diagnosis.options import USUAL, Limits, entries_text, limits_of, options_of, timed
+from pmmkit.diagnosis.options import USUAL, Limits, limits_of, options_of, timed
 from pmmkit.diagnosis.physics import PHYSICS
-from pmmkit.diagnosis.plan_file import read_plan_file
+from pmmkit.diagnosis.plan_file import entries_text, read_plan_file
 from pmmkit.diagnosis.planned import Piece, measured_noise, planned_views, stated_noise
 from pmmkit.diagnosis.programme import plan, sights
 from pmmkit.diagnosis.separation import Likely, expected_odds
@@ -270,6 +270,11 @@ def test_limits_come_from_what_the_campaign_has_done():
     assert limits.speeds == (1.0, 1.5, 2.0)
     assert math.degrees(limits.rudder) == pytest.approx(20.0)
     assert limits.heel == 0.0
+    campaign = hidden_campaign("small")
+    runs = [run.with_(settings=replace(run.settings, speed=1.0 + 0.1 * i))
+            for i, run in enumerate(campaign.runs)]  # fmt: skip
+    many = limits_of(campaign.with_(runs=tuple(runs)))
+    assert many.speeds == (1.0, 1.3, 1.6, 1.9, 2.2)
     assert limits.yaw == pytest.approx(0.25)
     for option in options_of(limits, SHIP, WATER):
         s = option.settings

@@ -10,8 +10,8 @@ from typing import Any
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
 from pmmkit.diagnosis.next_run import Advice, next_runs
-from pmmkit.diagnosis.options import Limits, Option, entries_text, limits_of
-from pmmkit.diagnosis.plan_file import read_plan_file
+from pmmkit.diagnosis.options import Limits, Option, limits_of
+from pmmkit.diagnosis.plan_file import entries_text, read_plan_file
 from pmmkit.diagnosis.programme import Plan
 from pmmkit.diagnosis.programme import plan as programme
 from pmmkit.errors import CampaignError, DataError

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
@@ -23,6 +23,8 @@ LENGTHS: Final = 10.0
 """Ship lengths that a steady record takes."""
 FEWEST: Final = 3
 """Whole cycles, the first included, without which an oscillating run tells too little."""
+SPEEDS: Final = 5
+"""Speeds that are offered of a campaign with more."""
 SHORT: Final = {
     "resistance": "RE", "static_drift": "SD", "static_heel": "SH", "static_rudder": "RS",
     "drift_rudder": "DR", "pure_sway": "PS", "pure_yaw": "PY", "yaw_drift": "YD",
@@ -206,12 +208,15 @@ def limits_of(campaign: Campaign) -> Limits:
     Returns
     -------
     Limits
-        Its speeds (two thirds and four thirds of it beside a single one), largest angles and
-        amplitudes. What it never did, such as rudder angles, is left out; drift, sway and yaw are
-        offered at usual sizes where it has none.
+        Its speeds (two thirds and four thirds of it beside a single one, five of many), largest
+        angles and amplitudes. What it never did, such as rudder angles, is left out; drift, sway
+        and yaw are offered at usual sizes where it has none.
     """
     every = [run.settings for run in campaign.runs]
     speeds = sorted({round(s.speed, 6) for s in every})
+    if len(speeds) > SPEEDS:
+        last = len(speeds) - 1
+        speeds = [speeds[round(i * last / (SPEEDS - 1))] for i in range(SPEEDS)]
     if len(speeds) == 1:
         speeds = [round(share * speeds[0], 3) for share in (2 / 3, 1.0, 4 / 3)]
     found = Limits(speeds=tuple(speeds))
@@ -369,32 +374,3 @@ _GRIDS: Final = {
     "drift_rudder": _drift_rudder, "static_heel": _heel, "pure_sway": _sway, "pure_yaw": _yaw,
     "yaw_drift": _yaw_drift, "sway_yaw": _sway_yaw,
 }  # fmt: skip
-
-
-def entries_text(options: Iterable[Option]) -> str:
-    """Options as ``[[runs]]`` that can be pasted into a campaign file.
-
-    Examples
-    --------
-    >>> from pmmkit.ship_library import load_ship
-    >>> limits = Limits(speeds=(1.5,))
-    >>> option = timed("static_drift", Settings(speed=1.5, drift=0.1), limits, load_ship("s175"))
-    >>> print(entries_text([option]), end="")
-    [[runs]]
-    id = "SD_1.5_b+5.73"
-    test = "static_drift"
-    file = "runs/SD_1.5_b+5.73.csv"
-    speed = 1.5
-    drift_deg = 5.7296
-    """
-    blocks, seen = [], dict[str, int]()
-    for option in options:
-        entry = option.entry
-        times = seen[option.id] = seen.get(option.id, 0) + 1
-        if times > 1:
-            first, name = entry["id"], f"{entry['id']}_{times}"
-            entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
-        lines = [f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x}"
-                 for key, x in entry.items()]  # fmt: skip
-        blocks.append("\n".join(["[[runs]]", *lines]) + "\n")
-    return "\n".join(blocks)

@@ -1,10 +1,10 @@
-"""What a user writes down for a plan: limits of tank and rig, and runs of his own."""
+"""Files of a plan: limits of tank and rig and runs to choose from; runs for a campaign file."""
 
 from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -155,3 +155,32 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
     if option is None:
         raise CampaignError("the tank is too short for three cycles.")
     return option
+
+
+def entries_text(options: Iterable[Option]) -> str:
+    """Options as ``[[runs]]`` that can be pasted into a campaign file.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> limits = Limits(speeds=(1.5,))
+    >>> option = timed("static_drift", Settings(speed=1.5, drift=0.1), limits, load_ship("s175"))
+    >>> print(entries_text([option]), end="")
+    [[runs]]
+    id = "SD_1.5_b+5.73"
+    test = "static_drift"
+    file = "runs/SD_1.5_b+5.73.csv"
+    speed = 1.5
+    drift_deg = 5.7296
+    """
+    blocks, seen = [], dict[str, int]()
+    for option in options:
+        entry = option.entry
+        times = seen[option.id] = seen.get(option.id, 0) + 1
+        if times > 1:
+            first, name = entry["id"], f"{entry['id']}_{times}"
+            entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
+        lines = [f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x}"
+                 for key, x in entry.items()]  # fmt: skip
+        blocks.append("\n".join(["[[runs]]", *lines]) + "\n")
+    return "\n".join(blocks)
