@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.adding import with_effect, without_effect
     from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
+    from pmmkit.diagnosis.next_run import next_runs
+    from pmmkit.diagnosis.options import Limits
     from pmmkit.diagnosis.own import own_effect, own_effects
+    from pmmkit.diagnosis.programme import plan
     from pmmkit.diagnosis.session import fit
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
@@ -62,6 +65,7 @@ __all__ = [
     "Comparison",
     "DerivativeTable",
     "Ensemble",
+    "Limits",
     "Model",
     "PmmkitError",
     "Reduction",
@@ -95,9 +99,11 @@ __all__ = [
     "load_ship",
     "model_of",
     "monte_carlo",
+    "next_runs",
     "open_campaign",
     "own_effect",
     "own_effects",
+    "plan",
     "read_table",
     "reduce",
     "reduce_campaign",
@@ -127,6 +133,9 @@ _HOMES: Final = {
     "diagnosis.diagnose": ("diagnose",),
     "diagnosis.own": ("own_effect", "own_effects"),
     "diagnosis.session": ("fit",),
+    "diagnosis.next_run": ("next_runs",),
+    "diagnosis.options": ("Limits",),
+    "diagnosis.programme": ("plan",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "identification": ("fit_to_forces", "free_records", "identify"),

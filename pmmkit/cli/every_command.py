@@ -6,6 +6,7 @@ from pmmkit.cli import (
     diagnosis_commands,
     identify_commands,
     model_commands,
+    plan_commands,
     trial_commands,
 )
 from pmmkit.cli.options import app
@@ -17,5 +18,6 @@ __all__ = [
     "diagnosis_commands",
     "identify_commands",
     "model_commands",
+    "plan_commands",
     "trial_commands",
 ]

@@ -190,7 +190,7 @@ def captive_system(
         names=names, values={}, ship=campaign.ship, water=campaign.water, convention=Convention(),
         reference=float(np.median(speeds)),
     )  # fmt: skip
-    every = _contestants(base, speeds) if candidates is None else tuple(candidates)
+    every = contestants(base, speeds) if candidates is None else tuple(candidates)
     with threadpool_limits(1):
         return build(usable, base, every, floor=floor)
 
@@ -234,8 +234,16 @@ def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
     return replace(view, covariance={**view.covariance, **given})
 
 
-def _contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
-    """The catalogue, without what the base has already."""
+def contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
+    """The catalogue, without what the base has already.
+
+    Parameters
+    ----------
+    base : Base
+        Derivatives.
+    speeds : sequence of float
+        Of the tests [m/s].
+    """
     known = {name for names in base.names.values() for name in names}
     found = [
         item for item in (*PHYSICS, *FAULTS)

@@ -22,10 +22,13 @@ if TYPE_CHECKING:
 
 FILE_NAME: Final = "campaign.toml"
 DATA_VARIABLE: Final = "PMMKIT_DATA"
+_TESTS: Final = ("runs", "tables", "corrections")
 _SAVED: Final = (".h5", ".hdf5", ".nc")
 
 
-def open_campaign(path: str | Path, *, data: str | Path | None = None) -> Campaign:
+def open_campaign(
+    path: str | Path, *, data: str | Path | None = None, runs: bool = True
+) -> Campaign:
     """Open a campaign; samples are read only when a run is asked for.
 
     Parameters
@@ -37,6 +40,8 @@ def open_campaign(path: str | Path, *, data: str | Path | None = None) -> Campai
         Folder of measurements that do not lie beside the campaign file. Files are looked for in
         ``data/data_folder`` (the key of ``[campaign]``), then in ``data``, then beside the
         campaign file. Default: the environment variable PMMKIT_DATA.
+    runs : bool
+        False leaves the tests out and asks for none: ship, water and rig alone.
 
     Returns
     -------
@@ -83,9 +88,13 @@ def open_campaign(path: str | Path, *, data: str | Path | None = None) -> Campai
     if place.suffix.lower() in _SAVED:
         from pmmkit.runs.store import load_campaign
 
-        return load_campaign(place)
+        stored = load_campaign(place)
+        return stored if runs else stored.with_(runs=(), excluded=())
     text, digest = _text(place)
-    return _assemble(_toml(text, place), place, _Search.of(place, data), digest)
+    raw = _toml(text, place)
+    if not runs:
+        raw = {name: item for name, item in raw.items() if name not in _TESTS}
+    return _assemble(raw, place, _Search.of(place, data), digest, runs)
 
 
 @dataclass(frozen=True)
@@ -209,7 +218,9 @@ def _toml_remedy(line: str) -> str | None:
     return None
 
 
-def _assemble(raw: Mapping[str, Any], place: Path, search: _Search, digest: str) -> Campaign:
+def _assemble(
+    raw: Mapping[str, Any], place: Path, search: _Search, digest: str, runs: bool
+) -> Campaign:
     from pmmkit import __version__
     from pmmkit.runs import particulars, schema
     from pmmkit.runs.assembly import Assembled
@@ -226,7 +237,7 @@ def _assemble(raw: Mapping[str, Any], place: Path, search: _Search, digest: str)
     for name in ("campaign", "ship"):
         if name not in raw:
             problems.append(Problem(message="this table is missing.", file=toml, entry=f"[{name}]"))
-    if not (raw.get("runs") or raw.get("tables")):
+    if runs and not (raw.get("runs") or raw.get("tables")):
         problems.append(
             Problem(message="there are no runs: neither [[runs]] nor [[tables]].", file=toml)
         )

@@ -7,6 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from pmmkit.diagnosis.options import Limits, Option, timed
+from pmmkit.runs.run import Settings
+
 from .sizes import FIGURES, MIDDLE_SPEED, SHIP
 
 Sided = Literal["both", "one"]
@@ -51,6 +54,30 @@ def plans(programme: str, sided: Sided = "both") -> tuple[Plan, ...]:
         original = next(plan for plan in made if _is(plan, words))
         made.append(replace(original, id=original.id + "_again", repeat_of=original.id))
     return tuple(made)
+
+
+def asked(option: Option, number: int = 0) -> Plan:
+    """A run that a plan of the package asks for; `number` tells repeats apart."""
+    s = option.settings
+    return Plan(
+        id=f"{option.id}_{number}", test=option.test, speed=s.speed, drift=s.drift,
+        rudder=s.rudder, omega=s.omega or 0.0, sway=s.amplitude or 0.0, yaw=s.yaw_amplitude or 0.0,
+    )  # fmt: skip
+
+
+def options(programme: str, limits: Limits) -> tuple[Option, ...]:
+    """The runs of a programme as options of a plan."""
+    found = []
+    for plan in plans(programme):
+        settings = Settings(
+            speed=plan.speed, drift=plan.drift, rudder=plan.rudder, amplitude=plan.sway or None,
+            yaw_amplitude=plan.yaw or None,
+            period=2 * math.pi / plan.omega if plan.dynamic else None,
+        )  # fmt: skip
+        option = timed(plan.test, settings, limits, SHIP)
+        assert option is not None
+        found.append(option)
+    return tuple(found)
 
 
 def _is(plan: Plan, words: str) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -43,7 +43,7 @@ EFFECTS = (*INSIDE, *OUTSIDE)
 
 
 def hidden_campaign(
-    programme: str = "full",
+    programme: str | Sequence[Plan] = "full",
     effects: Mapping[str, float] | None = None,
     *,
     truth: Truth = "catalogue",
@@ -61,8 +61,8 @@ def hidden_campaign(
 
     Parameters
     ----------
-    programme : {"full", "middle", "small"}
-        48, 27 or 13 runs.
+    programme : {"full", "middle", "small"} or sequence of Plan
+        48, 27 or 13 runs, or any. The noise of a run hangs on its place alone.
     effects : mapping of str to float, optional
         Names from `EFFECTS` with size factors, any sign.
     truth : {"catalogue", "foreign"}
@@ -95,7 +95,9 @@ def hidden_campaign(
         raise ValueError(f"unknown: effects {unknown}, or {noise=}, {truth=}.")
     smooth = background(seed) if noise == "hard" else None
     made = []
-    for number, plan in enumerate(plans(programme, sided)):
+    named = isinstance(programme, str)
+    asked, title = (plans(programme, sided), programme) if named else (programme, "as planned")
+    for number, plan in enumerate(asked):
         t = record_times(plan)
         chance = draw(noise, seed, number, len(t))
         told, m = motions(plan, hidden, truth, chance.heading)
@@ -110,7 +112,7 @@ def hidden_campaign(
             reading = add(reading, inertia(told))
         made.append(_run(plan, _sample(reading, m, t, chance, roll_measured), balance))
     return Campaign(
-        title=f"hidden effects, {programme}", ship=SHIP, water=WATER, runs=tuple(made),
+        title=f"hidden effects, {title}", ship=SHIP, water=WATER, runs=tuple(made),
         forces="balance" if balance else "hydrodynamic", free=("heave", "pitch", "roll"),
         uncertainty=_scatter() if stated and noise != "none" else (),
     )  # fmt: skip
