@@ -127,7 +127,7 @@ def _cycles(run: Run, campaign: Campaign, rig: Rig, count: int) -> list[View]:
     whole = _view(prepare(run, campaign, cycles=(2, count)), rig)
     found = []
     for first, last, early in ((2, 2, True), (3, count, False)):
-        piece = _view(prepare(run, campaign, cycles=(first, last)), rig)
+        piece = _view(prepare(whole.run, campaign, cycles=(first, last)), rig)
         wider = (count - 1.0) / (last - first + 1.0)
         noise = {name: wider * x for name, x in whole.covariance.items()}
         found.append(replace(piece, covariance=noise, early=early))
