@@ -59,9 +59,9 @@ def contestants(count: int, speeds: Sequence[float]) -> list[Candidate]:
         for product in itertools.combinations_with_replacement(factors, order)
     )
     more = (
-        polynomial(f"own_{product}", "own", "A product.", {f"Y{product}": 0.02, f"N{product}": 0.01})
-        for product in products
-    )  # fmt: skip
+        polynomial(f"own_{x}", "own", "A product.", {f"Y{x}": 0.02, f"N{x}": 0.01})
+        for x in products
+    )
     return [*known, *itertools.islice(more, max(count - len(known), 0))][:count]
 
 
