@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from pmmkit.diagnosis.adequacy import flags
 from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.contest import Entry, contest, gate
-from pmmkit.diagnosis.coverage import Visible, coverage, remainder
+from pmmkit.diagnosis.coverage import Visible, coverage
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
 from pmmkit.diagnosis.given import best_blocks, knowing
 from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels, refined
@@ -27,8 +28,6 @@ LEAST: Final = 1.0
 """Least ln evidence of a finding, the price of the catalogue's size taken off."""
 RIVALS: Final = math.log(20.0)
 """Sets within these odds of the best cannot be told from it."""
-SMOOTH: Final = 3.0
-"""ln evidence from which something smooth is left that the answer does not explain."""
 
 
 def answer(
@@ -69,10 +68,8 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     best = entries[0]
     named = chance < CHANCE and best.log_evidence > LEAST
     blocks = blocks_of(known.system, best) if named else []
-    left = remainder(known.system, blocks)
-    verdict: Verdict = "missing_effect" if named else "noise"
-    if not named and left > SMOOTH:
-        verdict = "unexplained"
+    doubts = flags(system, blocks, known.used)
+    verdict: Verdict = "missing_effect" if named else "unexplained" if doubts else "noise"
     group = [
         (item.names, math.exp(item.log_evidence - best.log_evidence))
         for item in entries
@@ -80,7 +77,7 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     ]
     return Diagnosis(
         verdict=verdict, group=tuple(group) if named else (),
-        flags=("not_the_whole_story",) if named and left > SMOOTH else (),
+        flags=doubts,
         findings=_findings(system, best, known.blocks, blocks, covered, floor), chance=chance,
         covered=covered, entries=tuple(entries), floor=floor, base=system.base.values, given=given,
     )  # fmt: skip
@@ -88,9 +85,10 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Given:
-    """A system that knows effects, and the grid points at which it has them."""
+    """A system that knows effects, the grid points that stand for them, and the best of each."""
 
     system: System
+    used: tuple[Block, ...]
     blocks: tuple[Block, ...]
 
 
@@ -111,12 +109,13 @@ def taken_as_given(system: System, names: Sequence[str]) -> Given:
     UnknownNameError
         If one does not take part.
     """
-    blocks = []
+    used, blocks = [], []
     for name in names:
         near = best_blocks(system, name, 2)
         system = knowing(system, near)
+        used += near
         blocks.append(near[0])
-    return Given(system=_askable(system, blocks), blocks=tuple(blocks))
+    return Given(system=_askable(system, blocks), used=tuple(used), blocks=tuple(blocks))
 
 
 def _askable(system: System, given: Sequence[Block]) -> System:

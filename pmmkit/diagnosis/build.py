@@ -28,7 +28,7 @@ from pmmkit.diagnosis.system import (
     transient_columns,
 )
 from pmmkit.diagnosis.views import View
-from pmmkit.diagnosis.whitening import estimated_scatter, whitened
+from pmmkit.diagnosis.whitening import Piece, Projection, estimated_scatter, whitened
 
 Array = NDArray[np.float64]
 ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
@@ -78,6 +78,7 @@ def build(
     layout = _layout(raw, [x[0].shape[1] for x in fading])
     gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
     square, rows = 0.0, 0
+    pieces: list[Piece] = []
     for number, c in enumerate(channels):
         at = layout.of_channel(number, c.name, raw)
         columns = np.column_stack(
@@ -85,11 +86,14 @@ def build(
              if c.name in item.columns]
             + [WIDER * TYPICAL_TRANSIENT * x for x in fading[number]] + [floors[c.name]]
         )  # fmt: skip
-        piece = _projected(c, columns, floors[c.name], own[c.name], scatter)
+        projection = _projection(c, floors[c.name], own[c.name], scatter)
+        left = projection.left(np.column_stack([columns, c.y]))
+        piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
+        pieces.append(piece)
         gram[np.ix_(at, at)] += piece.columns.T @ piece.columns
         score[at] += piece.columns.T @ piece.data
         square += float(piece.data @ piece.data)
-        rows += piece.freedom
+        rows += projection.freedom
     prior, centre = np.ones(layout.width), np.zeros(layout.width)
     for block in layout.blocks[: len(raw)]:
         prior[block.columns] = prior_sizes(block.candidate)
@@ -98,7 +102,7 @@ def build(
     return System(
         views=tuple(views), base=base, channels=channels, scatter=scatter, blocks=layout.blocks,
         gram=gram, score=score, square=square, rows=rows, floor_columns=layout.floor,
-        prior=prior, centre=centre,
+        prior=prior, centre=centre, pieces=tuple(pieces),
     )  # fmt: skip
 
 
@@ -192,36 +196,23 @@ def _layout(raw: Sequence[_Raw], runs: Sequence[int]) -> _Layout:
     )  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Piece:
-    """One channel whitened, the base projected off: columns and data."""
-
-    columns: Array
-    data: Array
-    freedom: int
-
-
-def _projected(
-    c: Channel, columns: Array, floor: Array, own: Array, scatter: Scatter
-) -> _Piece:  # fmt: skip
-    """Whiten a channel and take off it what the base and the smooth floor explain.
+def _projection(c: Channel, floor: Array, own: Array, scatter: Scatter) -> Projection:
+    """Whitening of a channel, and what the base and the smooth floor span in it.
 
     The floor stands as columns with a unit prior, rows of their own below the data; what is left
     after a projection has the products of the inverse covariance of noise, scatter and floor.
     """
     p, q = c.design.shape[1], floor.shape[1]
-    white = whitened(c, np.column_stack([c.design, floor, columns, c.y]), own, scatter)
+    white = whitened(c, np.column_stack([c.design, floor]), own, scatter)
     size = np.linalg.norm(white[:, :p], axis=0)
     design = white[:, :p] / np.where(size > 0, size, 1.0)
     below = np.zeros((q, p + q))
     below[:, p:] = np.eye(q)
-    Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p : p + q]]), below]))
+    Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p:]]), below]))
     rank = int(np.sum(np.abs(np.diagonal(R)) > 1e-9 * abs(R[0, 0])))
-    Q = Q[:, :rank]
-    n = len(white)
-    rest = white[:, p + q :]
-    left = np.vstack([rest, np.zeros((q, rest.shape[1]))]) - Q @ (Q[:n].T @ rest)
-    return _Piece(columns=left[:, :-1], data=left[:, -1], freedom=n - (rank - q))
+    return Projection(
+        channel=c, own=own, scatter=scatter, span=Q[:, :rank], freedom=len(white) - (rank - q)
+    )
 
 
 def _pivoted(matrix: Array) -> tuple[Array, Array, Places]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.candidate import Candidate
-from pmmkit.diagnosis.contest import evidence_at
 from pmmkit.diagnosis.system import WIDER, Block, System
 
 Array = NDArray[np.float64]
@@ -128,17 +127,3 @@ def _mimics(
         if share >= MIMICS:
             found[name] = share
     return dict(sorted(found.items(), key=lambda item: -item[1]))
-
-
-def remainder(system: System, blocks: Sequence[Block]) -> float:
-    """ln evidence that something smooth is left beside some effects, larger than the floor."""
-    own = [np.arange(block.columns.start, block.columns.stop) for block in blocks]
-    floor = np.arange(system.floor_columns.start, system.floor_columns.stop)
-    at = np.concatenate([*own, floor]) if own else floor
-    size = np.ones(len(at))
-    without = evidence_at(system, np.concatenate(own)) if own else 0.0
-    found = -math.inf
-    for factor in (2.0, 4.0, 8.0):
-        size[len(at) - len(floor) :] = math.sqrt(factor**2 - 1.0)
-        found = max(found, evidence_at(system, at, size) - without)
-    return found

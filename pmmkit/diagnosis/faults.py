@@ -18,7 +18,7 @@ from pmmkit.effects.state import State
 Array = NDArray[np.float64]
 STEP: Final = 1e-4
 SWAY: Final = ("pure_sway", "sway_yaw")
-YAW: Final = ("pure_yaw", "yaw_drift", "sway_yaw", "yaw_rudder")
+YAW: Final = ("pure_yaw", "yaw_drift", "yaw_rudder")
 
 
 def _one(view: View, forces: Forces | Mapping[str, Array]) -> Mapping[str, Array]:

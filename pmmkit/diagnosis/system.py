@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.views import View
+
+if TYPE_CHECKING:
+    from pmmkit.diagnosis.whitening import Piece
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -121,6 +124,8 @@ class System:
         Prior standard deviation of each column, to give coefficients back.
     centre : array (q,)
         Expected value of each column's coefficient, in those.
+    pieces : tuple of Piece
+        The channels, one by one.
     """
 
     views: tuple[View, ...]
@@ -135,6 +140,7 @@ class System:
     floor_columns: slice
     prior: Array
     centre: Array
+    pieces: tuple[Piece, ...]
 
 
 def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:

@@ -187,7 +187,7 @@ def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> l
     whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
     found = []
     for first, last, early in ((2, 2, True), (3, count, False)):
-        piece = _view(prepare(run, campaign, cycles=(first, last)), rig, keep)
+        piece = _view(prepare(whole.run, campaign, cycles=(first, last)), rig, keep)
         wider = (count - 1.0) / (last - first + 1.0)
         noise = {name: wider * x for name, x in whole.covariance.items()}
         found.append(replace(piece, covariance=noise, early=early))

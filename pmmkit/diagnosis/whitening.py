@@ -41,6 +41,61 @@ def whitened(channel: Channel, columns: Array, own: Array, scatter: Scatter) -> 
     return _by_run(channel, columns, own * scatter.sizes)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Projection:
+    """Whitening of one channel, and what base and floor explain of it.
+
+    Parameters
+    ----------
+    channel : Channel
+        Rows.
+    own : array (n, 3)
+        What each run draws for itself, at size one.
+    scatter : Scatter
+        Its sizes.
+    span : array (n + D, k)
+        Orthonormal basis of base and floor, the rows of the floor's prior below.
+    freedom : int
+        Rows less base coefficients.
+    """
+
+    channel: Channel
+    own: Array
+    scatter: Scatter
+    span: Array
+    freedom: int
+
+    def left(self, columns: Array) -> Array:
+        """Columns (n, q) whitened, with what base and floor explain taken off (n + D, q)."""
+        white = whitened(self.channel, columns, self.own, self.scatter)
+        n = len(white)
+        found = -self.span @ (self.span[:n].T @ white)
+        found[:n] += white
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """One channel of a system: whitened, with what base and floor explain taken off.
+
+    Parameters
+    ----------
+    projection : Projection
+        How that is done to any column.
+    columns : array (n + D, q)
+        Those of the system that act in this channel.
+    places : array (q,)
+        Their places in the system.
+    data : array (n + D,)
+        Forces.
+    """
+
+    projection: Projection
+    columns: Array
+    places: Places
+    data: Array
+
+
 def _by_run(channel: Channel, columns: Array, own: Array | None) -> Array:
     found = np.empty_like(columns)
     least = RIDGE * float(np.mean(np.concatenate([np.diagonal(x) for x in channel.noise])))

@@ -236,7 +236,7 @@ def _from_cycles(
     cut = slice(kept.start, kept.stop)
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
-    if nominal is not None and kept.count >= 2:
+    if nominal is not None and kept.count >= 3:
         found, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
         slip = abs(found - nominal) * (times[cut][-1] - times[cut][0])
         if abs(found - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:

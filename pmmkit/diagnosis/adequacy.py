@@ -1,0 +1,213 @@
+"""Whether an answer is the whole story: what it leaves that it should have explained."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.contest import evidence_at
+from pmmkit.diagnosis.given import knowing
+from pmmkit.diagnosis.system import Block, Channel, Places, System
+from pmmkit.diagnosis.views import View
+from pmmkit.diagnosis.whitening import Piece, whitened
+
+Array = NDArray[np.float64]
+SMOOTH: Final = 3.0
+"""ln evidence from which something smooth is left that the answer does not explain."""
+LACK: Final = 6.0
+"""ln evidence from which the forces of some tests scatter more than noise lets them."""
+SIZES: Final = (0.0025, 0.005, 0.01, 0.02, 0.04)
+"""Sizes of a lack of fit that are tried, over the rms force of a channel."""
+MANY: Final = 3
+"""So many effects at once are more often one that is not in the catalogue."""
+FORM: Final = 4.0
+"""Floors as large as the errors of form that a catalogue's effect must be expected to have."""
+NEEDED: Final = 3.0
+"""ln evidence that an effect must keep beside others whose form may err."""
+HIGH: Final = 3
+"""First of the high harmonics, which a smooth force hardly has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lack:
+    """Rows that scatter more about an answer than noise and run scatter let them.
+
+    Parameters
+    ----------
+    channel, test, harmonic : str
+        Which rows; ``all`` stands for every test or harmonic.
+    size : float
+        Best size of the scatter, over the rms force of the channel.
+    log_evidence : float
+        For such a scatter against none, averaged over sizes.
+    """
+
+    channel: str
+    test: str
+    harmonic: str
+    size: float
+    log_evidence: float
+
+
+def flags(
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = ()
+) -> tuple[str, ...]:  # fmt: skip
+    """Reasons to think that something else is left beside an answer.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    blocks : sequence of Block
+        The answer; none where nothing was named.
+    given : sequence of Block
+        Effects that the base has already.
+
+    Returns
+    -------
+    tuple of str
+        Empty where the answer is the whole story; otherwise ``not_the_whole_story`` and the
+        reasons in words.
+    """
+    known, reasons = knowing(system, given), []
+    if remainder(known, blocks) > SMOOTH:
+        reasons.append("something smooth in the motion is left")
+    for worst in lack_of_fit(system, [*given, *blocks])[:1]:
+        if worst.log_evidence > LACK:
+            reasons.append(f"{worst.harmonic} of {worst.channel} in {worst.test} is not explained")
+    if len(blocks) >= MANY:
+        reasons.append(f"{len(blocks)} effects are needed at once")
+    reasons += [
+        f"{name} may stand for an error of form of the others" for name in helpers(known, blocks)
+    ]
+    return ("not_the_whole_story", *reasons) if reasons else ()
+
+
+def remainder(system: System, blocks: Sequence[Block]) -> float:
+    """ln evidence that something smooth is left beside some effects, larger than the floor."""
+    without = _with_floor(system, blocks, 1.0)
+    return max(_with_floor(system, blocks, factor) - without for factor in (2.0, 4.0, 8.0))
+
+
+def helpers(system: System, blocks: Sequence[Block]) -> tuple[str, ...]:
+    """Effects of a set that are not needed where the form of the others may err.
+
+    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor.
+    """
+    if len(blocks) < 2:
+        return ()
+    whole = _with_floor(system, blocks, FORM)
+    return tuple(
+        block.candidate.name
+        for block in blocks
+        if whole - _with_floor(system, [b for b in blocks if b is not block], FORM) < NEEDED
+    )
+
+
+def _with_floor(system: System, blocks: Sequence[Block], factor: float) -> float:
+    """ln evidence of blocks beside a floor larger by a factor, against the floor as it is."""
+    floor = np.arange(system.floor_columns.start, system.floor_columns.stop)
+    parts = [block.places for block in blocks]
+    if factor > 1.0:
+        parts.append(floor)
+    if not parts:
+        return 0.0
+    at = np.concatenate(parts)
+    size = np.where(at >= system.floor_columns.start, math.sqrt(factor**2 - 1.0), 1.0)
+    return evidence_at(system, at, size)
+
+
+def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
+    """Scatter of the oscillating runs beyond noise, by channel, test and harmonic; worst first.
+
+    A force that no run repeats, or that jumps, has no smooth form; but it makes a harmonic of one
+    kind of test scatter more about the answer than the noise between the harmonics allows. Means
+    are left out: what each run draws as its offset is not normal on every rig.
+    """
+    at = np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
+    covariance = np.linalg.inv(system.gram[np.ix_(at, at)] + np.eye(len(at)))
+    gram = system.gram[np.ix_(at, at)]
+    fitted = system.centre[at] + covariance @ (system.score[at] - gram @ system.centre[at])
+    found = [
+        lack
+        for piece in system.pieces
+        for lack in _lacks(system.views, piece, _columns(piece, at), fitted, covariance)
+    ]
+    return tuple(sorted(found, key=lambda item: -item.log_evidence))
+
+
+def _columns(piece: Piece, at: Places) -> Array:
+    """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
+    where = {place: i for i, place in enumerate(piece.places.tolist())}
+    found = np.zeros((len(piece.data), len(at)))
+    for k, place in enumerate(at.tolist()):
+        if place in where:
+            found[:, k] = piece.columns[:, where[place]]
+    return found
+
+
+def _lacks(
+    views: Sequence[View], piece: Piece, columns: Array, fitted: Array, covariance: Array
+) -> list[Lack]:
+    channel = piece.projection.channel
+    groups, unit = _units(views, channel)
+    if not groups:
+        return []
+    n = len(channel.y)
+    white = whitened(channel, unit, piece.projection.own, piece.projection.scatter)
+    explained = piece.projection.span[:n].T @ white
+    shared = white.T @ columns[:n]
+    gram = white.T @ white - explained.T @ explained - shared @ covariance @ shared.T
+    score = white.T @ (piece.data - columns @ fitted)[:n]
+    found = []
+    for (test, harmonic), members in groups.items():
+        values, vectors = np.linalg.eigh(gram[np.ix_(members, members)])
+        values, power = np.maximum(values, 0.0), (vectors.T @ score[members]) ** 2
+        growth = np.square(SIZES)[:, None]
+        tried = 0.5 * np.sum(
+            growth * power / (1.0 + growth * values) - np.log1p(growth * values), axis=1
+        )
+        top = float(tried.max())
+        found.append(
+            Lack(
+                channel=channel.name, test=test, harmonic=harmonic,
+                size=SIZES[int(np.argmax(tried))],
+                log_evidence=top + math.log(float(np.mean(np.exp(tried - top)))),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _units(
+    views: Sequence[View], channel: Channel
+) -> tuple[Mapping[tuple[str, str], list[int]], Array]:
+    """A column for each harmonic of each oscillating run, all its cycles alike; and their groups.
+
+    Columns have the rms force of the channel at the speed of the run.
+    """
+    columns: dict[tuple[str, int], Array] = {}
+    groups: dict[tuple[str, str], list[int]] = {}
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        view = views[i]
+        if not view.run.dynamic:
+            continue
+        for row in range(1, view.rows):
+            if (view.run.id, row) not in columns:
+                for group in _groups(view.run.test, row):
+                    groups.setdefault(group, []).append(len(columns))
+                columns[view.run.id, row] = np.zeros(len(channel.y))
+            columns[view.run.id, row][rows.start + row] = channel.scale * view.speed**2
+    return groups, np.stack([*columns.values()], axis=1) if columns else np.zeros((0, 0))
+
+
+def _groups(test: str, row: int) -> list[tuple[str, str]]:
+    order = (row + 1) // 2
+    harmonics = [f"{'CS'[(row + 1) % 2]}{order}", "all"]
+    if order >= HIGH:
+        harmonics.append("high")
+    return [(kind, harmonic) for kind in (test, "all") for harmonic in harmonics]
