@@ -139,16 +139,22 @@ def _amplitude(view: View, base: Base, value: float) -> Mapping[str, Array]:
     return _one(view, base.change(view, moved, STEP))
 
 
-def _phase(view: View, base: Base, value: float) -> Mapping[str, Array]:
-    """Rams a degree out of step in tests that yaw: sway in proportion to the yaw rate."""
-    del value
-    if view.run.test not in YAW or view.omega == 0.0:
+def _phase(view: View, base: Base, combined: float) -> Mapping[str, Array]:
+    """Rams a degree out of step: sway follows the acceleration across the tank, ψ̇ U with v̇.
+
+    In tests that yaw alone, or (1) in those that sway and yaw at once as well.
+    """
+    tests = (*YAW, "sway_yaw") if combined else YAW
+    if view.run.test not in tests or view.omega == 0.0:
         return {}
 
     def moved(view: View) -> tuple[State, float]:
         m = view.motion
-        gain = STEP * view.speed / view.omega
-        return m.with_(v=m.v + gain * m.r, vdot=m.vdot + gain * m.rdot), view.speed
+        swing = m.v - np.mean(m.v)
+        across = m.vdot + view.speed * m.r
+        rate = view.speed * m.rdot - view.omega**2 * swing
+        gain = STEP / view.omega
+        return m.with_(v=m.v + gain * across, vdot=m.vdot + gain * rate), view.speed
 
     return _one(view, base.change(view, moved, math.degrees(STEP)))
 
@@ -200,7 +206,7 @@ FAULTS: Final = (
     _fault("fault_moment_point", _point),
     _fault("fault_inertia", _inertia),
     _fault("fault_pmm_amplitude", _amplitude),
-    _fault("fault_pmm_phase", _phase),
+    _fault("fault_pmm_phase", _phase, grid=(0.0, 1.0)),
     _fault("fault_gauge_drift", _creep),
 )
 

@@ -88,7 +88,11 @@ EFFECTS: Final = (
     ),
     fault(
         "fault_pmm_phase", "rig", "Rams out of step: pure yaw sways.",
-        (_size("phase", "deg", 1.0, "between the rams"),), check="record both rams",
+        (
+            _size("phase", "deg", 1.0, "between the rams"),
+            Parameter(name="combined", text="in yaw alone (0), with sway too (1)"),
+        ),
+        check="record both rams",
     ),
     fault(
         "fault_gauge_drift", "gauges", "Gauges that creep during a run.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .catalogue import Source
-from .hull import Force, prime
+from .hull import TRUTH, Force, one_pole, prime
 from .motion import Array, Motion
 from .sizes import SHIP, WATER
 
@@ -70,11 +70,29 @@ def outside_acceleration_drag(m: Motion) -> Force:
     return {"X": -900.0 * (m.ay / WATER.g) ** 2}
 
 
+def outside_yaw_memory(m: Motion) -> Force:
+    """A fifth of the damping of yaw that builds up over half a ship length."""
+    late = one_pole(m.rp, m.dt, 0.46 * SHIP.L / m.carriage) - m.rp
+    return prime(m, **{a: 0.2 * TRUTH[f"{a}r"] * late for a in "YN"})
+
+
+def outside_onset(m: Motion) -> Force:
+    """Separation at the bilge that sets in at 7° of drift and is not there below."""
+    beyond = np.sign(m.vp) * np.maximum(abs(m.vp) - 0.12, 0.0)
+    return prime(m, Y=-0.010 * beyond, N=0.002 * beyond)
+
+
+def outside_pushed_carriage(m: Motion) -> Force:
+    """A carriage that gives way to the reaction of the sway drive: drag follows its acceleration."""
+    return {"X": -60.0 * m.ay / WATER.g}
+
+
 FORCES: dict[str, Source] = {
     function.__name__: function
     for function in (
         outside_wall_spring, outside_hysteresis, outside_even_vr, outside_sinkage, outside_vr3,
-        outside_sloshing, outside_mount_friction, outside_acceleration_drag,
+        outside_sloshing, outside_mount_friction, outside_acceleration_drag, outside_yaw_memory,
+        outside_onset, outside_pushed_carriage,
     )
 }  # fmt: skip
 

@@ -1,0 +1,120 @@
+"""Whether an answer is the whole story: what is left must be found, and nothing where nothing is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hidden_effects import hidden_campaign
+from test_diagnosis import BASE
+
+from pmmkit.diagnosis.adequacy import LACK, SIZES, flags, helpers, lack_of_fit, remainder
+from pmmkit.diagnosis.answering import blocks_of
+from pmmkit.diagnosis.contest import contest
+from pmmkit.diagnosis.diagnose import captive_system
+from pmmkit.diagnosis.views import views_of
+
+
+def asked(effects, seed=11, programme="small", **settings):
+    """A system and the blocks of its best set."""
+    system = captive_system(hidden_campaign(programme, effects, seed=seed, **settings), BASE)
+    return system, blocks_of(system, contest(system)[0])
+
+
+def worst(system, blocks):
+    return lack_of_fit(system, blocks)[0]
+
+
+# The rule of evidence
+
+
+def test_lack_of_fit_is_the_ratio_of_two_normal_densities():
+    """N(0, I + s² E E') over N(0, I), mean over the sizes; E the sine of pure sway in Y."""
+    system = captive_system(hidden_campaign("small", {}, seed=5), BASE)
+    (piece,) = (p for p in system.pieces if p.projection.channel.name == "Y")
+    channel = piece.projection.channel
+    unit = {}
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        view = system.views[i]
+        if view.run.test == "pure_sway":
+            column = unit.setdefault(view.run.id, np.zeros(len(channel.y)))
+            column[rows.start + 2] = channel.scale * view.speed**2
+    E, z = piece.projection.left(np.stack([*unit.values()], axis=1)), piece.data
+    densities = []
+    for size in SIZES:
+        V = np.eye(len(z)) + size**2 * E @ E.T
+        densities.append(0.5 * (z @ z - z @ np.linalg.solve(V, z) - np.linalg.slogdet(V)[1]))
+    (found,) = (
+        item for item in lack_of_fit(system, [])
+        if (item.channel, item.test, item.harmonic) == ("Y", "pure_sway", "S1")
+    )  # fmt: skip
+    assert found.log_evidence == pytest.approx(np.log(np.mean(np.exp(densities))), abs=1e-8)
+
+
+def test_nothing_of_the_base_is_left_by_its_projection():
+    system = captive_system(hidden_campaign("small", {}, seed=5), BASE)
+    for piece in system.pieces:
+        design = piece.projection.channel.design
+        assert np.abs(piece.projection.left(design)).max() < 1e-6 * np.abs(design).max()
+
+
+# What is left
+
+
+@pytest.mark.parametrize("noise", ["standard", "hard"])
+def test_nothing_is_left_where_nothing_is_hidden(noise):
+    system, _ = asked({}, seed=2, noise=noise)
+    assert flags(system, []) == ()
+
+
+@pytest.mark.parametrize("effect", ["lagged_crossflow", "yaw_sway_coupling", "heel_coupling"])
+def test_the_right_answer_is_the_whole_story(effect):
+    system, blocks = asked({effect: 1.0})
+    assert [b.candidate.name for b in blocks] == [effect]
+    assert flags(system, blocks) == ()
+    assert flags(system, []) != ()
+
+
+def test_what_goes_with_the_place_in_the_tank_is_not_smooth_in_the_motion():
+    """A spring of the wall: named as delays, but first harmonics disagree between the tests."""
+    system, blocks = asked({"outside_wall_spring": 1.0}, programme="full")
+    assert remainder(system, blocks) < 0.0
+    found = worst(system, blocks)
+    assert found.harmonic in ("C1", "S1", "all")
+    assert flags(system, blocks)[0] == "not_the_whole_story"
+    assert "is not explained" in "".join(flags(system, blocks))
+
+
+def test_a_loop_leaves_the_harmonics_of_sway():
+    system, blocks = asked({"outside_hysteresis": 1.0})
+    found = worst(system, blocks)
+    assert (found.channel, found.log_evidence > LACK) == ("Y", True)
+
+
+def test_a_helper_of_a_form_that_errs_is_said():
+    """Drag of sections from a table is no catalogue's: what is added to it is not needed."""
+    campaign = hidden_campaign("full", {"crossflow_drag": 1.0}, truth="foreign", seed=502)
+    system = captive_system(campaign, BASE)
+    entries = contest(system)
+    pair = next(e for e in entries if set(e.names) == {"crossflow_drag", "yaw_sway_coupling"})
+    assert helpers(system, blocks_of(system, pair)) == ("yaw_sway_coupling",)
+
+
+def test_two_true_effects_help_nobody():
+    system, blocks = asked({"yaw_sway_coupling": 1.0, "memory": 1.0})
+    assert len(blocks) == 2
+    assert helpers(system, blocks) == ()
+
+
+def test_an_effect_that_is_given_is_not_left():
+    system, blocks = asked({"memory": 1.0})
+    assert flags(system, [], blocks) == ()
+
+
+def test_all_pieces_of_a_run_have_one_frequency():
+    """Two cycles of a noisy record give none of their own: the phase would slip with it."""
+    campaign = hidden_campaign("full", {}, seed=10523)
+    (run,) = (run for run in campaign.runs if run.id == "YD_1.0_0.4_8")
+    early, late = views_of(campaign.with_(runs=(run,)))
+    assert early.omega == late.omega
+    noise = np.sqrt(np.diag(early.covariance["N"]) + np.diag(late.covariance["N"]))
+    np.testing.assert_array_less(np.abs(early.force["N"] - late.force["N"])[1:], 5 * noise[1:])
