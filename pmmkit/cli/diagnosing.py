@@ -108,9 +108,10 @@ def words(found: Diagnosis) -> list[str]:
         lines.append(f"Family: {', '.join(found.families)}.")
     for item in found.findings:
         lines += ["", *_finding(item)]
-    if "not_the_whole_story" in found.flags:
+    if found.flags and found.findings:
         lines += ["", "It is not the whole story: something is left that no named effect explains. "
                   "Take it as the nearest relative."]  # fmt: skip
+    lines += [f"  {reason}" for reason in found.flags[1:]]
     rivals = found.group[1:]
     if rivals:
         lines += ["", "These runs cannot tell it from:"]

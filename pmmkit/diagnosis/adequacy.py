@@ -29,6 +29,8 @@ FORM: Final = 4.0
 """Floors as large as the errors of form that a catalogue's effect must be expected to have."""
 NEEDED: Final = 3.0
 """ln evidence that an effect must keep beside others whose form may err."""
+KIN: Final = 0.25
+"""Share of the gain of another of its family below which an effect may be an error of its form."""
 HIGH: Final = 3
 """First of the high harmonics, which a smooth force hardly has."""
 
@@ -97,15 +99,24 @@ def remainder(system: System, blocks: Sequence[Block]) -> float:
 def helpers(system: System, blocks: Sequence[Block]) -> tuple[str, ...]:
     """Effects of a set that are not needed where the form of the others may err.
 
-    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor.
+    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor;
+    most of all it resembles effects of the same family.
     """
     if len(blocks) < 2:
         return ()
     whole = _with_floor(system, blocks, FORM)
+    gains = [
+        whole - _with_floor(system, [other for other in blocks if other is not block], FORM)
+        for block in blocks
+    ]
     return tuple(
         block.candidate.name
-        for block in blocks
-        if whole - _with_floor(system, [b for b in blocks if b is not block], FORM) < NEEDED
+        for block, gain in zip(blocks, gains, strict=True)
+        if gain < NEEDED
+        or any(
+            other.candidate.family == block.candidate.family and gain < KIN * more
+            for other, more in zip(blocks, gains, strict=True)
+        )
     )
 
 

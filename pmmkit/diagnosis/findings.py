@@ -108,7 +108,8 @@ class Diagnosis:
     group : tuple of (effects, odds)
         The best set first, with the odds of each against it: these runs cannot tell them apart.
     flags : tuple of str
-        ``not_the_whole_story`` where something smooth is left beside the best set.
+        Empty, or ``not_the_whole_story`` and the reasons in words: something is left beside the
+        best set, or, where nothing is named, beside the base.
     findings : tuple of Finding
         The effects of the best set.
     chance : float
