@@ -7,8 +7,8 @@
 Programmes, noise and sizes are those of tests/hidden_effects. The base has linear and cubic terms
 and none of what is hidden. Table 1 hides effects in the catalogue's own form under four conditions,
 table 2 puts them in at a physical source, and hides effects that no catalogue holds. An effect
-counts where its signal at its size is large enough to be seen (`Visible.signal` times the square of
-the size above 12).
+counts where its signal at its size is large enough to be seen (`Visible.without_a_run` times the
+square of the size above 12).
 
 detected : something is named.
 exact : the truth is named, alone.
@@ -151,7 +151,7 @@ def diagnosed(job: Job) -> Answer:
     seconds = time.perf_counter() - begin
     covered = {item.name: item for item in found.covered}
     known = [(covered[name], size) for name, size in job.effects if name in covered]
-    visible = [item.signal * size**2 >= SHOWS for item, size in known]
+    visible = [item.without_a_run * size**2 >= SHOWS for item, size in known]
     answer = Answer(
         job=job, verdict=found.verdict, group=found.group, flags=found.flags, chance=found.chance,
         visible=bool(visible) and all(visible) and not set(job.names) & set(ABSORBED),

@@ -7,10 +7,22 @@ import pytest
 from hidden_effects import hidden_campaign
 from test_diagnosis import BASE
 
-from pmmkit.diagnosis.adequacy import LACK, SIZES, flags, helpers, lack_of_fit, remainder
-from pmmkit.diagnosis.answering import blocks_of
-from pmmkit.diagnosis.contest import contest
+from pmmkit.diagnosis.adequacy import (
+    LACK,
+    NEEDED,
+    SIZES,
+    blocks_of,
+    chosen,
+    flags,
+    gains,
+    lack_of_fit,
+    remainder,
+)
+from pmmkit.diagnosis.build import build
+from pmmkit.diagnosis.contest import contest, evidence_at
+from pmmkit.diagnosis.coverage import coverage
 from pmmkit.diagnosis.diagnose import captive_system
+from pmmkit.diagnosis.leaving import least_gains
 from pmmkit.diagnosis.views import views_of
 
 
@@ -90,19 +102,54 @@ def test_a_loop_leaves_the_harmonics_of_sway():
     assert (found.channel, found.log_evidence > LACK) == ("Y", True)
 
 
-def test_a_helper_of_a_form_that_errs_is_said():
+def test_what_stands_for_an_error_of_form_is_not_named():
     """Drag of sections from a table is no catalogue's: what is added to it is not needed."""
     campaign = hidden_campaign("full", {"crossflow_drag": 1.0}, truth="foreign", seed=502)
     system = captive_system(campaign, BASE)
     entries = contest(system)
-    pair = next(e for e in entries if set(e.names) == {"crossflow_drag", "yaw_sway_coupling"})
-    assert helpers(system, blocks_of(system, pair)) == ("yaw_sway_coupling",)
+    pair = next(e for e in entries if e.names == ("crossflow_drag", "yaw_sway_coupling"))
+    strong, weak = gains(system, blocks_of(system, pair))
+    assert weak < NEEDED < strong
+    assert chosen(system, entries).names == ("crossflow_drag",)
 
 
-def test_two_true_effects_help_nobody():
-    system, blocks = asked({"yaw_sway_coupling": 1.0, "memory": 1.0})
+def test_two_true_effects_are_both_needed():
+    system, blocks = asked({"yaw_sway_coupling": 1.0, "lagged_crossflow": 1.0})
     assert len(blocks) == 2
-    assert helpers(system, blocks) == ()
+    assert min(gains(system, blocks)) > NEEDED
+
+
+# One run
+
+
+def test_leaving_a_run_out_is_a_system_without_it():
+    campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=11)
+    system = captive_system(campaign, BASE)
+    (block,) = (b for b in system.blocks if b.candidate.name == "yaw_sway_coupling")
+    ((least, run),) = least_gains(system, [block])
+    views = [view for view in system.views if view.run.id != run]
+    rest = build(views, system.base, [block.candidate], scatter=system.scatter)
+    assert least == pytest.approx(evidence_at(rest, rest.blocks[0].places), rel=0.02)
+    assert least < evidence_at(system, block.places)
+
+
+def test_one_bad_run_is_not_named():
+    """A static run off by 15 N: the effects that it alone shows explain it, and are refused."""
+    campaign = hidden_campaign("small", {}, seed=3)
+    runs = tuple(_off(run, 15.0) if run.id == "DR_1.5_6_20" else run for run in campaign.runs)
+    system = captive_system(campaign.with_(runs=runs), BASE)
+    entries = contest(system)
+    assert entries[0].log_evidence > 5.0
+    assert chosen(system, entries) is None
+    assert "DR_1.5_6_20 alone" in "".join(flags(system, [], first=entries[0]))
+    listed = {item.name: item for item in coverage(system)}
+    assert "DR_1.5_6_20" in listed["rudder_cross_terms"].why
+
+
+def _off(run, newtons):
+    data = run.data
+    moved = data.assign(Y=data["Y"] + newtons)
+    return run.with_(loader=lambda: moved)
 
 
 def test_an_effect_that_is_given_is_not_left():

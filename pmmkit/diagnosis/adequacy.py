@@ -10,9 +10,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.contest import evidence_at
+from pmmkit.diagnosis.contest import Entry, evidence_at, price
 from pmmkit.diagnosis.given import knowing
-from pmmkit.diagnosis.system import Block, Channel, Places, System
+from pmmkit.diagnosis.leaving import columns_at, least_gains
+from pmmkit.diagnosis.system import Block, Channel, System
 from pmmkit.diagnosis.views import View
 from pmmkit.diagnosis.whitening import Piece, whitened
 
@@ -31,6 +32,8 @@ NEEDED: Final = 3.0
 """ln evidence that an effect must keep beside others whose form may err."""
 KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
+LEAST: Final = 1.0
+"""Least ln evidence of a finding, the price of the catalogue's size taken off."""
 HIGH: Final = 3
 """First of the high harmonics, which a smooth force hardly has."""
 
@@ -56,8 +59,69 @@ class Lack:
     log_evidence: float
 
 
+def chosen(system: System, entries: Sequence[Entry]) -> Entry | None:
+    """The best set of which every effect is needed.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    entries : sequence of Entry
+        Best first.
+
+    Returns
+    -------
+    Entry or None
+        Each effect adds to the others whatever error of form they have, and pays its price even
+        without the run that helps it most; nothing where no set is so. An effect that hangs on one
+        run in a better set is not tried again.
+    """
+    least = price(system) + LEAST
+    alone: set[str] = set()
+    unneeded: list[set[str]] = []
+    for entry in entries:
+        if entry.log_evidence <= LEAST:
+            return None
+        names = set(entry.names)
+        if names & alone or any(names >= other for other in unneeded):
+            continue
+        blocks = blocks_of(system, entry)
+        if min(gains(system, blocks)) < NEEDED:
+            unneeded.append(names)
+            continue
+        left = least_gains(system, blocks)
+        if min(left)[0] >= least:
+            return entry
+        alone |= {name for name, (gain, _) in zip(entry.names, left, strict=True) if gain < least}
+    return None
+
+
+def blocks_of(system: System, entry: Entry) -> list[Block]:
+    """The effects of a set at their best grid points."""
+    return [
+        next(b for b in system.blocks if b.candidate.name == name and b.value == value)
+        for name, value in zip(entry.names, entry.values, strict=True)
+    ]
+
+
+def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
+    """ln evidence that each effect of a set adds to the others where their form may err.
+
+    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor.
+    One effect alone adds all there is: infinity.
+    """
+    if len(blocks) < 2:
+        return (math.inf,) * len(blocks)
+    whole = _with_floor(system, blocks, FORM)
+    return tuple(
+        whole - _with_floor(system, [other for other in blocks if other is not block], FORM)
+        for block in blocks
+    )
+
+
 def flags(
-    system: System, blocks: Sequence[Block], given: Sequence[Block] = ()
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = (),
+    first: Entry | None = None,
 ) -> tuple[str, ...]:  # fmt: skip
     """Reasons to think that something else is left beside an answer.
 
@@ -69,6 +133,8 @@ def flags(
         The answer; none where nothing was named.
     given : sequence of Block
         Effects that the base has already.
+    first : Entry, optional
+        The set of the greatest evidence, which need not be the answer.
 
     Returns
     -------
@@ -85,39 +151,43 @@ def flags(
     if len(blocks) >= MANY:
         reasons.append(f"{len(blocks)} effects are needed at once")
     reasons += [
-        f"{name} may stand for an error of form of the others" for name in helpers(known, blocks)
+        f"{name} may stand for an error of form of the others"
+        for name in _lesser_kin(known, blocks)
     ]
+    if first is not None and first.log_evidence > LEAST:
+        reasons += _refused(known, blocks_of(known, first), blocks)
     return ("not_the_whole_story", *reasons) if reasons else ()
+
+
+def _refused(system: System, first: Sequence[Block], blocks: Sequence[Block]) -> list[str]:
+    """Why effects of the set of the greatest evidence are not in the answer."""
+    answered, least = [block.candidate for block in blocks], price(system) + LEAST
+    return [
+        f"{block.candidate.name} hangs on the run {run} alone"
+        if left < least
+        else f"{block.candidate.name} may stand for an error of form of the others"
+        for block, (left, run) in zip(first, least_gains(system, first), strict=True)
+        if block.candidate not in answered
+    ]
+
+
+def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
+    """Effects that add little beside another of their family: what its form may err by."""
+    added = list(zip(blocks, gains(system, blocks), strict=True))
+    return [
+        block.candidate.name
+        for block, gain in added
+        if any(
+            other.candidate.family == block.candidate.family and gain < KIN * most
+            for other, most in added
+        )
+    ]
 
 
 def remainder(system: System, blocks: Sequence[Block]) -> float:
     """ln evidence that something smooth is left beside some effects, larger than the floor."""
     without = _with_floor(system, blocks, 1.0)
     return max(_with_floor(system, blocks, factor) - without for factor in (2.0, 4.0, 8.0))
-
-
-def helpers(system: System, blocks: Sequence[Block]) -> tuple[str, ...]:
-    """Effects of a set that are not needed where the form of the others may err.
-
-    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor;
-    most of all it resembles effects of the same family.
-    """
-    if len(blocks) < 2:
-        return ()
-    whole = _with_floor(system, blocks, FORM)
-    gains = [
-        whole - _with_floor(system, [other for other in blocks if other is not block], FORM)
-        for block in blocks
-    ]
-    return tuple(
-        block.candidate.name
-        for block, gain in zip(blocks, gains, strict=True)
-        if gain < NEEDED
-        or any(
-            other.candidate.family == block.candidate.family and gain < KIN * more
-            for other, more in zip(blocks, gains, strict=True)
-        )
-    )
 
 
 def _with_floor(system: System, blocks: Sequence[Block], factor: float) -> float:
@@ -147,19 +217,9 @@ def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
     found = [
         lack
         for piece in system.pieces
-        for lack in _lacks(system.views, piece, _columns(piece, at), fitted, covariance)
+        for lack in _lacks(system.views, piece, columns_at(piece, at), fitted, covariance)
     ]
     return tuple(sorted(found, key=lambda item: -item.log_evidence))
-
-
-def _columns(piece: Piece, at: Places) -> Array:
-    """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
-    where = {place: i for i, place in enumerate(piece.places.tolist())}
-    found = np.zeros((len(piece.data), len(at)))
-    for k, place in enumerate(at.tolist()):
-        if place in where:
-            found[:, k] = piece.columns[:, where[place]]
-    return found
 
 
 def _lacks(

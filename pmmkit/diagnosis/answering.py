@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from pmmkit.diagnosis.adequacy import flags
+from pmmkit.diagnosis.adequacy import blocks_of, chosen, flags
 from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.contest import Entry, contest, gate
 from pmmkit.diagnosis.coverage import Visible, coverage
@@ -24,8 +24,6 @@ from pmmkit.effects.terms import BY_SPEED
 Array = NDArray[np.float64]
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding."""
-LEAST: Final = 1.0
-"""Least ln evidence of a finding, the price of the catalogue's size taken off."""
 RIVALS: Final = math.log(20.0)
 """Sets within these odds of the best cannot be told from it."""
 
@@ -65,22 +63,32 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     covered = coverage(known.system)
     singles = [item for item in entries if len(item.names) == 1]
     chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
-    best = entries[0]
-    named = chance < CHANCE and best.log_evidence > LEAST
-    blocks = blocks_of(known.system, best) if named else []
-    doubts = flags(system, blocks, known.used)
-    verdict: Verdict = "missing_effect" if named else "unexplained" if doubts else "noise"
-    group = [
-        (item.names, math.exp(item.log_evidence - best.log_evidence))
-        for item in entries
-        if item.log_evidence > best.log_evidence - RIVALS and len(item.names) <= len(best.names)
-    ]
+    best = chosen(known.system, entries) if chance < CHANCE else None
+    blocks = blocks_of(known.system, best) if best else []
+    doubts = flags(system, blocks, known.used, entries[0] if chance < CHANCE else None)
+    verdict: Verdict = "missing_effect" if best else "unexplained" if doubts else "noise"
     return Diagnosis(
-        verdict=verdict, group=tuple(group) if named else (),
-        flags=doubts,
-        findings=_findings(system, best, known.blocks, blocks, covered, floor), chance=chance,
+        verdict=verdict, group=_group(entries, best) if best else (), flags=doubts,
+        findings=_findings(system, best, known.blocks, blocks, covered, floor) if best else (),
+        chance=chance,
         covered=covered, entries=tuple(entries), floor=floor, base=system.base.values, given=given,
     )  # fmt: skip
+
+
+def _group(
+    entries: Sequence[Entry], best: Entry
+) -> tuple[tuple[tuple[str, ...], float], ...]:  # fmt: skip
+    """Sets of no greater size within `RIVALS` of the best, which stands first."""
+    rivals = [
+        item
+        for item in entries
+        if item is not best
+        and len(item.names) <= len(best.names)
+        and 0.0 <= best.log_evidence - item.log_evidence < RIVALS
+    ]
+    return tuple(
+        (item.names, math.exp(item.log_evidence - best.log_evidence)) for item in (best, *rivals)
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -134,14 +142,6 @@ def _askable(system: System, given: Sequence[Block]) -> System:
         )
     ]  # fmt: skip
     return replace(system, blocks=tuple(blocks))
-
-
-def blocks_of(system: System, entry: Entry) -> list[Block]:
-    """The effects of a set at their best grid points."""
-    return [
-        next(b for b in system.blocks if b.candidate.name == name and b.value == value)
-        for name, value in zip(entry.names, entry.values, strict=True)
-    ]
 
 
 def _findings(

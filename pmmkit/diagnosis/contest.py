@@ -70,12 +70,17 @@ class Entry:
     values: tuple[float, ...]
 
 
+def price(system: System) -> float:
+    """ln evidence that an effect must pay for the size of the catalogue."""
+    return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
+
+
 def contest(system: System, *, most: int = MOST) -> list[Entry]:
     """All single effects, and the sets that deserve it, best first."""
     by_name: dict[str, list[Block]] = {}
     for block in system.blocks:
         by_name.setdefault(block.candidate.name, []).append(block)
-    price = math.log(2.0 * len(by_name))
+    paid = price(system)
     index = {id(block): np.arange(block.columns.start, block.columns.stop)
              for block in system.blocks}  # fmt: skip
 
@@ -95,7 +100,7 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
         share = math.prod(len(by_name[name]) for name in names)
         return Entry(
             names=tuple(names), values=top[1],
-            log_evidence=top[0] + math.log(total / share) - price * len(names),
+            log_evidence=top[0] + math.log(total / share) - paid * len(names),
         )  # fmt: skip
 
     singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
@@ -152,10 +157,10 @@ def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> flo
         value = drawn[:, own] @ c - 0.5 * c @ G @ c
         value = value + 0.5 * np.sum(half**2, axis=0) - np.sum(np.log(np.diagonal(L)))
         by_name.setdefault(block.candidate.name, []).append(value)
-    price = math.log(2.0 * len(by_name))
+    paid = price(system)
     for own_values in by_name.values():
         stacked = np.stack(own_values)
         top = stacked.max(axis=0)
         mean = top + np.log(np.mean(np.exp(stacked - top), axis=0))
-        largest = np.maximum(largest, mean - price)
+        largest = np.maximum(largest, mean - paid)
     return float((1 + np.sum(largest >= best)) / (draws + 1))

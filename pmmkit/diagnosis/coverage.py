@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.leaving import columns_at, taken_with
 from pmmkit.diagnosis.system import WIDER, Block, System
 
 Array = NDArray[np.float64]
 SHOWS: Final = 12.0
-"""Squared signal over noise at its usual size from which an effect can be seen."""
+"""Squared signal over noise at its usual size from which an effect can be seen, whichever run is
+left out."""
 HIDES: Final = 15.0
 """Squared signal over noise that an effect hidden from these runs cannot exceed (95 %)."""
 MIMICS: Final = 0.6
@@ -33,6 +35,8 @@ class Visible:
         The effect.
     signal : float
         Squared signal over noise at its usual size, what the base can absorb taken off.
+    without_a_run : float
+        The same without the run that shows most of it.
     hides : float
         Share of the usual size that could hide.
     shown : bool
@@ -46,6 +50,7 @@ class Visible:
     name: str
     family: str
     signal: float
+    without_a_run: float
     hides: float
     shown: bool
     why: str
@@ -73,15 +78,17 @@ def coverage(system: System) -> tuple[Visible, ...]:
             best[name] = (signal, block)
     found = []
     for name, (signal, block) in best.items():
-        shown = signal >= SHOWS
+        left, run = _without_a_run(system, block)
+        shown = left >= SHOWS
         found.append(
             Visible(
                 name=name,
                 family=block.candidate.family,
                 signal=signal,
+                without_a_run=left,
                 hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
                 shown=shown,
-                why="" if shown else _why(block.candidate, signal),
+                why="" if shown else _why(block.candidate, signal, run),
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )
@@ -104,11 +111,22 @@ def _signal(system: System, block: Block) -> float:
     return float(a @ system.gram[block.columns, block.columns] @ a)
 
 
-def _why(candidate: Candidate, signal: float) -> str:
+def _without_a_run(system: System, block: Block) -> tuple[float, str]:
+    """What is left of the signal without the run that shows most of it, and that run."""
+    a = _at_usual_size(block)
+    columns = [(columns_at(piece, block.places) @ a)[:, None] for piece in system.pieces]
+    taken = {run: float(x[0, 0]) for run, x in taken_with(system, columns).items()}
+    run = max(taken, key=lambda run: taken[run])
+    return _signal(system, block) - taken[run], run
+
+
+def _why(candidate: Candidate, signal: float, run: str) -> str:
     if candidate.excites and signal == 0.0:
         return f"these runs hold no {' and no '.join(candidate.excites)}"
     if signal < 0.1:
         return "the base absorbs it: its coefficients take it over"
+    if signal >= SHOWS:
+        return f"the run {run} shows it alone; repeat that run"
     return "too small beside noise, run scatter and floor"
 
 
