@@ -59,7 +59,9 @@ class Lack:
     log_evidence: float
 
 
-def chosen(system: System, entries: Sequence[Entry]) -> Entry | None:
+def chosen(
+    system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
+) -> Entry | None:  # fmt: skip
     """The best set of which every effect is needed.
 
     Parameters
@@ -67,7 +69,9 @@ def chosen(system: System, entries: Sequence[Entry]) -> Entry | None:
     system : System
         Runs, base and candidates.
     entries : sequence of Entry
-        Best first.
+        Sets beside the effects that are given, best first.
+    given : sequence of Block
+        Effects that the base has already.
 
     Returns
     -------
@@ -76,7 +80,8 @@ def chosen(system: System, entries: Sequence[Entry]) -> Entry | None:
         without the run that helps it most; nothing where no set is so. An effect that hangs on one
         run in a better set is not tried again.
     """
-    least = price(system) + LEAST
+    known = knowing(system, given)
+    least = price(known) + LEAST
     alone: set[str] = set()
     unneeded: list[set[str]] = []
     for entry in entries:
@@ -85,11 +90,11 @@ def chosen(system: System, entries: Sequence[Entry]) -> Entry | None:
         names = set(entry.names)
         if names & alone or any(names >= other for other in unneeded):
             continue
-        blocks = blocks_of(system, entry)
-        if min(gains(system, blocks)) < NEEDED:
+        blocks = blocks_of(known, entry)
+        if min(gains(known, blocks)) < NEEDED:
             unneeded.append(names)
             continue
-        left = least_gains(system, blocks)
+        left = least_gains(system, blocks, given)
         if min(left)[0] >= least:
             return entry
         alone |= {name for name, (gain, _) in zip(entry.names, left, strict=True) if gain < least}
@@ -155,18 +160,21 @@ def flags(
         for name in _lesser_kin(known, blocks)
     ]
     if first is not None and first.log_evidence > LEAST:
-        reasons += _refused(known, blocks_of(known, first), blocks)
+        reasons += _refused(system, blocks_of(known, first), blocks, given)
     return ("not_the_whole_story", *reasons) if reasons else ()
 
 
-def _refused(system: System, first: Sequence[Block], blocks: Sequence[Block]) -> list[str]:
+def _refused(
+    system: System, first: Sequence[Block], blocks: Sequence[Block], given: Sequence[Block]
+) -> list[str]:
     """Why effects of the set of the greatest evidence are not in the answer."""
-    answered, least = [block.candidate for block in blocks], price(system) + LEAST
+    answered = [block.candidate for block in blocks]
+    least = price(knowing(system, given)) + LEAST
     return [
         f"{block.candidate.name} hangs on the run {run} alone"
         if left < least
         else f"{block.candidate.name} may stand for an error of form of the others"
-        for block, (left, run) in zip(first, least_gains(system, first), strict=True)
+        for block, (left, run) in zip(first, least_gains(system, first, given), strict=True)
         if block.candidate not in answered
     ]
 

@@ -63,7 +63,7 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     covered = coverage(known.system)
     singles = [item for item in entries if len(item.names) == 1]
     chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
-    best = chosen(known.system, entries) if chance < CHANCE else None
+    best = chosen(system, entries, known.used) if chance < CHANCE else None
     blocks = blocks_of(known.system, best) if best else []
     doubts = flags(system, blocks, known.used, entries[0] if chance < CHANCE else None)
     verdict: Verdict = "missing_effect" if best else "unexplained" if doubts else "noise"

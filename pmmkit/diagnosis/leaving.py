@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,25 +66,29 @@ def _run_of(system: System, piece: Piece, row: int) -> str:
     )
 
 
-def least_gains(system: System, blocks: Sequence[Block]) -> tuple[tuple[float, str], ...]:
+def least_gains(
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = ()
+) -> tuple[tuple[float, str], ...]:
     """ln evidence that each effect of a set adds without the run that helps it most, and that run.
 
     Parameters
     ----------
     system : System
-        Runs, base and candidates.
+        Runs, base and candidates; of the base alone.
     blocks : sequence of Block
         The set.
+    given : sequence of Block
+        Effects that the base has already.
 
     Returns
     -------
     tuple of (float, str)
     """
-    at = np.concatenate([block.places for block in blocks])
+    at = np.concatenate([block.places for block in (*blocks, *given)])
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
     gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
     edges = np.cumsum([0, *(len(block.places) for block in blocks)])
-    rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in zip(edges, edges[1:])]
+    rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
     found = [(np.inf, "")] * len(blocks)
     for run, taken in taken_with(system, columns).items():
         G, s = gram - taken[:-1, :-1], score - taken[:-1, -1]
