@@ -24,6 +24,7 @@ from pmmkit.diagnosis.system import (
     candidate_columns,
     channels_of,
     floor_features,
+    offset_column,
     run_columns,
     transient_columns,
 )
@@ -66,7 +67,7 @@ def build(
         for candidate in candidates
         for value in candidate.grid
     ]
-    own = {c.name: run_columns(c, views, base, predicted[c.name]) for c in channels}
+    own = run_columns(channels, views, base, predicted)
     floors = {c.name: floor * floor_features(c, views, base) for c in channels}
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
@@ -110,17 +111,14 @@ def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Ba
     """The base with values by weighted least squares, run scatter at usual sizes."""
     values: dict[str, float] = dict(base.values)
     for c in channels:
-        own = run_columns(c, views, replace(base, values=_zeros(base)), np.zeros(len(c.y)))
+        own = np.zeros((len(c.y), 3))
+        own[:, 0] = offset_column(c, views, base)
         white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
         size = np.linalg.norm(white[:, :-1], axis=0)
         size = np.where(size > 0, size, 1.0)
         found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=1e-10)[0] / size
         values |= dict(zip(base.names[c.name], found.tolist(), strict=True))
     return replace(base, values=values)
-
-
-def _zeros(base: Base) -> dict[str, float]:
-    return {name: 0.0 for names in base.names.values() for name in names}
 
 
 def prior_sizes(candidate: Candidate) -> Array:

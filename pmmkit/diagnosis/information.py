@@ -114,6 +114,10 @@ def rows_of(
     ]
     of_run: dict[str, dict[str, Array]] = {view.run.id: {} for view in views}
     null, prior = {}, {}
+    predicted = {
+        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
+    }
+    own = run_columns(channels, views, base, predicted)
     for c in channels:
         p = c.design.shape[1]
         effects = np.zeros((len(c.y), len(centre)))
@@ -121,10 +125,8 @@ def rows_of(
             if c.name in by_channel:
                 effects[:, block.columns] = by_channel[c.name] * prior_sizes(block.candidate)
         features = floor * floor_features(c, views, base)
-        predicted = c.design @ [base.values[name] for name in base.names[c.name]]
-        own = run_columns(c, views, base, predicted)
         columns = np.column_stack([c.design, features, effects, c.y])
-        white = whitened(c, columns, own, scatter)
+        white = whitened(c, columns, own[c.name], scatter)
         size = np.linalg.norm(white[:, :p], axis=0)
         white[:, :p] /= np.where(size > 0, size, 1.0)
         null[c.name] = p + FEATURES

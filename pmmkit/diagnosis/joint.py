@@ -20,7 +20,6 @@ from pmmkit.diagnosis.system import (
     System,
     candidate_columns,
     floor_features,
-    run_columns,
     transient_columns,
 )
 from pmmkit.diagnosis.views import View
@@ -163,6 +162,7 @@ def _stack(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> _
     predicted = {
         c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
     }
+    own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
     known = [name for c in channels for name in base.names[c.name]]
     parts = [_columns(block, system, predicted) for block in effects]
     features = {c.name: floor * floor_features(c, views, base) for c in channels if floor > 0}
@@ -183,9 +183,8 @@ def _stack(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> _
                 block[:, at : at + feature.shape[1]] = feature
             at += feature.shape[1]
         block[:, -1] = c.y
-        own = run_columns(c, views, base, predicted[c.name])
         plain.append(block)
-        white.append(whitened(c, block, own, system.scatter))
+        white.append(whitened(c, block, own[c.name], system.scatter))
         places[c.name] = slice(row, row + len(c.y))
         row += len(c.y)
     names = [*known, *(label for block in effects for label in _labels(block))]
@@ -287,8 +286,7 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     -------
     JointFit
     """
-    first = _solved(_stack(system, effects))
-    tangents = _tangents(system, effects, first.solution)
+    tangents = _tangents(system, effects)
     stack = _stack(system, [*effects, *tangents], floor=floor)
     found = _solved(stack)
     inverse = np.linalg.inv(found.R) / found.size[:, None]
@@ -299,8 +297,11 @@ def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) ->
     return JointFit(names=stack.names, values=values, covariance=covariance)
 
 
-def _tangents(system: System, effects: Sequence[Block], solution: Array) -> list[Block]:
+def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
     """The change of each effect with its nonlinear parameter, as effects of their own."""
+    if not any(block.candidate.continuous for block in effects):
+        return []
+    solution = _solved(_stack(system, effects)).solution
     made = []
     at = len([name for c in system.channels for name in system.base.names[c.name]])
     for block in effects:

@@ -46,11 +46,8 @@ def taken_with(system: System, columns: Sequence[Array]) -> Mapping[str, Array]:
     """
     found: dict[str, Array] = {}
     for piece, own in zip(system.pieces, columns, strict=True):
-        channel, span = piece.projection.channel, piece.projection.span
-        for rows in channel.runs:
-            inverse = np.linalg.pinv(
-                np.eye(len(rows)) - span[rows] @ span[rows].T, rcond=1e-8, hermitian=True
-            )
+        projection = piece.projection
+        for rows, inverse in zip(projection.channel.runs, projection.alone, strict=True):
             run = _run_of(system, piece, int(rows[0]))
             part = own[rows].T @ inverse @ own[rows]
             found[run] = found[run] + part if run in found else part

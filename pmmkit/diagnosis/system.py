@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.views import View
+from pmmkit.effects.state import State
 
 if TYPE_CHECKING:
     from pmmkit.diagnosis.whitening import Piece
@@ -26,6 +27,8 @@ FEATURES: Final = 96
 """Random features of the smooth floor, per channel."""
 SMOOTH: Final = 0.8
 """Length scale of the floor over the range of each variable."""
+STEP: Final = 1e-4
+"""Change of the drift for its derivative [rad]."""
 LEAST: Final = 1e-4
 """Least standard deviation of a mean or harmonic, over the channel's rms force."""
 TRANSIENT: Final = (0.7, 1.5, 3.0)
@@ -197,26 +200,39 @@ def _diagonal(blocks: Sequence[Array]) -> Array:
     return whole
 
 
-def run_columns(channel: Channel, views: Sequence[View], base: Base, predicted: Array) -> Array:
-    """What each run draws for itself, at size one: offset, gain, degree of drift (n, 3)."""
-    found = np.zeros((len(channel.y), 3))
+def offset_column(channel: Channel, views: Sequence[View], base: Base) -> Array:
+    """An offset of each run in a channel, at size one (n,)."""
+    found = np.zeros(len(channel.y))
     for i, rows in zip(channel.views, channel.rows, strict=True):
-        view = views[i]
-        if view.has_mean:
-            found[rows.start, 0] = channel.scale * base.reference**2
-        found[rows, 1] = predicted[rows]
-        if view.run.settings.drift and not view.run.dynamic:
-            found[rows, 2] = _by_drift(view, base, channel.name)
+        if views[i].has_mean:
+            found[rows.start] = channel.scale * base.reference**2
     return found
 
 
-def _by_drift(view: View, base: Base, channel: str) -> Array:
-    """Change of a static force per degree of drift."""
-    m, step = view.motion, 1e-4
-    c, s = math.cos(step), math.sin(step)
-    moved = m.with_(u=c * m.u + s * m.v, v=c * m.v - s * m.u)
-    before, after = base.forces(m, view.speed)[channel], base.forces(moved, view.speed)[channel]
-    return view.project((after - before) / math.degrees(step))
+def run_columns(
+    channels: Sequence[Channel], views: Sequence[View], base: Base, predicted: Mapping[str, Array]
+) -> dict[str, Array]:
+    """What each run draws for itself, at size one: offset, gain, degree of drift (n, 3)."""
+    turned = {
+        i: base.change(view, _turned, math.degrees(STEP))
+        for i, view in enumerate(views)
+        if view.run.settings.drift and not view.run.dynamic
+    }
+    found = {}
+    for c in channels:
+        drift = np.zeros(len(c.y))
+        for i, rows in zip(c.views, c.rows, strict=True):
+            if i in turned:
+                drift[rows] = turned[i][c.name]
+        found[c.name] = np.stack([offset_column(c, views, base), predicted[c.name], drift], axis=1)
+    return found
+
+
+def _turned(view: View) -> tuple[State, float]:
+    """The motion of a model that drifts a little more."""
+    m = view.motion
+    c, s = math.cos(STEP), math.sin(STEP)
+    return m.with_(u=c * m.u + s * m.v, v=c * m.v - s * m.u), view.speed
 
 
 def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: int = 12345) -> Array:

@@ -187,10 +187,12 @@ def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> l
     whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
     found = []
     for first, last, early in ((2, 2, True), (3, count, False)):
-        piece = _view(prepare(whole.run, campaign, cycles=(first, last)), rig, keep)
+        cut = prepare(whole.run, campaign, cycles=(first, last), noise=False)
+        piece = _view(cut, rig, True)
         wider = (count - 1.0) / (last - first + 1.0)
         noise = {name: wider * x for name, x in whole.covariance.items()}
-        found.append(replace(piece, covariance=noise, early=early))
+        force = {name: x for name, x in piece.force.items() if name in whole.force}
+        found.append(replace(piece, force=force, covariance=noise, early=early))
     return found
 
 

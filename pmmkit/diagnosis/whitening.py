@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -64,6 +65,21 @@ class Projection:
     scatter: Scatter
     span: Array
     freedom: int
+
+    @cached_property
+    def alone(self) -> tuple[Array, ...]:
+        """Of each run's rows with basis S the inverse of I - S S': what a fit without it has."""
+        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        sizes: dict[int, list[int]] = {}
+        for number, rows in enumerate(self.channel.runs):
+            sizes.setdefault(len(rows), []).append(number)
+        for size, own in sizes.items():
+            S = self.span[np.stack([self.channel.runs[number] for number in own])]
+            inner = np.eye(size) - S @ np.swapaxes(S, 1, 2)
+            inverse = np.linalg.pinv(inner, rcond=1e-8, hermitian=True)
+            for number, one in zip(own, inverse, strict=True):
+                found[number] = one
+        return tuple(found)
 
     def left(self, columns: Array) -> Array:
         """Columns (n, q) whitened, with what base and floor explain taken off (n + D, q)."""

@@ -141,7 +141,9 @@ def label_harmonics(order: int) -> tuple[str, ...]:
     return ("C0", *(f"{kind}{n}" for n in range(1, order + 1) for kind in "CS"))
 
 
-def prepare(run: Run, campaign: Campaign, *, cycles: CycleChoice = None) -> Prepared:
+def prepare(
+    run: Run, campaign: Campaign, *, cycles: CycleChoice = None, noise: bool = True
+) -> Prepared:
     """Cut one run to its steady window or whole cycles and project it.
 
     Parameters
@@ -152,6 +154,9 @@ def prepare(run: Run, campaign: Campaign, *, cycles: CycleChoice = None) -> Prep
         Ship and conventions.
     cycles : int or (int, int), optional
         Only this cycle, or these; the cycle-to-cycle test decides where absent.
+    noise : bool
+        Whether the noise of an oscillating record is estimated; without it there are no
+        covariances.
 
     Raises
     ------
@@ -172,7 +177,10 @@ def prepare(run: Run, campaign: Campaign, *, cycles: CycleChoice = None) -> Prep
             )
         )
     make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
-    prepared = make[run.kind](run, campaign, data, channels, cycles)
+    if run.kind == "history" and run.dynamic:
+        prepared = _from_cycles(run, campaign, data, channels, cycles, noise)
+    else:
+        prepared = make[run.kind](run, campaign, data, channels, cycles)
     steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
     return replace(prepared, result=replace(prepared.result, conversions=steps))
 
@@ -182,12 +190,10 @@ def _froude(run: Run, campaign: Campaign) -> float:
 
 
 def _from_history(
-    run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], cycles: CycleChoice
+    run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], _: CycleChoice
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
-    if run.dynamic:
-        return _from_cycles(run, campaign, data, channels, times, record, cycles)
     window = steady_window(times, record)
     cut = slice(window.start, window.stop)
     mean = steady_mean(times[cut], record[:, cut])
@@ -227,42 +233,42 @@ def _from_cycles(
     campaign: Campaign,
     data: xr.Dataset,
     channels: list[str],
-    times: Array,
-    record: Array,
     cycles: CycleChoice,
+    noise: bool,
 ) -> Prepared:
+    times = np.asarray(data["t"].values, float)
+    record = np.stack([np.asarray(data[name].values, float) for name in channels])
     phase = displacement_phase(run, data, times)
     kept = whole_cycles(times, phase, record, cycles=cycles)
     cut = slice(kept.start, kept.stop)
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
     if nominal is not None and kept.count >= 3:
-        found, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
-        slip = abs(found - nominal) * (times[cut][-1] - times[cut][0])
-        if abs(found - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
+        own, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
+        slip = abs(own - nominal) * (times[cut][-1] - times[cut][0])
+        if abs(own - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
             notes = (
-                f"{run.id}: the record oscillates at {found:.5g} rad/s (± {deviation:.1g}), "
+                f"{run.id}: the record oscillates at {own:.5g} rad/s (± {deviation:.1g}), "
                 f"the campaign says {nominal:.5g}; the record counts.",
             )
-            run = run.with_(settings=replace(run.settings, period=2 * math.pi / found))
+            run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
             phase = displacement_phase(run, data, times)
             kept = whole_cycles(times, phase, record, cycles=cycles)
             cut = slice(kept.start, kept.stop)
     part = data.isel(t=cut)
     theta = phase[cut]
-    found_harmonics: Harmonics = harmonics(theta, record[:, cut], order=ORDER)
     projection = projector(design_matrix(theta, ORDER))
-    scatter = found_harmonics.scatter
+    found: Harmonics | None = harmonics(theta, record[:, cut], order=ORDER) if noise else None
+    values = record[:, cut] @ projection.T if found is None else found.coefficients
+    scatter = None if found is None else found.scatter
     return Prepared(
         result=RunResult(
             run=run,
             froude=_froude(run, campaign),
             labels=label_harmonics(ORDER),
-            measured=_without_mean(
-                dict(zip(channels, found_harmonics.coefficients, strict=True)), run
-            ),
-            covariance=dict(zip(channels, found_harmonics.covariance, strict=True)),
-            dof=dict(zip(channels, found_harmonics.dof.tolist(), strict=True)),
+            measured=_without_mean(dict(zip(channels, values, strict=True)), run),
+            covariance={} if found is None else dict(zip(channels, found.covariance, strict=True)),
+            dof={} if found is None else dict(zip(channels, found.dof.tolist(), strict=True)),
             samples=kept.stop - kept.start,
             window=kept.reason,
             cycles=kept.count,
