@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.contest import Entry, evidence_at, price
 from pmmkit.diagnosis.given import knowing
 from pmmkit.diagnosis.leaving import columns_at, least_gains
-from pmmkit.diagnosis.system import Block, Channel, System
+from pmmkit.diagnosis.rows import Channel
+from pmmkit.diagnosis.system import Block, System
 from pmmkit.diagnosis.views import View
 from pmmkit.diagnosis.whitening import Piece, whitened
 

@@ -11,15 +11,13 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.rows import Channel, Places, Scatter
 from pmmkit.diagnosis.system import (
     FEATURES,
     TRANSIENT,
     TYPICAL_TRANSIENT,
     WIDER,
     Block,
-    Channel,
-    Places,
-    Scatter,
     System,
     candidate_columns,
     channels_of,

@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.system import Block, Places, System
+from pmmkit.diagnosis.rows import Places
+from pmmkit.diagnosis.system import Block, System
 
 Array = NDArray[np.float64]
 MOST: Final = 3

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -77,8 +77,8 @@ def coverage(system: System) -> tuple[Visible, ...]:
         if name not in best or signal > best[name][0]:
             best[name] = (signal, block)
     found = []
-    for name, (signal, block) in best.items():
-        left, run = _without_a_run(system, block)
+    robust = _without_a_run(system, [block for _, block in best.values()])
+    for (name, (signal, block)), (left, run) in zip(best.items(), robust, strict=True):
         shown = left >= SHOWS
         found.append(
             Visible(
@@ -111,13 +111,22 @@ def _signal(system: System, block: Block) -> float:
     return float(a @ system.gram[block.columns, block.columns] @ a)
 
 
-def _without_a_run(system: System, block: Block) -> tuple[float, str]:
-    """What is left of the signal without the run that shows most of it, and that run."""
-    a = _at_usual_size(block)
-    columns = [(columns_at(piece, block.places) @ a)[:, None] for piece in system.pieces]
-    taken = {run: float(x[0, 0]) for run, x in taken_with(system, columns).items()}
-    run = max(taken, key=lambda run: taken[run])
-    return _signal(system, block) - taken[run], run
+def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float, str]]:
+    """What is left of each signal without the run that shows most of it, and that run."""
+    sizes = [_at_usual_size(block) for block in blocks]
+    columns = [
+        np.column_stack(
+            [columns_at(piece, b.places) @ a for b, a in zip(blocks, sizes, strict=True)]
+        )
+        for piece in system.pieces
+    ]
+    taken = {run: np.diagonal(x) for run, x in taken_with(system, columns).items()}
+    runs = list(taken)
+    lost = np.stack([taken[run] for run in runs])
+    return [
+        (_signal(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
+        for k, block in enumerate(blocks)
+    ]
 
 
 def _why(candidate: Candidate, signal: float, run: str) -> str:

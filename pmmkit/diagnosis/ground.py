@@ -22,7 +22,8 @@ from pmmkit.diagnosis.planned import (
     stated_noise,
     with_names,
 )
-from pmmkit.diagnosis.system import Scatter, System, channels_of
+from pmmkit.diagnosis.rows import Scatter
+from pmmkit.diagnosis.system import System, channels_of
 from pmmkit.diagnosis.views import View
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.model import Model

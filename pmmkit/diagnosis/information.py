@@ -19,12 +19,11 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.build import TRANSIENT_FAULT, prior_sizes
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.rows import Places, Scatter
 from pmmkit.diagnosis.system import (
     FEATURES,
     WIDER,
     Block,
-    Places,
-    Scatter,
     candidate_columns,
     channels_of,
     floor_features,

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.build import TRANSIENT_FAULT, prior_sizes
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.rows import Places
 from pmmkit.diagnosis.system import (
     TYPICAL_TRANSIENT,
     WIDER,
     Block,
-    Places,
     System,
     candidate_columns,
     floor_features,

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.contest import log_evidence
-from pmmkit.diagnosis.system import Block, Places, System
+from pmmkit.diagnosis.rows import Places
+from pmmkit.diagnosis.system import Block, System
 from pmmkit.diagnosis.whitening import Piece
 
 Array = NDArray[np.float64]

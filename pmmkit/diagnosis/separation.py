@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.contest import log_evidence
 from pmmkit.diagnosis.information import Reduced, Rows, at_usual_size, known
-from pmmkit.diagnosis.system import Block, Places
+from pmmkit.diagnosis.rows import Places
+from pmmkit.diagnosis.system import Block
 
 Array = NDArray[np.float64]
 NEAR: Final = 8

@@ -6,21 +6,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.rows import Channel, Places, Scatter
 from pmmkit.diagnosis.views import View
+from pmmkit.diagnosis.whitening import Piece
 from pmmkit.effects.state import State
 
-if TYPE_CHECKING:
-    from pmmkit.diagnosis.whitening import Piece
-
 Array = NDArray[np.float64]
-Places = NDArray[np.intp]
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
 FEATURES: Final = 96
@@ -33,54 +31,6 @@ LEAST: Final = 1e-4
 """Least standard deviation of a mean or harmonic, over the channel's rms force."""
 TRANSIENT: Final = (0.7, 1.5, 3.0)
 TYPICAL_TRANSIENT: Final = 0.08
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Channel:
-    """Rows of one channel: the means and harmonics of all views that have it.
-
-    Parameters
-    ----------
-    name : str
-        X, Y, N or K.
-    views : tuple of int
-        Views that have it.
-    rows : tuple of slice
-        Their rows.
-    runs : tuple of array
-        Rows of each run.
-    y : array (n,)
-        Forces.
-    design : array (n, p)
-        Base.
-    noise : tuple of array (m, m)
-        Covariance of the noise of each run's rows.
-    scale : float
-        Root mean square over the views of the force over U² [N/(m/s)²].
-    """
-
-    name: str
-    views: tuple[int, ...]
-    rows: tuple[slice, ...]
-    runs: tuple[Places, ...]
-    y: Array
-    design: Array
-    noise: tuple[Array, ...]
-    scale: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scatter:
-    """What differs from run to run: offset over the scale, gain, drift setting [deg]."""
-
-    offset: float = 0.003
-    gain: float = 0.004
-    drift: float = 0.0
-
-    @property
-    def sizes(self) -> Array:
-        """The three, in the order of the columns of `run_columns`."""
-        return np.array([self.offset, self.gain, self.drift])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

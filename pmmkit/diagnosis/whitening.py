@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.system import Channel, Places, Scatter
+from pmmkit.diagnosis.rows import Channel, Places, Scatter
 
 Array = NDArray[np.float64]
 OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03, 0.05)
