@@ -87,12 +87,14 @@ EFFECTS: Final = (
     ),
     terms(
         "even_hull_terms", "asymmetry", "Forces that are the same to port and to starboard.",
-        {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003}, source="Abkowitz 1964",
+        {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003, "Yvr": 0.001, "Nvr": 0.001},
+        source="Abkowitz 1964",
         check="static drift to both sides",
     ),
     terms(
         "heel_coupling", "heel", "Forces of the heel angle.",
-        {"Yphi": -4e-4, "Nphi": -3e-4, "Yvphiphi": 0.003, "Nvvphi": -0.019},
+        {"Yphi": -4e-4, "Nphi": -3e-4, "Yvphiphi": 0.003, "Nvvphi": -0.019,
+         "Yrphiphi": 0.003, "Nrrphi": -0.003},
         source="Son and Nomoto 1981",
         check="static heel of 5 and 10° straight ahead", excites=("roll",),
     ),
