@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.faults import fault_of
 from pmmkit.diagnosis.rows import Channel, Places, Scatter
 from pmmkit.diagnosis.system import (
     FEATURES,
@@ -225,9 +226,4 @@ def _no_columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
     return {}
 
 
-TRANSIENT_FAULT: Final = Candidate(
-    name="fault_transient", family="rig", kind="fault",
-    summary="Forces of the start that have not died away.", coefficients=("share [-]",),
-    typical=(TYPICAL_TRANSIENT,), columns=_no_columns, grid=TRANSIENT,
-    parameter="decay in L/U", check="leave out more cycles",
-)  # fmt: skip
+TRANSIENT_FAULT: Final = fault_of("fault_transient", _no_columns, grid=TRANSIENT)

@@ -179,7 +179,7 @@ def _creep(view: View, base: Base, value: float) -> Mapping[str, Array]:
     return spread_over(view, {"Y": [grown, zero], "N": [zero, grown]}, 2)
 
 
-def _fault(
+def fault_of(
     name: str, columns: Columns, *, grid: tuple[float, ...] = (0.0,),
     centre: tuple[float, ...] = (), continuous: bool = False,
 ) -> Candidate:  # fmt: skip
@@ -196,21 +196,27 @@ def _fault(
 
 
 FAULTS: Final = (
-    _fault("fault_misalignment", _turned),
-    _fault("current", _drift_of_the_tank),
-    _fault("fault_gauge_zero", _zero),
-    _fault("fault_time_lag", _clock),
-    _fault("fault_filter_lag", _filter, grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0), centre=(1.0,)),
-    _fault("fault_cross_talk", _cross_talk, grid=(0.0, 1.0)),
-    _fault("fault_gauge_gain", _gain),
-    _fault("fault_moment_point", _point),
-    _fault("fault_inertia", _inertia),
-    _fault("fault_pmm_amplitude", _amplitude),
-    _fault("fault_pmm_phase", _phase, grid=(0.0, 1.0)),
-    _fault("fault_gauge_drift", _creep),
+    fault_of("fault_misalignment", _turned),
+    fault_of("current", _drift_of_the_tank),
+    fault_of("fault_gauge_zero", _zero),
+    fault_of("fault_time_lag", _clock),
+    fault_of(
+        "fault_filter_lag",
+        _filter,
+        grid=(1.0, 1.4, 2.0, 2.8, 4.0, 6.0, 10.0),
+        centre=(1.0,),
+        continuous=True,
+    ),
+    fault_of("fault_cross_talk", _cross_talk, grid=(0.0, 1.0)),
+    fault_of("fault_gauge_gain", _gain),
+    fault_of("fault_moment_point", _point),
+    fault_of("fault_inertia", _inertia),
+    fault_of("fault_pmm_amplitude", _amplitude),
+    fault_of("fault_pmm_phase", _phase, grid=(0.0, 1.0)),
+    fault_of("fault_gauge_drift", _creep),
 )
 
 
 def carriage_fault(speeds: tuple[float, ...]) -> Candidate:
     """The carriage's speed wrong at one of the speeds tested."""
-    return _fault("fault_carriage_speed", _carriage, grid=speeds)
+    return fault_of("fault_carriage_speed", _carriage, grid=speeds)

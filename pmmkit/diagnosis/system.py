@@ -16,6 +16,7 @@ from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.rows import Channel, Places, Scatter
 from pmmkit.diagnosis.views import View
 from pmmkit.diagnosis.whitening import Piece
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.state import State
 
 Array = NDArray[np.float64]
@@ -30,7 +31,7 @@ STEP: Final = 1e-4
 LEAST: Final = 1e-4
 """Least standard deviation of a mean or harmonic, over the channel's rms force."""
 TRANSIENT: Final = (0.7, 1.5, 3.0)
-TYPICAL_TRANSIENT: Final = 0.08
+TYPICAL_TRANSIENT: Final = effect_of("fault_transient").coefficients[0].typical or 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
