@@ -12,12 +12,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.adequacy import LEAST
+from pmmkit.diagnosis.answering import CHANCE, RIVALS
 from pmmkit.diagnosis.contest import Entry
-from pmmkit.diagnosis.diagnose import CHANCE, LEAST, RIVALS, Diagnosis, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Verdict
 from pmmkit.diagnosis.free_candidates import CURRENT, RUDDER_ZERO, FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_contest import (
     Basis,
     Fit,
+    Point,
+    Screen,
     basis_of,
     chance_of,
     fitted,
@@ -259,7 +263,7 @@ def diagnose_free(
             window=held_out_window or window or WINDOW * model.ship.L / speed, current=current,
             zero=zero, sensors=sensors, extrapolate=extrapolate,
         )  # fmt: skip
-    covered = coverage_of(seen, judge.likeness(null.z), every)
+    covered = coverage_of(seen, _fewer(here, basis, wider), judge.likeness(null.z), every)
     return Diagnosis(
         verdict=verdict, group=tuple(group) if told else (),
         flags=flags_of(told, many, left),
@@ -284,6 +288,15 @@ def _entries(
     gains = dict(sets) | {item.names: item.gain for item in settled}
     order = sorted(gains.items(), key=lambda item: -item[1])
     return tuple(Entry(names=names, log_evidence=gain, values=()) for names, gain in order)
+
+
+def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
+    """The linear problem without one record after another."""
+    found = []
+    for number in np.unique(here.linear.owners):
+        kept = here.linear.owners != number
+        found.append(screen(replace(here, G=here.G[kept], y=here.y[kept]), basis, wider))
+    return found
 
 
 def _weighed(system: FreeSystem, basis: Basis, every: Sequence[str]) -> tuple[FreeSystem, float]:
