@@ -2,10 +2,10 @@
 
     python scripts/diagnose_free_study.py [--seeds 3] [--first 0] [--hidden none asymmetry ...]
 
-The 7 m model of KVLCC2 sails six zigzags with an effect hidden in it; the model that is diagnosed is
-off by 3 % (one standard deviation) in every value, and the diagnosis knows no more than that. All
-candidates take part, in sets of up to two. Ship and simulator are pmmkit's own: this counts, it
-does not validate; for that see the real cases, and the trajectories of another program in the tests.
+The 7 m model of KVLCC2 sails six zigzags with an effect hidden in it; the model that is diagnosed
+is off by 3 % (one standard deviation) in every value, and the diagnosis knows no more than that.
+All candidates take part, in sets of up to two. Ship and simulator are pmmkit's own: this counts, it
+does not validate; for that see the real cases, and trajectories of another program in the tests.
 """
 
 from __future__ import annotations

@@ -25,9 +25,9 @@ from pmmkit.model import Model
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 LEFT: Final = 4.0
-"""Errors of left-out records over the tolerance from which something is left to explain."""
-BEYOND: Final = 3.0
-"""Unknown forces over their floor from which something is left to explain."""
+"""Errors of fitted records over the tolerance from which something is left to explain."""
+BEYOND: Final = 10.0
+"""ln evidence of unknown forces above the floor from which something is left to explain."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
