@@ -58,8 +58,9 @@ def told(found: Diagnosis) -> None:
     for names, share in found.group:
         print(f"  {' + '.join(names)}   odds to the best {share:.2g}")
     for item in found.findings:
+        falls = [f"{100 * (1 - b / a):.0f} % ({k})" for k, (a, b) in item.errors.items()]
         print(f"  {item.family}: {item.effect}, {item.evidence}; left-out errors fall by "
-              + ", ".join(f"{100 * x:.0f} % ({k})" for k, x in item.explained.items()))  # fmt: skip
+              f"{', '.join(falls)}")  # fmt: skip
         for name, value in item.coefficients.items():
             print(f"     {name:28} {value:10.5f} ± {item.std[name]:.5f}   usual "
                   f"{item.typical[name]:.5f}")  # fmt: skip

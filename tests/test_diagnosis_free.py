@@ -84,7 +84,8 @@ def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
     assert asymmetric.chance < 0.01
     for name, true in (("Y0", 0.0022), ("N0", -0.001)):
         assert abs(finding.coefficients[name] - true) < 3.5 * finding.std[name]
-    assert finding.explained["heading"] > 0.3
+    assert finding.error_after < 0.7 * finding.error_before
+    assert finding.to_dict()["errors"]["heading"]["unit"] == "deg"
     before = asymmetric.errors["held out, base refitted"]
     after = asymmetric.errors["held out, with the effects"]
     assert after["heading"] < 0.6 * before["heading"]

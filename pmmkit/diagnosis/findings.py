@@ -6,14 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.diagnosis.contest import Entry
 from pmmkit.diagnosis.coverage import Visible
+from pmmkit.model import Model
 
 if TYPE_CHECKING:
     import pandas as pd
 
+UNITS: Final[Mapping[str, str]] = {"X": "N", "Y": "N", "heading": "deg", "speed": "m/s"}
+"""Of the errors; moments beside."""
 Verdict = Literal["noise", "missing_effect", "unexplained"]
 
 
@@ -44,9 +47,10 @@ class Finding:
     separating_test : str
         What would tell it from others.
     error_before, error_after : float
-        Held-out error without and with it, over the rms force, over all channels.
+        Held-out error without and with it, over the rms force, over all channels; of free-running
+        records that of the heading [deg].
     errors : mapping of channel to (before, after)
-        The same by channel [N, N m].
+        The same by channel [N, N m]; of free-running records heading [deg] and speed [m/s].
     """
 
     effect: str
@@ -88,7 +92,7 @@ class Finding:
             "evidence": self.evidence, "error_before": self.error_before,
             "error_after": self.error_after,
             "errors": {
-                name: {"before": before, "after": after, "unit": "N" if name in "XY" else "N m"}
+                name: {"before": before, "after": after, "unit": UNITS.get(name, "N m")}
                 for name, (before, after) in self.errors.items()
             },
             "explained": self.explained, "rivals": list(self.rivals),
@@ -124,6 +128,19 @@ class Diagnosis:
         Derivatives of the base without the effects.
     given : tuple of str
         Effects that the base has already.
+    errors : mapping of str to Mapping of str to float
+        Errors before and after (free-running records): of records left out one after another, and
+        of those held out.
+    model : Model, optional
+        With the best set, all values fitted together (free-running records).
+    refitted : Model, optional
+        With its own values fitted and no effect added.
+    current : (float, float)
+        Current of the best set where it holds one, to north and east [m/s]; no value of a model.
+    rudder_zero : float
+        The same of the rudder's zero [rad].
+    notes : tuple of str
+        What a reader must know.
     """
 
     verdict: Verdict
@@ -136,6 +153,12 @@ class Diagnosis:
     floor: float
     base: Mapping[str, float]
     given: tuple[str, ...] = ()
+    errors: Mapping[str, Mapping[str, float]] = field(default_factory=_none)
+    model: Model | None = None
+    refitted: Model | None = None
+    current: tuple[float, float] = (0.0, 0.0)
+    rudder_zero: float = 0.0
+    notes: tuple[str, ...] = ()
 
     @property
     def best(self) -> tuple[str, ...]:

@@ -12,12 +12,16 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.adequacy import LEAST
+from pmmkit.diagnosis.answering import CHANCE, RIVALS
 from pmmkit.diagnosis.contest import Entry
-from pmmkit.diagnosis.diagnose import CHANCE, LEAST, RIVALS, Diagnosis, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Verdict
 from pmmkit.diagnosis.free_candidates import CURRENT, RUDDER_ZERO, FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_contest import (
     Basis,
     Fit,
+    Point,
+    Screen,
     basis_of,
     chance_of,
     fitted,
@@ -26,7 +30,7 @@ from pmmkit.diagnosis.free_contest import (
     widened,
 )
 from pmmkit.diagnosis.free_scores import Judge, courses_of
-from pmmkit.diagnosis.free_system import FreeSystem, build_free, held, sized
+from pmmkit.diagnosis.free_system import FreeSystem, build_free, held, log_likelihood, sized
 from pmmkit.diagnosis.free_told import (
     BEYOND,
     LEFT,
@@ -239,8 +243,8 @@ def diagnose_free(
         if item.gain > settled[0].gain - RIVALS and len(item.names) <= len(settled[0].names)
     ]  # fmt: skip
     many = named and len(group) > LONGEST
-    left = left_over(judge, best.errors if named and best else before)
-    forced = bool(np.max(system.shares / system.least) > BEYOND)
+    left = left_over(judge, judge.kept_in((best.fit if named and best else null).z))
+    forced = _forced(system, system.start + basis.T @ null.z) / wider > BEYOND
     verdict: Verdict = "missing_effect" if named and not many else "noise"
     if many or (not named and forced and left > LEFT):
         verdict = "unexplained"
@@ -259,7 +263,7 @@ def diagnose_free(
             window=held_out_window or window or WINDOW * model.ship.L / speed, current=current,
             zero=zero, sensors=sensors, extrapolate=extrapolate,
         )  # fmt: skip
-    covered = coverage_of(seen, judge.likeness(null.z), every)
+    covered = coverage_of(seen, _fewer(here, basis, wider), judge.likeness(null.z), every)
     return Diagnosis(
         verdict=verdict, group=tuple(group) if told else (),
         flags=flags_of(told, many, left),
@@ -284,6 +288,21 @@ def _entries(
     gains = dict(sets) | {item.names: item.gain for item in settled}
     order = sorted(gains.items(), key=lambda item: -item[1])
     return tuple(Entry(names=names, log_evidence=gain, values=()) for names, gain in order)
+
+
+def _forced(system: FreeSystem, values: Array) -> float:
+    """ln of how much more likely the records are with unknown forces than with the floor's."""
+    small = system.with_shares(system.least)
+    return log_likelihood(system, values) - log_likelihood(small, values)
+
+
+def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
+    """The linear problem without one record after another."""
+    found = []
+    for number in np.unique(here.linear.owners):
+        kept = here.linear.owners != number
+        found.append(screen(replace(here, G=here.G[kept], y=here.y[kept]), basis, wider))
+    return found
 
 
 def _weighed(system: FreeSystem, basis: Basis, every: Sequence[str]) -> tuple[FreeSystem, float]:

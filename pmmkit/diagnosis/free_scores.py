@@ -176,6 +176,15 @@ class Judge:
             found[j] = squares(self.system, piece, course, values)
         return found
 
+    def kept_in(self, z: Array) -> Array:
+        """Mean squares (records, 2) of each record by some numbers, for all records alike."""
+        values = self.system.start + self.basis.T @ z
+        found = np.full((len(self.courses), 2), np.nan)
+        for j, (piece, course) in enumerate(zip(self.system.pieces, self.courses, strict=True)):
+            if course.windows:
+                found[j] = squares(self.system, piece, course, values)
+        return found
+
     def gain(self, without: Array, with_: Array) -> float:
         """ln of how much more probable the left-out records are with a set than without it.
 

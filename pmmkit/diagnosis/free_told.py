@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.coverage import HIDES, MIMICS, SHOWS, Visible
-from pmmkit.diagnosis.diagnose import Finding, odds
+from pmmkit.diagnosis.findings import Finding, odds
 from pmmkit.diagnosis.free_candidates import CURRENT, RUDDER_ZERO, FreeCandidate
 from pmmkit.diagnosis.free_contest import WIDER, Basis, Fit, Screen
 from pmmkit.diagnosis.free_scores import Judge
@@ -25,9 +25,9 @@ from pmmkit.model import Model
 Array = NDArray[np.float64]
 Names = tuple[str, ...]
 LEFT: Final = 4.0
-"""Errors of left-out records over the tolerance from which something is left to explain."""
-BEYOND: Final = 3.0
-"""Unknown forces over their floor from which something is left to explain."""
+"""Errors of fitted records over the tolerance from which something is left to explain."""
+BEYOND: Final = 10.0
+"""ln evidence of unknown forces above the floor from which something is left to explain."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -112,15 +112,18 @@ def flags_of(told: bool, many: bool, left: float) -> tuple[str, ...]:
     return (*found, *(["no_short_group"] if many else []))
 
 
+def _signal(seen: Screen, name: str, a: Array) -> float:
+    """Information on an effect at some size."""
+    at = seen.columns[name]
+    return float(a @ seen.gram[np.ix_(at, at)] @ a)
+
+
 def coverage_of(
-    seen: Screen, likeness: Array, every: Sequence[FreeCandidate]
+    seen: Screen, fewer: Sequence[Screen], likeness: Array, every: Sequence[FreeCandidate]
 ) -> tuple[Visible, ...]:
     """What the records could show of each candidate at its usual size; the most visible first."""
     usual = {item.name: np.full(len(item.moves), 1.0 / WIDER) for item in every}
-    signal = {
-        name: float(a @ seen.gram[np.ix_(seen.columns[name], seen.columns[name])] @ a)
-        for name, a in usual.items()
-    }
+    signal = {name: _signal(seen, name, a) for name, a in usual.items()}
     found = []
     for item in every:
         own, a = seen.columns[item.name], usual[item.name]
@@ -136,6 +139,7 @@ def coverage_of(
         found.append(
             Visible(
                 name=item.name, family=item.family, signal=signal[item.name],
+                without_a_run=min(_signal(x, item.name, a) for x in fewer),
                 hides=math.sqrt(HIDES / max(signal[item.name], 1e-6)),
                 shown=shown, why="" if shown else _why(signal[item.name]),
                 mimics=dict(sorted(mimics.items(), key=lambda x: -x[1])),
@@ -167,7 +171,9 @@ def findings_of(
         size = {label: WIDER * typical for label, typical in item.typical.items()}
         rest = tuple(name for name in best.names if name != item.name)
         without = judge.left_out(best.fit.here, rest) if rest else before
-        fall = 1.0 - pooled(judge, best.errors) / pooled(judge, without)
+        unit = np.array([math.degrees(1.0), 1.0])
+        off = (pooled(judge, without) * unit).tolist()
+        now = (pooled(judge, best.errors) * unit).tolist()
         numbers = zip(size.items(), own, strict=True)
         found.append(
             Finding(
@@ -183,7 +189,8 @@ def findings_of(
                 typical=dict(item.typical), value=0.0, parameter="",
                 evidence=odds(judge.gain(without, best.errors) - price),
                 rivals=tuple(visible[item.name].mimics), separating_test=item.check,
-                explained=dict(zip(("heading", "speed"), fall.tolist(), strict=True)),
+                error_before=off[0], error_after=now[0],
+                errors={"heading": (off[0], now[0]), "speed": (off[1], now[1])},
             )
         )  # fmt: skip
     return tuple(found)
