@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, stem
+from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, patterns, stem
 
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
@@ -35,12 +35,30 @@ Drawn = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figure
 def diagnose(
     model: Base,
     campaign: Campaign,
-    floor: Floor = 0.005,
+    floor: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0, max=0.5,
+            help="What is smooth and too small to matter, over the rms force of a channel: your "
+            "own uncertainty. 0.005 for captive tests, 0.02 for free-running records if absent.",
+        ),
+    ] = None,
     noise: Noise = None,
     given: Annotated[
         str | None,
         typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
     ] = None,
+    runs: Annotated[
+        list[str] | None,
+        typer.Option(help="Free-running runs to diagnose, such as 'turn_*'; may be repeated."),
+    ] = None,
+    test_runs: Annotated[
+        list[str] | None,
+        typer.Option("--test-runs", help="Free-running runs held out, to be predicted."),
+    ] = None,
+    window: Annotated[
+        float, typer.Option(min=0.1, help="Length in s of the windows of runs held out.")
+    ] = 60.0,
     figures: Drawn = True,
     data: Data = None,
     out: Out = None,
@@ -52,7 +70,8 @@ def diagnose(
     finish(
         diagnosing.diagnose(
             model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor, noise=noise,
-            given=(given or "").replace(",", " ").split(), drawn=figures, data=data,
+            given=(given or "").replace(",", " ").split(), runs=patterns(runs),
+            test_runs=patterns(test_runs), window=window, drawn=figures, data=data,
         ),
         json,
     )  # fmt: skip

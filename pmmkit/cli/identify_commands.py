@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, stem
+from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, patterns, stem
 
 
 class Method(StrEnum):
@@ -122,8 +121,8 @@ def identify(
             derivatives=None if derivatives is None else derivatives.replace(",", " ").split(),
             prior=prior,
             spread=spread,
-            runs=_patterns(runs),
-            test_runs=_patterns(test_runs),
+            runs=patterns(runs),
+            test_runs=patterns(test_runs),
             channels=None if channels is None else channels.replace(",", " ").split(),
             sensors=_sensors(sensors),
             rudder=rudder.value,
@@ -153,10 +152,3 @@ def _sensors(text: str | None) -> dict[str, float] | None:
         bare = name.removesuffix("_deg")
         found[bare] = number if bare == name else math.radians(number)
     return found
-
-
-def _patterns(given: Sequence[str] | None) -> list[str] | None:
-    """Patterns, each option holding one or several with commas between."""
-    if not given:
-        return None
-    return [part.strip() for text in given for part in text.split(",") if part.strip()]

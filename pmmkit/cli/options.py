@@ -75,3 +75,10 @@ def numbers(text: str | None) -> Sequence[float] | None:
         return [float(part) for part in text.replace(",", " ").split()]
     except ValueError:
         raise typer.BadParameter(f"{text!r}: write numbers such as 6,9,12.") from None
+
+
+def patterns(given: Sequence[str] | None) -> list[str] | None:
+    """Patterns of runs, each option holding one or several with commas between."""
+    if not given:
+        return None
+    return [part.strip() for text in given for part in text.split(",") if part.strip()]

@@ -32,7 +32,7 @@ from pmmkit.structures import STRUCTURES, Structure, structure_of
 def diagnose(
     model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, **settings: Any
 ) -> Diagnosis:
-    """Name what a model lacks that captive tests show.
+    """Name what a model lacks that captive tests or free-running records show.
 
     Parameters
     ----------
@@ -40,9 +40,9 @@ def diagnose(
         A model, whose derivatives of hull and added mass are the base; the name of a structure, of
         a library ship or a file; or a list of derivatives. The values are fitted to the tests.
     campaign : Campaign
-        Captive tests with histories.
+        Captive tests, or free-running records, which need a complete model.
     **settings
-        As for `diagnose_captive`.
+        As for `diagnose_captive`, or for `diagnose_free`.
 
     Returns
     -------
@@ -51,11 +51,29 @@ def diagnose(
     Raises
     ------
     DataError
-        If the campaign is free-running.
+        If the model does not fit the kind of the campaign, or the runs say nothing of their noise.
     """
+    if campaign.kind == "free-running":
+        return _free(model, campaign, **settings)
     base = derivatives_of(model)
     given = (*base.effects, *settings.pop("given", ()))
     return diagnose_captive(campaign, base.structure, given=given, **settings)
+
+
+def _free(
+    model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, **settings: Any
+) -> Diagnosis:
+    """Free-running records ask a model that can sail."""
+    from pmmkit.diagnosis.free import diagnose_free
+
+    if isinstance(model, (str, Path)) and model not in STRUCTURES:
+        model = load_model(model)
+    if not isinstance(model, Model):
+        raise DataError(
+            "Free-running records are diagnosed with a complete model: a model file or a ship of "
+            "the library. A list of derivatives has no propeller and no rudder."
+        )
+    return diagnose_free(model, campaign, **settings)
 
 
 @dataclass(frozen=True, kw_only=True)
