@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, patterns, stem
+from pmmkit.cli.options import (
+    Campaign,
+    Data,
+    Json,
+    Out,
+    app,
+    finish,
+    numbers,
+    patterns,
+    sensors_of,
+    stem,
+)
 
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
@@ -56,6 +67,46 @@ def diagnose(
         list[str] | None,
         typer.Option("--test-runs", help="Free-running runs held out, to be predicted."),
     ] = None,
+    channels: Annotated[
+        str | None,
+        typer.Option(
+            help="Channels of free-running records to use, such as x,y,psi,r where the checks "
+            "find fault with the velocities; all if absent."
+        ),
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-6,
+            help="Relative standard deviation of the model's values before free-running records "
+            "are looked at; its covariance and 0.05 beside it if absent.",
+        ),
+    ] = None,
+    shortest: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, help="Leave out free-running segments shorter than this, in s; ten ship "
+            "lengths if absent.",
+        ),
+    ] = None,
+    sensors: Annotated[
+        str | None,
+        typer.Option(
+            help="Standard deviations of channels of free-running records, such as "
+            "x=0.03,y=0.03,psi_deg=0.1; told from their noise if absent."
+        ),
+    ] = None,
+    windage: Annotated[
+        str | None,
+        typer.Option(help="Frontal and lateral area above water in m2, such as 0.135,0.52."),
+    ] = None,
+    judged: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, help="Length in s of the windows by which effects are judged; five ship "
+            "lengths if absent.",
+        ),
+    ] = None,
     window: Annotated[
         float, typer.Option(min=0.1, help="Length in s of the windows of runs held out.")
     ] = 60.0,
@@ -66,15 +117,30 @@ def diagnose(
 ) -> None:  # fmt: skip
     """Name the effect, or the fault of the measurement, that the model lacks."""
     from pmmkit.cli import diagnosing
+    from pmmkit.cli.diagnosing_records import Asked
 
     finish(
         diagnosing.diagnose(
             model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor, noise=noise,
-            given=(given or "").replace(",", " ").split(), runs=patterns(runs),
-            test_runs=patterns(test_runs), window=window, drawn=figures, data=data,
+            given=(given or "").replace(",", " ").split(), drawn=figures, data=data,
+            records=Asked(
+                runs=patterns(runs), test_runs=patterns(test_runs), spread=spread,
+                channels=None if channels is None else channels.replace(",", " ").split(),
+                sensors=sensors_of(sensors), shortest=shortest, windage=_areas(windage),
+                judged=judged, window=window,
+            ),
         ),
         json,
     )  # fmt: skip
+
+
+def _areas(text: str | None) -> tuple[float, float] | None:
+    found = numbers(text)
+    if found is None:
+        return None
+    if len(found) != 2 or min(found) <= 0.0:
+        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
+    return found[0], found[1]
 
 
 @app.command()

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, patterns, stem
+from pmmkit.cli.options import Campaign, Data, Json, Out, app, finish, patterns, sensors_of, stem
 
 
 class Method(StrEnum):
@@ -124,7 +123,7 @@ def identify(
             runs=patterns(runs),
             test_runs=patterns(test_runs),
             channels=None if channels is None else channels.replace(",", " ").split(),
-            sensors=_sensors(sensors),
+            sensors=sensors_of(sensors),
             rudder=rudder.value,
             wind=wind,
             shortest=shortest,
@@ -134,21 +133,3 @@ def identify(
         ),
         json,
     )
-
-
-def _sensors(text: str | None) -> dict[str, float] | None:
-    """Standard deviations out of text such as x=0.03,psi_deg=0.1, angles in radians."""
-    if text is None:
-        return None
-    found = {}
-    for part in text.replace(",", " ").split():
-        name, _, value = part.partition("=")
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if not number > 0.0:
-            raise typer.BadParameter(f"{part!r}: write --sensors x=0.03,psi_deg=0.1.")
-        bare = name.removesuffix("_deg")
-        found[bare] = number if bare == name else math.radians(number)
-    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -82,3 +83,21 @@ def patterns(given: Sequence[str] | None) -> list[str] | None:
     if not given:
         return None
     return [part.strip() for text in given for part in text.split(",") if part.strip()]
+
+
+def sensors_of(text: str | None) -> dict[str, float] | None:
+    """Standard deviations out of text such as x=0.03,psi_deg=0.1, angles in radians."""
+    if text is None:
+        return None
+    found = {}
+    for part in text.replace(",", " ").split():
+        name, _, value = part.partition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            number = math.nan
+        if not number > 0.0:
+            raise typer.BadParameter(f"{part!r}: write --sensors x=0.03,psi_deg=0.1.")
+        bare = name.removesuffix("_deg")
+        found[bare] = number if bare == name else math.radians(number)
+    return found
