@@ -6,6 +6,7 @@ import json
 
 import pytest
 from hidden_effects import hidden_campaign
+from test_identify_command import write_free_campaign
 
 from pmmkit.cli import main
 from pmmkit.diagnosis.adding import without_effect
@@ -143,3 +144,50 @@ def test_what_cannot_be_done_is_said(folder, arguments, status, said, capsys, mo
     assert found == status
     assert said in err
     assert not (folder / "model-extended.toml").exists()
+
+
+# Free-running records
+
+
+def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, out, err = run(
+        capsys, "diagnose", "kvlcc2-l7", place, "--test-runs", "ZZ35", "--spread", "0.02",
+        "--window", "40", "--json", "--out", tmp_path / "found",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(out)
+    assert found["group"] == []
+    assert found["held_out"]["runs"] == ["ZZ35"]
+    assert {"held out, model as given", "held out, base refitted"} <= set(found["errors"])
+    assert "Root mean square errors" in err
+    names = {file.name for file in (tmp_path / "found").iterdir()}
+    assert {"diagnosis.json", "effects.csv", "evidence.svg", "model_refitted.toml"} <= names
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--noise", "0.01"], "captive tests"),
+        (["--given", "memory"], "captive tests"),
+        (["--windage", "0.1"], "two areas"),
+    ],
+)
+def test_options_of_the_other_kind_of_tests_are_refused(options, said, tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, _, err = run(capsys, "diagnose", "kvlcc2-l7", place, *options)
+    assert status in (1, 2)
+    assert said in err
+
+
+def test_captive_tests_know_no_windows(folder, capsys):
+    status, _, err = run(capsys, "diagnose", "cubic", folder / "quiet.h5", "--runs", "PS*")
+    assert status == 1
+    assert "free-running" in err
+
+
+def test_a_structure_cannot_sail(tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, _, err = run(capsys, "diagnose", "cubic", place)
+    assert status == 1
+    assert "cubic" in err
