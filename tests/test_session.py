@@ -11,6 +11,7 @@ import pytest
 from hidden_effects import hidden_campaign
 
 from pmmkit import model_of, reduce_campaign
+from pmmkit.diagnosis.own import own_effect
 from pmmkit.diagnosis.session import begin, fit, replay, undone
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.model import load_model, save_model
@@ -159,3 +160,16 @@ def test_values_over_the_froude_number_stay_values_over_the_froude_number():
     turns = [simulate(x, rudder_deg=35, speed=speed, compiled=False) for x in (made, each)]
     diameters = [x.metrics["tactical_diameter_L"] for x in turns]
     assert diameters[0] == pytest.approx(diameters[1], rel=0.03)
+
+
+def test_an_effect_of_ones_own_is_named_added_and_fitted(bare, tmp_path):
+    """Fins aft: one coefficient for force and moment, hidden as the catalogue's sway drag."""
+    fins = own_effect("fins", "Y: a*v*|v|; N: -0.2*a*v*|v|; a ~ -0.02")
+    campaign = hidden_campaign("full", {"modulus_sway_drag": 1.0, "yaw_sway_coupling": 1.0}, seed=2)
+    session = begin(bare, campaign, own=[fins])
+    found = session.diagnose()
+    assert set(found.best) == {"fins", "yaw_sway_coupling"}, "one coefficient beats two"
+    made = session.add("fins").add("yaw_sway_coupling").model()
+    hull = made.values("hull_polynomial")
+    assert hull["Yv|v|"] == pytest.approx(-0.02, rel=0.25)
+    assert hull["Nv|v|"] == pytest.approx(-0.2 * hull["Yv|v|"], rel=1e-9)

@@ -10,6 +10,7 @@ from typing import Any, Final
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
+from pmmkit.diagnosis.own import own_effects
 from pmmkit.diagnosis.session import ErrorFall, Session, begin, undone
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
@@ -31,6 +32,7 @@ def add(
     why: str = "",
     floor: float = 0.005,
     noise: float | None = None,
+    own: Path | None = None,
     drawn: bool = True,
     data: Path | None = None,
     out: Path | None = None,
@@ -55,6 +57,8 @@ def add(
         What is too small to matter, over the rms force of a channel.
     noise : float, optional
         Uncertainty of a mean or harmonic over the rms force, of runs that state none.
+    own : Path, optional
+        File of the user's own effects.
     drawn : bool
         Whether to draw figures into `out`.
     out : Path, optional
@@ -67,12 +71,13 @@ def add(
     if out is not None:
         check_folder(out)
     before = load_model(model)
+    effects_of_user = own_effects(own) if own else ()
     taken = ""
     if undo:
-        before, taken = undone(before)
+        before, taken = undone(before, effects_of_user)
     opened = open_campaign(campaign, data=data)
     refuse(examine(opened))
-    session = begin(before, opened, floor=floor, noise=noise)
+    session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
     for effect in effects:
         session = session.add(effect, why)
     after = session.model()

@@ -14,6 +14,7 @@ from pmmkit.cli.findings import findings_of
 from pmmkit.cli.options import stem
 from pmmkit.cli.tracks import check_folder
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.own import own_effects
 from pmmkit.diagnosis.session import begin
 from pmmkit.errors import DataError
 from pmmkit.files import atomic_folder
@@ -25,8 +26,8 @@ from pmmkit.structures import STRUCTURES
 
 def diagnose(
     model: str, campaign: Path, out: Path, *, floor: float | None = None,
-    given: Sequence[str] = (), noise: float | None = None, records: Asked | None = None,
-    drawn: bool = True, data: Path | None = None,
+    given: Sequence[str] = (), noise: float | None = None, own: Path | None = None,
+    records: Asked | None = None, drawn: bool = True, data: Path | None = None,
 ) -> Outcome:  # fmt: skip
     """Diagnose a campaign, and write everything.
 
@@ -45,6 +46,8 @@ def diagnose(
         Effects that are known to be there.
     noise : float, optional
         Uncertainty of a mean or harmonic over the rms force, of runs that state none.
+    own : Path, optional
+        File of the user's own effects.
     records : Asked, optional
         What is asked of free-running records.
     drawn : bool
@@ -59,8 +62,10 @@ def diagnose(
     checked = examine(opened)
     refuse(checked)
     if opened.kind == "free-running":
-        if given or noise is not None:
-            raise DataError("--given and --noise belong to captive tests; these runs run free.")
+        if given or noise is not None or own is not None:
+            raise DataError(
+                "--given, --noise and --own belong to captive tests; these runs run free."
+            )
         return diagnose_records(
             load_model(model), opened, out, asked=records or Asked(), floor=floor, drawn=drawn,
             checks=findings_of(checked),
@@ -68,7 +73,7 @@ def diagnose(
     if records is not None and records != Asked():
         raise DataError("Options of free-running records are of no use for captive tests.")
     floor = FLOOR if floor is None else floor
-    session = begin(model, opened, floor=floor, noise=noise)
+    session = begin(model, opened, floor=floor, noise=noise, own=own_effects(own) if own else ())
     for effect in given:
         session = session.add(effect, "known to be there")
     loop = loop_of(session, model)

@@ -39,6 +39,9 @@ Noise = Annotated[
         "none (tables, CFD).",
     ),
 ]  # fmt: skip
+Own = Annotated[
+    Path | None, typer.Option("--own", help="File of your own effects (.toml), who take part.")
+]
 Drawn = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
 
 
@@ -59,6 +62,7 @@ def diagnose(
         str | None,
         typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
     ] = None,
+    own: Own = None,
     runs: Annotated[
         list[str] | None,
         typer.Option(help="Free-running runs to diagnose, such as 'turn_*'; may be repeated."),
@@ -122,7 +126,7 @@ def diagnose(
     finish(
         diagnosing.diagnose(
             model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor, noise=noise,
-            given=(given or "").replace(",", " ").split(), drawn=figures, data=data,
+            given=(given or "").replace(",", " ").split(), own=own, drawn=figures, data=data,
             records=Asked(
                 runs=patterns(runs), test_runs=patterns(test_runs), spread=spread,
                 channels=None if channels is None else channels.replace(",", " ").split(),
@@ -161,6 +165,7 @@ def add(
     why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
     floor: Floor = 0.005,
     noise: Noise = None,
+    own: Own = None,
     figures: Drawn = True,
     data: Data = None,
     out: Out = None,
@@ -174,7 +179,8 @@ def add(
     finish(
         adding.add(
             model, effects or [], fit, target or Path(f"{Path(model).stem}-extended.toml"),
-            undo=undo, why=why, floor=floor, noise=noise, drawn=figures, data=data, out=out,
+            undo=undo, why=why, floor=floor, noise=noise, own=own, drawn=figures, data=data,
+            out=out,
         ),
         json,
     )  # fmt: skip

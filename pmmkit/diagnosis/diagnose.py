@@ -18,6 +18,7 @@ from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.faults import FAULTS, carriage_fault
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import effects_of
+from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import System
 from pmmkit.diagnosis.views import View, views_of
@@ -127,6 +128,7 @@ def diagnose_captive(
     candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
     noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
     seed: int = 0,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
@@ -148,6 +150,8 @@ def diagnose_captive(
     noise : float, optional
         Standard uncertainty of a mean or harmonic over the rms force of its channel, of runs that
         state none (tables, CFD).
+    own : sequence of OwnEffect
+        Effects of the user, who take part on equal terms.
     seed : int
         Of the draws that calibrate chance.
 
@@ -170,7 +174,9 @@ def diagnose_captive(
     sizes from the catalogue and a price of ln 2K per effect. Nothing is named unless chance gives
     so much evidence in less than 1 % of campaigns without any effect.
     """
-    system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    system = captive_system(
+        campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
+    )
     return answer(system, given, floor=floor, seed=seed)
 
 
@@ -181,12 +187,13 @@ def captive_system(
     floor: float = 0.005,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once.
 
     Parameters
     ----------
-    campaign, structure, floor, candidates, noise
+    campaign, structure, floor, candidates, noise, own
         As for `diagnose_captive`.
 
     Returns
@@ -209,6 +216,7 @@ def captive_system(
         reference=float(np.median(speeds)),
     )  # fmt: skip
     every = contestants(base, speeds) if candidates is None else tuple(candidates)
+    every = (*every, *(item.candidate() for item in own))
     with threadpool_limits(1):
         return build(usable, base, every, floor=floor)
 

@@ -15,6 +15,7 @@ from pmmkit.diagnosis.adding import with_effect, without_effect
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.entering import HULL
 from pmmkit.diagnosis.joint import JointFit, labels
+from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.system import Block
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.terms import BY_SPEED
@@ -30,8 +31,9 @@ ADDED: Final = "Added "
 
 
 def fitted_table(
-    fit: JointFit, base: Base, campaign: Campaign, Fn: Sequence[float] = ()
-) -> DerivativeTable:
+    fit: JointFit, base: Base, campaign: Campaign, Fn: Sequence[float] = (),
+    own: Sequence[OwnEffect] = (),
+) -> DerivativeTable:  # fmt: skip
     """The derivatives of a joint fit, those of effects that are derivatives among them.
 
     Parameters
@@ -45,6 +47,8 @@ def fitted_table(
     Fn : sequence of float
         Froude numbers of the rows; one pooled row without them. Needed where derivatives change
         with the speed.
+    own : sequence of OwnEffect
+        Effects of the user, whose coefficients stand for derivatives.
 
     Returns
     -------
@@ -53,12 +57,13 @@ def fitted_table(
     """
     rows = np.asarray(Fn, float) if len(Fn) else np.array([np.nan])
     law = [base.law(campaign.ship.speed(x, campaign.water.g)) if len(Fn) else 0.0 for x in rows]
-    places = [_place(label) for label in fit.names]
-    names = tuple(dict.fromkeys(place[0] for place in places if place is not None))
+    places = [_places(label, own) for label in fit.names]
+    names = tuple(dict.fromkeys(item.derivative for found in places for item in found))
     weights = np.zeros((len(rows), len(names), len(fit.names)))
-    for column, place in enumerate(places):
-        if place is not None:
-            weights[:, names.index(place[0]), column] = law if place[1] else 1.0
+    for column, found in enumerate(places):
+        for item in found:
+            weight = np.array(law) if item.by_speed else np.ones(len(rows))
+            weights[:, names.index(item.derivative), column] += item.share * weight
     shape = (len(rows), len(names))
     known = np.isfinite(fit.values)
     lost = np.any(weights[:, :, ~known] != 0.0, axis=2)
@@ -75,17 +80,29 @@ def fitted_table(
     )  # fmt: skip
 
 
-def _place(label: str) -> tuple[str, bool] | None:
-    """Derivative that a coefficient adds to, and whether it does so with the speed."""
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    """A derivative that a coefficient adds to, by which share, and whether with the speed."""
+
+    derivative: str
+    share: float = 1.0
+    by_speed: bool = False
+
+
+def _places(label: str, own: Sequence[OwnEffect]) -> tuple[_Place, ...]:
+    """Where a coefficient of a fit belongs; nowhere if its effect is no derivative."""
     effect, _, name = label.rpartition(": ")
+    for item in own:
+        if item.name == effect:
+            return tuple(_Place(derivative=x, share=y) for x, y in item.shares[name].items())
     if effect in catalogue() and catalogue()[effect].enters:
-        return None
+        return ()
     plain = name.removesuffix(BY_SPEED)
     try:
         parse_derivative(plain)
     except UnknownNameError:
-        return None
-    return plain, plain != name
+        return ()
+    return (_Place(derivative=plain, by_speed=plain != name),)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -105,8 +122,9 @@ class Refit:
 
 
 def refitted(
-    model: Model, fit: JointFit, effects: Sequence[Block], base: Base, campaign: Campaign
-) -> Refit:
+    model: Model, fit: JointFit, effects: Sequence[Block], base: Base, campaign: Campaign,
+    own: Sequence[OwnEffect] = (),
+) -> Refit:  # fmt: skip
     """A model with the values of a joint fit.
 
     Parameters
@@ -122,6 +140,8 @@ def refitted(
         Of the fit.
     campaign : Campaign
         The tests.
+    own : sequence of OwnEffect
+        Effects of the user.
 
     Returns
     -------
@@ -129,9 +149,9 @@ def refitted(
         Non-dimensional values carry over to the model's scale. A derivative that the runs do not
         determine keeps its value.
     """
-    varies = any(place is not None and place[1] for place in map(_place, fit.names))
+    varies = any(item.by_speed for label in fit.names for item in _places(label, own))
     Fn = (model.Fn or _froude_numbers(campaign)) if varies else ()
-    table = converted(fitted_table(fit, base, campaign, Fn), _target(model.convention))
+    table = converted(fitted_table(fit, base, campaign, Fn, own), _target(model.convention))
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
     rudder = [name for name in known if parse_derivative(name).count("d")]

@@ -14,6 +14,7 @@ from pmmkit.diagnosis.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import ADDED, is_fault, name_of_step, refitted
 from pmmkit.diagnosis.joint import HeldOut, held_out, joint_fit, refined
+from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.files import write_text
@@ -68,6 +69,8 @@ class Session:
         Effects that the base has from the beginning.
     steps : tuple of Step
         What was added.
+    own : tuple of OwnEffect
+        Effects of the user.
     """
 
     source: Model | str | tuple[str, ...] | Structure
@@ -76,6 +79,7 @@ class Session:
     floor: float
     begun: tuple[str, ...] = ()
     steps: tuple[Step, ...] = ()
+    own: tuple[OwnEffect, ...] = ()
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -148,7 +152,7 @@ class Session:
             )
         blocks = self.blocks()
         fit = joint_fit(self.system, blocks, floor=self.floor)
-        found = refitted(self.source, fit, blocks, self.system.base, self.campaign)
+        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
         return found.model.with_(
             history=(*found.model.history, *self._history(fit.std.size)), notes=(
                 *found.model.notes, *found.notes
@@ -238,7 +242,7 @@ class ErrorFall:
 def begin(
     model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, *,
     floor: float = 0.005, candidates: Sequence[Candidate] | None = None,
-    noise: float | None = None,
+    noise: float | None = None, own: Sequence[OwnEffect] = (),
 ) -> Session:  # fmt: skip
     """A session about a model and captive tests.
 
@@ -248,7 +252,7 @@ def begin(
         As for `diagnose`.
     campaign : Campaign
         Captive tests with histories.
-    floor, candidates, noise
+    floor, candidates, noise, own
         As for `diagnose_captive`.
 
     Returns
@@ -262,16 +266,18 @@ def begin(
     """
     base = derivatives_of(model)
     system = captive_system(
-        campaign, base.structure, floor=floor, candidates=candidates, noise=noise
+        campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
     return Session(
-        source=base.source, campaign=campaign, system=system, floor=floor, begun=base.effects
+        source=base.source, campaign=campaign, system=system, floor=floor, begun=base.effects,
+        own=tuple(own),
     )  # fmt: skip
 
 
 def replay(
     path: str | Path, model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign,
-    *, candidates: Sequence[Candidate] | None = None,
+    *, candidates: Sequence[Candidate] | None = None, noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
 ) -> Session:  # fmt: skip
     """The steps of a file carried out again on a model and a campaign.
 
@@ -279,7 +285,7 @@ def replay(
     ----------
     path : str or path
         Written by `Session.save`. Nothing in it is executed.
-    model, campaign, candidates
+    model, campaign, candidates, noise, own
         As for `begin`.
 
     Raises
@@ -288,7 +294,7 @@ def replay(
         If the file is damaged or of another kind.
     """
     steps = _steps(read_toml(Path(path)).get("session"), str(path))
-    session = begin(model, campaign, floor=steps.floor, candidates=candidates)
+    session = begin(model, campaign, floor=steps.floor, candidates=candidates, noise=noise, own=own)
     for effect, why in steps.steps:
         session = session.add(effect, why)
     return session
@@ -349,13 +355,15 @@ def fit(
     return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
-def undone(model: Model) -> tuple[Model, str]:
+def undone(model: Model, own: Sequence[OwnEffect] = ()) -> tuple[Model, str]:
     """A model without the effect that was added last, and its name; its values are to be refitted.
 
     Parameters
     ----------
     model : Model
         With a step in its history.
+    own : sequence of OwnEffect
+        Effects of the user.
 
     Raises
     ------
@@ -368,5 +376,6 @@ def undone(model: Model) -> tuple[Model, str]:
     last = steps[-1]
     effect = name_of_step(model.history[last])
     history = (*model.history[:last], *model.history[last + 1 :])
-    bare = model if is_fault(effect) else without_effect(model, effect)
+    named = next((item for item in own if item.name == effect), effect)
+    bare = model if is_fault(effect) else without_effect(model, named)
     return bare.with_(history=history), effect
