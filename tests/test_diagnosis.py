@@ -15,6 +15,7 @@ from hidden_effects import hidden_campaign
 
 from pmmkit.diagnosis import diagnose, diagnose_captive
 from pmmkit.diagnosis.contest import log_evidence
+from pmmkit.diagnosis.diagnose import captive_system
 from pmmkit.diagnosis.findings import odds
 from pmmkit.errors import DataError
 from pmmkit.model import load_model
@@ -185,3 +186,32 @@ def test_free_running_campaigns_are_refused_for_now():
     campaign = hidden_campaign("small").with_(kind="free-running")
     with pytest.raises(DataError, match="captive"):
         diagnose_captive(campaign)
+
+
+# Forces without noise
+
+
+def test_forces_without_noise_are_refused_until_their_uncertainty_is_stated():
+    """CFD: every difference would be evidence."""
+    computed = hidden_campaign("middle", {}, seed=1, noise="none")
+    with pytest.raises(DataError, match="no noise of their own"):
+        diagnose_captive(computed, BASE)
+    with pytest.raises(DataError, match="U_SN"):
+        diagnose_captive(replace(hidden_campaign("middle", {}), cfd={"rho_inf": 1000.0}), BASE)
+
+
+def test_the_numerical_uncertainty_is_the_floor():
+    """1 % of the rms forces in newtons at the middle speed, as a grid study would state it."""
+    computed = hidden_campaign("middle", {"memory": 1.0}, seed=1, noise="none")
+    plain = diagnose_captive(computed, BASE, floor=0.01)
+    scale = {c.name: c.scale * 1.5**2 for c in captive_system(computed, BASE, floor=0.01).channels}
+    stated = replace(computed, numerical={name: 0.01 * size for name, size in scale.items()})
+    found = diagnose_captive(stated, BASE)
+    assert found.floor == pytest.approx(0.01)
+    assert found.verdict == plain.verdict
+    assert found.best == plain.best
+
+
+def test_a_clean_computation_of_the_base_names_nothing():
+    found = diagnose_captive(hidden_campaign("full", {}, noise="none"), BASE, floor=0.005)
+    assert found.best == ()

@@ -30,7 +30,7 @@ def add(
     *,
     undo: bool = False,
     why: str = "",
-    floor: float = 0.005,
+    floor: float | None = None,
     noise: float | None = None,
     own: Path | None = None,
     drawn: bool = True,
@@ -53,8 +53,8 @@ def add(
         Take the effect that was added last out again.
     why : str
         A remark for the history.
-    floor : float
-        What is too small to matter, over the rms force of a channel.
+    floor : float, optional
+        What is too small to matter, over the rms force of a channel; as for `diagnose_captive`.
     noise : float, optional
         Uncertainty of a mean or harmonic over the rms force, of runs that state none.
     own : Path, optional

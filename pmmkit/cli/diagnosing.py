@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
 
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, json_text
@@ -40,8 +39,8 @@ def diagnose(
     out : Path
         Folder of the results.
     floor : float, optional
-        What is too small to matter, over the rms force of a channel; 0.005 for captive tests, 0.02
-        for free-running records if absent.
+        What is too small to matter, over the rms force of a channel; as for
+        `diagnose_captive`, 0.02 for free-running records if absent.
     given : sequence of str
         Effects that are known to be there.
     noise : float, optional
@@ -72,7 +71,6 @@ def diagnose(
         )  # fmt: skip
     if records is not None and records != Asked():
         raise DataError("Options of free-running records are of no use for captive tests.")
-    floor = FLOOR if floor is None else floor
     session = begin(model, opened, floor=floor, noise=noise, own=own_effects(own) if own else ())
     for effect in given:
         session = session.add(effect, "known to be there")
@@ -111,6 +109,3 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
             f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o model2.toml",
         ]
     return [f"Next: pmmkit add {model} {names} --fit {campaign} -o model2.toml"]
-
-
-FLOOR: Final = 0.005

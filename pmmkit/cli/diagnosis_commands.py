@@ -24,11 +24,12 @@ Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
 ]
 Floor = Annotated[
-    float,
+    float | None,
     typer.Option(
         min=0.0, max=0.5,
         help="What is smooth and too small to matter, over the rms force of a channel: your own "
-        "uncertainty.",
+        "uncertainty. U_SN of the campaign file, 0.005 for measured forces, 0.02 for free-running "
+        "records if absent.",
     ),
 ]  # fmt: skip
 Noise = Annotated[
@@ -49,14 +50,7 @@ Drawn = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figure
 def diagnose(
     model: Base,
     campaign: Campaign,
-    floor: Annotated[
-        float | None,
-        typer.Option(
-            min=0.0, max=0.5,
-            help="What is smooth and too small to matter, over the rms force of a channel: your "
-            "own uncertainty. 0.005 for captive tests, 0.02 for free-running records if absent.",
-        ),
-    ] = None,
+    floor: Floor = None,
     noise: Noise = None,
     given: Annotated[
         str | None,
@@ -163,7 +157,7 @@ def add(
         bool, typer.Option("--undo", help="Take the effect that was added last out again.")
     ] = False,
     why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
-    floor: Floor = 0.005,
+    floor: Floor = None,
     noise: Noise = None,
     own: Own = None,
     figures: Drawn = True,

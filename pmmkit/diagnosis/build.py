@@ -101,7 +101,7 @@ def build(
             centre[block.columns] = np.array(block.candidate.centre) / prior[block.columns]
     return System(
         views=tuple(views), base=base, channels=channels, scatter=scatter, blocks=layout.blocks,
-        gram=gram, score=score, square=square, rows=rows, floor_columns=layout.floor,
+        gram=gram, score=score, square=square, rows=rows, floor=floor, floor_columns=layout.floor,
         prior=prior, centre=centre, pieces=tuple(pieces),
     )  # fmt: skip
 

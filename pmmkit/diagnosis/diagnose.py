@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -20,7 +20,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import effects_of
 from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.physics import PHYSICS
-from pmmkit.diagnosis.system import System
+from pmmkit.diagnosis.system import LEAST, System
 from pmmkit.diagnosis.views import View, views_of
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem
@@ -28,6 +28,10 @@ from pmmkit.model import Model, load_model
 from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
 from pmmkit.structures import STRUCTURES, Structure, structure_of
+
+FLOOR: Final = 0.005
+"""What is too small to matter in measured forces, over the rms force of a channel."""
+FLOOR_LEAST: Final = 0.001
 
 
 def diagnose(
@@ -124,7 +128,7 @@ def diagnose_captive(
     campaign: Campaign,
     structure: str | Sequence[str] | Structure = "cubic",
     *,
-    floor: float = 0.005,
+    floor: float | None = None,
     candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
     noise: float | None = None,
@@ -140,9 +144,10 @@ def diagnose_captive(
     structure : str, sequence of str or Structure
         The base: derivatives of one set over all speeds. Rudder and heel runs add their linear
         terms.
-    floor : float
+    floor : float, optional
         Everything smooth in the motion below this share of the rms force of a channel does not
-        matter: the user's uncertainty of the forces beside noise.
+        matter: the user's uncertainty of the forces beside noise. By default the numerical
+        uncertainty U_SN of the campaign file, 0.005 for measured forces; CFD without U_SN must say.
     candidates : sequence of Candidate, optional
         Who takes part; by default the whole catalogue of effects and faults.
     given : sequence of str
@@ -162,7 +167,8 @@ def diagnose_captive(
     Raises
     ------
     DataError
-        If the campaign is free-running, or holds no run with a known noise.
+        If the campaign is free-running, holds no run with a known noise, or forces without noise
+        and no floor.
 
     Notes
     -----
@@ -177,14 +183,14 @@ def diagnose_captive(
     system = captive_system(
         campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
-    return answer(system, given, floor=floor, seed=seed)
+    return answer(system, given, floor=system.floor, seed=seed)
 
 
 def captive_system(
     campaign: Campaign,
     structure: str | Sequence[str] | Structure = "cubic",
     *,
-    floor: float = 0.005,
+    floor: float | None = None,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
     own: Sequence[OwnEffect] = (),
@@ -218,7 +224,59 @@ def captive_system(
     every = contestants(base, speeds) if candidates is None else tuple(candidates)
     every = (*every, *(item.candidate() for item in own))
     with threadpool_limits(1):
-        return build(usable, base, every, floor=floor)
+        return build(usable, base, every, floor=floor_for(campaign, usable, floor))
+
+
+def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) -> float:
+    """What is smooth and too small to matter: as stated, else U_SN, else 0.5 % of measured forces.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        With `cfd` and `numerical`.
+    views : sequence of View
+        Its forces.
+    floor : float, optional
+        The user's.
+
+    Raises
+    ------
+    DataError
+        If the forces are computed, or have no noise of their own, and nothing is stated.
+    """
+    if floor is not None:
+        return floor
+    scale = _scales(views)
+    middle = float(np.median([view.speed for view in views])) ** 2
+    shares = [size / (scale[c] * middle) for c, size in campaign.numerical.items() if c in scale]
+    if shares:
+        return max(*shares, FLOOR_LEAST)
+    noise = [
+        float(np.sqrt(np.mean(np.diagonal(V)))) / (scale[name] * view.speed**2)
+        for view in views
+        for name, V in view.covariance.items()
+        if name in scale
+    ]
+    if campaign.cfd or float(np.median(noise)) < LEAST:
+        raise DataError(
+            Problem(
+                message="These forces have no noise of their own (CFD): every small difference "
+                "would be evidence.",
+                remedy="State what they are uncertain by: U_SN = { X = …, Y = …, N = … } under "
+                "[cfd] from a grid study or from cycle to cycle, or floor = 0.02 of the rms force "
+                "(--floor 0.02).",
+            )
+        )
+    return FLOOR
+
+
+def _scales(views: Sequence[View]) -> dict[str, float]:
+    """Root mean square of the force over U² by channel."""
+    sizes: dict[str, list[float]] = {}
+    for view in views:
+        for name, values in view.force.items():
+            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
+    return {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
 
 
 def _usable(views: Sequence[View], noise: float | None) -> list[View]:
@@ -235,11 +293,7 @@ def _usable(views: Sequence[View], noise: float | None) -> list[View]:
                 "yourself: noise = 0.01 of the rms force (--noise 0.01).",
             )
         )
-    sizes: dict[str, list[float]] = {}
-    for view in views:
-        for name, values in view.force.items():
-            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
-    scale = {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
+    scale = _scales(views)
     return [_with_stated(view, scale, noise) for view in views]
 
 

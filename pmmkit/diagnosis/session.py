@@ -241,7 +241,7 @@ class ErrorFall:
 
 def begin(
     model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, *,
-    floor: float = 0.005, candidates: Sequence[Candidate] | None = None,
+    floor: float | None = None, candidates: Sequence[Candidate] | None = None,
     noise: float | None = None, own: Sequence[OwnEffect] = (),
 ) -> Session:  # fmt: skip
     """A session about a model and captive tests.
@@ -269,8 +269,8 @@ def begin(
         campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
     return Session(
-        source=base.source, campaign=campaign, system=system, floor=floor, begun=base.effects,
-        own=tuple(own),
+        source=base.source, campaign=campaign, system=system, floor=system.floor,
+        begun=base.effects, own=tuple(own),
     )  # fmt: skip
 
 
@@ -324,7 +324,7 @@ def _steps(data: object, path: str) -> _Saved:
 
 
 def fit(
-    model: Model | str | Path, campaign: Campaign, *, floor: float = 0.005,
+    model: Model | str | Path, campaign: Campaign, *, floor: float | None = None,
     noise: float | None = None,
 ) -> Model:  # fmt: skip
     """A model with its derivatives and effects fitted together to captive tests.
@@ -336,8 +336,8 @@ def fit(
         have usual sizes. Propeller, rudder and inertia stay as they are.
     campaign : Campaign
         Captive tests with histories.
-    floor : float
-        What is too small to matter, over the rms force of a channel; it widens the uncertainty.
+    floor : float, optional
+        As for `diagnose_captive`; it widens the uncertainty.
     noise : float, optional
         As for `diagnose_captive`.
 

@@ -72,6 +72,8 @@ class System:
         Of the data.
     rows : int
         Rows less base coefficients.
+    floor : float
+        What is smooth and too small to matter, over the rms force of a channel.
     floor_columns : slice
         Where the features of the smooth floor stand, at the size of the floor.
     prior : array (q,)
@@ -91,6 +93,7 @@ class System:
     score: Array
     square: float
     rows: int
+    floor: float
     floor_columns: slice
     prior: Array
     centre: Array
