@@ -14,7 +14,8 @@ from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.contest import evidence_at
 from pmmkit.diagnosis.diagnose import captive_system
 from pmmkit.diagnosis.given import best_blocks, knowing
-from pmmkit.diagnosis.joint import condition, held_out, joint_fit
+from pmmkit.diagnosis.heldout import condition, held_out
+from pmmkit.diagnosis.joint import joint_fit
 from pmmkit.errors import UnknownNameError
 
 BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",

@@ -17,7 +17,9 @@ from pmmkit.diagnosis.contest import Entry, contest, gate
 from pmmkit.diagnosis.coverage import Visible, coverage
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
 from pmmkit.diagnosis.given import best_blocks, knowing
-from pmmkit.diagnosis.joint import HeldOut, JointFit, held_out, joint_fit, labels, refined
+from pmmkit.diagnosis.heldout import HeldOut, held_out
+from pmmkit.diagnosis.joint import JointFit, joint_fit, refined
+from pmmkit.diagnosis.stack import labels
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.effects.terms import BY_SPEED
 

@@ -14,8 +14,9 @@ from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.adding import with_effect, without_effect
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.entering import HULL
-from pmmkit.diagnosis.joint import JointFit, labels
+from pmmkit.diagnosis.joint import JointFit
 from pmmkit.diagnosis.own import OwnEffect
+from pmmkit.diagnosis.stack import labels
 from pmmkit.diagnosis.system import Block
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.terms import BY_SPEED

@@ -13,7 +13,8 @@ from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import ADDED, is_fault, name_of_step, refitted
-from pmmkit.diagnosis.joint import HeldOut, held_out, joint_fit, refined
+from pmmkit.diagnosis.heldout import HeldOut, held_out
+from pmmkit.diagnosis.joint import joint_fit, refined
 from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.errors import ModelError, UnknownNameError
