@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.build import TRANSIENT_FAULT
+from pmmkit.diagnosis.build import TRANSIENT_FAULT, prior_sizes
 from pmmkit.diagnosis.candidate import Candidate
 from pmmkit.diagnosis.system import (
     TYPICAL_TRANSIENT,
