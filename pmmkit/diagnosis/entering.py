@@ -197,20 +197,15 @@ def without_terms(model: Model, asked: Asked) -> Model:
     changing = [x for x in slopes if isinstance(_home(model, x).values.get(x), tuple)]
     if not gone and not changing:
         raise ModelError(f"Model {model.name!r} has nothing of {asked.name}.")
-    parts = dict(model.parts)
+    parts = model.parts
     for name in gone:
-        part = parts[home := _home(model, name).effect]
-        parts[home] = replace(
-            part,
-            values=MappingProxyType({k: v for k, v in part.values.items() if k != name}),
-            sources=MappingProxyType({k: v for k, v in part.sources.items() if k != name}),
-        )
+        parts = _without(parts, _home(model, name).effect, name)
     kept = [i for i, name in enumerate(model.covariance_names) if name not in gone]
     count, rows = len(model.covariance_names), max(len(model.Fn), 1)
     at = [row * count + i for row in range(rows) for i in kept]
     C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
     made = replace(
-        model, parts=MappingProxyType(parts), covariance=C,
+        model, parts=parts, covariance=C,
         covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
     )  # fmt: skip
     if not changing:
@@ -220,10 +215,24 @@ def without_terms(model: Model, asked: Asked) -> Model:
     for name in changing:
         series = np.asarray(_home(made, name).values[name])
         slope = np.linalg.lstsq(design, series, rcond=None)[0][1]
-        made = made.with_values(
-            _home(made, name).effect, **{name: tuple((series - slope * F).tolist())}
-        )
+        left = series - slope * F
+        home = _home(made, name)
+        if np.abs(left).max() < 1e-12 * np.abs(series).max():
+            made = replace(made, parts=_without(made.parts, home.effect, name))
+        else:
+            made = made.with_values(home.effect, **{name: tuple(left.tolist())})
     return made
+
+
+def _without(parts: Mapping[str, Part], home: str, name: str) -> Mapping[str, Part]:
+    """Parts without one value."""
+    part = parts[home]
+    changed = replace(
+        part,
+        values=MappingProxyType({k: v for k, v in part.values.items() if k != name}),
+        sources=MappingProxyType({k: v for k, v in part.sources.items() if k != name}),
+    )
+    return MappingProxyType({**parts, home: changed})
 
 
 def told(model: Model, step: str) -> Model:
