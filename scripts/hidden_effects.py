@@ -274,7 +274,7 @@ def printed(answers: Sequence[Answer], sizes: Sequence[float]) -> None:
         rows(f"size {size:g}", [a for a in single if a.job.effects[0][1] == size and a.visible])
     if absorbed := [a for a in single if a.job.names[0] in ABSORBED]:
         print(f"  absorbed by the base: named in {limited(absorbed, lambda a: a.detected)}")
-    rows("pairs", [a for a in answers if len(a.job.effects) == 2])
+    rows("pairs", [a for a in answers if len(a.job.effects) == 2 and a.visible])
     if beyond := [a for a in answers if a.job.names and a.job.names[0] not in inside]:
         bare = limited(beyond, lambda a: a.detected and not a.flags)
         print(f"  outside the catalogue: a name without a flag in {bare}; a name in "
