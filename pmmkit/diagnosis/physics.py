@@ -68,7 +68,7 @@ def histories(
             there[item.name] = (0.0, 0.0) if item.table else item.default or 0.0
     function = ON_A_CARRIAGE.get(effect.name, effect.force)
     assert function is not None
-    asked = {name: there[name] for name in signature(function).parameters}
+    asked = {name: there[name] for name in _arguments(function)}
     found: dict[str, Array] = {}
     for output, force in zip(effect.outputs, over_arrays(function)(**asked), strict=True):
         if output in CHANNELS:
@@ -76,6 +76,11 @@ def histories(
         elif output.endswith("dot"):
             found[output[0]] = force * getattr(motion, output[1:])
     return found
+
+
+@cache
+def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    return tuple(signature(function).parameters)
 
 
 def _missing(view: View, base: Base, lag: float, harmonics: Array) -> Array:
