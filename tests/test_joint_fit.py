@@ -13,9 +13,10 @@ from pmmkit.diagnosis.answering import answer, taken_as_given
 from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.contest import evidence_at
 from pmmkit.diagnosis.diagnose import captive_system
-from pmmkit.diagnosis.given import best_blocks, knowing
+from pmmkit.diagnosis.given import best_blocks
 from pmmkit.diagnosis.heldout import condition, held_out
 from pmmkit.diagnosis.joint import joint_fit
+from pmmkit.diagnosis.knowing import knowing
 from pmmkit.errors import UnknownNameError
 
 BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",

@@ -19,9 +19,10 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.build import build
 from pmmkit.diagnosis.faults import FAULTS
-from pmmkit.diagnosis.given import best_blocks, knowing
+from pmmkit.diagnosis.given import best_blocks
 from pmmkit.diagnosis.ground import ground_of
 from pmmkit.diagnosis.information import known, rows_of
+from pmmkit.diagnosis.knowing import knowing
 from pmmkit.diagnosis.next_run import next_runs
 from pmmkit.diagnosis.options import USUAL, Limits, limits_of, options_of, timed
 from pmmkit.diagnosis.physics import PHYSICS

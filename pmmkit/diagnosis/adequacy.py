@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.contest import Entry, evidence_at, price
-from pmmkit.diagnosis.given import knowing
+from pmmkit.diagnosis.knowing import knowing
 from pmmkit.diagnosis.leaving import columns_at, least_gains
 from pmmkit.diagnosis.rows import Channel
 from pmmkit.diagnosis.system import Block, System

@@ -16,9 +16,10 @@ from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.contest import Entry, contest, gate
 from pmmkit.diagnosis.coverage import Visible, coverage
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
-from pmmkit.diagnosis.given import best_blocks, knowing
+from pmmkit.diagnosis.given import best_blocks
 from pmmkit.diagnosis.heldout import HeldOut, held_out
 from pmmkit.diagnosis.joint import JointFit, joint_fit, refined
+from pmmkit.diagnosis.knowing import knowing
 from pmmkit.diagnosis.stack import labels
 from pmmkit.diagnosis.system import Block, System
 from pmmkit.effects.terms import BY_SPEED

@@ -11,12 +11,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.diagnosis.knowing import knowing
 from pmmkit.diagnosis.rows import Places
 from pmmkit.diagnosis.system import Block, System
 
 Array = NDArray[np.float64]
 MOST: Final = 3
 """Effects in a set."""
+MANY: Final = 200
+"""Columns from which a block is wide."""
 AHEAD: Final = 8
 """Best single effects that are combined with all others."""
 
@@ -86,6 +89,19 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
              for block in system.blocks}  # fmt: skip
 
     near = {name: _near(system, index, own) for name, own in by_name.items()}
+    beside = {
+        id(block): (evidence_at(system, block.places), knowing(system, [block]))
+        for own in near.values() for block in own if wide(block)
+    }  # fmt: skip
+
+    def value_of(blocks: Sequence[Block]) -> float:
+        """ln evidence of a set; one with many columns is taken into account once for all sets."""
+        many = [block for block in blocks if id(block) in beside]
+        if len(blocks) == 1 or len(many) != 1:
+            return evidence_at(system, np.concatenate([index[id(block)] for block in blocks]))
+        alone, rest = beside[id(many[0])]
+        at = np.concatenate([index[id(block)] for block in blocks if block is not many[0]])
+        return alone + evidence_at(rest, at)
 
     def entry(names: Sequence[str]) -> Entry:
         grids = [by_name[name] for name in names]
@@ -93,9 +109,7 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
             grids = [near[name] for name in names]
         found = []
         for blocks in _product(grids):
-            at = np.concatenate([index[id(block)] for block in blocks])
-            value = evidence_at(system, at)
-            found.append((value, tuple(block.value for block in blocks)))
+            found.append((value_of(blocks), tuple(block.value for block in blocks)))
         top = max(found)
         total = sum(math.exp(value - top[0]) for value, _ in found)
         share = math.prod(len(by_name[name]) for name in names)
@@ -124,6 +138,11 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
     return sorted(found, key=lambda x: -x.log_evidence)
 
 
+def wide(block: Block) -> bool:
+    """Whether a block has so many columns (one per run) that sets with it need another way."""
+    return len(block.places) > MANY
+
+
 def _near(system: System, index: Mapping[int, Places], own: Sequence[Block]) -> list[Block]:
     """The two grid points of an effect that explain most by themselves."""
     ranked = sorted(own, key=lambda b: -evidence_at(system, index[id(b)]))
@@ -141,10 +160,11 @@ def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> flo
     """Probability that no effect at all gives a single effect as good as the best.
 
     Scores of the null are drawn from their own covariance, the Gram matrix; the largest evidence
-    over the whole catalogue and its grids is kept of each draw (Westfall and Young 1993).
+    over the whole catalogue and its grids is kept of each draw (Westfall and Young 1993). Blocks of
+    very many columns, which chance hardly ever favours, are left out.
     """
-    used = system.blocks
-    at = np.arange(used[-1].columns.stop)
+    used = [block for block in system.blocks if not wide(block)]
+    at = np.arange(max(block.columns.stop for block in used))
     values, vectors = np.linalg.eigh(system.gram[np.ix_(at, at)])
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     drawn = np.random.default_rng(seed).normal(size=(draws, len(at))) @ root.T

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.contest import wide
 from pmmkit.diagnosis.leaving import columns_at, taken_with
 from pmmkit.diagnosis.system import WIDER, Block, System
 
@@ -146,7 +147,7 @@ def _mimics(
     a = _at_usual_size(block)
     found = {}
     for name, (_, other) in others.items():
-        if name == block.candidate.name:
+        if name == block.candidate.name or wide(other):
             continue
         G = system.gram[other.columns, other.columns]
         cross = system.gram[other.columns, block.columns] @ a
