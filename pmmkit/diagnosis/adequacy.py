@@ -35,6 +35,8 @@ KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
 LEAST: Final = 1.0
 """Least ln evidence of a finding, the price of the catalogue's size taken off."""
+LOOKED_AT: Final = 80
+"""Oscillating runs that are looked at for a lack of fit."""
 HIGH: Final = 3
 """First of the high harmonics, which a smooth force hardly has."""
 
@@ -268,13 +270,16 @@ def _units(
 ) -> tuple[Mapping[tuple[str, str], list[int]], Array]:
     """A column for each harmonic of each oscillating run, all its cycles alike; and their groups.
 
-    Columns have the rms force of the channel at the speed of the run.
+    Columns have the rms force of the channel at the speed of the run. Of very many runs `LOOKED_AT`
+    are taken, evenly.
     """
+    ids = list(dict.fromkeys(views[i].run.id for i in channel.views if views[i].run.dynamic))
+    looked_at = set(ids[:: max(-(-len(ids) // LOOKED_AT), 1)])
     columns: dict[tuple[str, int], Array] = {}
     groups: dict[tuple[str, str], list[int]] = {}
     for i, rows in zip(channel.views, channel.rows, strict=True):
         view = views[i]
-        if not view.run.dynamic:
+        if view.run.id not in looked_at:
             continue
         for row in range(1, view.rows):
             if (view.run.id, row) not in columns:
