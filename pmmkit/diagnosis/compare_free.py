@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -292,8 +292,3 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
         rudder_rate_deg=None if rate is None else float(rate), **asked,
     )  # fmt: skip
     return Manoeuvre(run=run, trial=trial, track=track)
-
-
-def window_of(runs: Sequence[FreeRun]) -> float:
-    """Length of the windows [s]; NaN where none was predicted."""
-    return next((run.window for run in runs if not math.isnan(run.window)), math.nan)
