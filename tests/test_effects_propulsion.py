@@ -445,7 +445,10 @@ RANGES = {
 @pytest.mark.parametrize("name", RANGES)
 @given(data=st.data())
 def test_one_instant_and_whole_histories_agree(name, data):
-    """The same function on floats and over arrays, with every option."""
+    """The same function on floats and over arrays, with every option.
+
+    To 1e-8: where a table jumps at ±180° the last bit of an arctangent counts 2e-9.
+    """
     effect = effect_of(name)
     words = {key: data.draw(st.sampled_from(choice)) for key, choice in effect.options.items()}
     limits = {
@@ -459,7 +462,7 @@ def test_one_instant_and_whole_histories_agree(name, data):
         instant = answer(name, **{k: row[i] for k, row in rows.items()}, **given_)
         for output, value in instant.items():
             there = np.broadcast_to(history[output], 4)[i]
-            assert there == pytest.approx(value, rel=1e-9, abs=1e-6)
+            assert there == pytest.approx(value, rel=1e-8, abs=1e-6)
 
 
 def with_parts(*parts: Part):
