@@ -53,7 +53,8 @@ def interpolate(x: float, xs: Sequence[float], ys: Sequence[float]) -> float:
             low = middle
         else:
             high = middle
-    return ys[low] + (ys[high] - ys[low]) * ((x - xs[low]) / (xs[high] - xs[low]))
+    slope = (ys[high] - ys[low]) / (xs[high] - xs[low])
+    return slope * (x - xs[low]) + ys[low]
 
 
 def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
