@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,11 +12,12 @@ from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
 from pmmkit.diagnosis.own import own_effects
-from pmmkit.diagnosis.session import ErrorFall, Session, begin, undone
+from pmmkit.diagnosis.session import ErrorFall, begin, undone
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
 from pmmkit.model import Model, load_model, save_model
 from pmmkit.runs.campaign_file import open_campaign
+from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.run import Campaign
 
 RUDDER_DEG: Final = 35.0
@@ -83,7 +85,7 @@ def add(
     after = session.model()
     fall = session.fall()
     save_model(after, target)
-    turns = _turns(begin_model(session), after, opened)
+    turns = _turns(replace(session, steps=()).model(), after, opened)
     content = {
         "model": str(target), "added": list(effects), "taken_out": taken,
         "errors": fall.to_pandas().to_dict("records"), "useless": list(fall.useless),
@@ -94,13 +96,6 @@ def add(
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
     lines += ["", f"Model: {target}", *([f"Results: {out}"] if out is not None else [])]
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
-
-
-def begin_model(session: Session) -> Model:
-    """The model of a session before any step, fitted to the same runs."""
-    while session.steps:
-        session = session.undo()
-    return session.model()
 
 
 def _write(fall: ErrorFall, out: Path, drawn: bool) -> list[str]:
@@ -148,7 +143,7 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
             *(f"{float(errors[name]):.3g}" for name in channels),
             *(_per_test(own, test) for test in tests if test != "all"),
         ])  # fmt: skip
-    units = [f"{name} [{'N' if name in 'XY' else 'N m'}]" for name in channels]
+    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
     lines.append(
         aligned(["step", "all", *units, *(t.replace("_", " ") for t in tests if t != "all")], rows)
     )

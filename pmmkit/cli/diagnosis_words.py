@@ -50,7 +50,7 @@ def _finding(item: Finding) -> list[str]:
         lines.append(f"  {item.parameter}: about {item.value:g}")
     if math.isfinite(item.error_before):
         falls = [
-            f"{name} {before:.3g} to {after:.3g} {UNITS.get(name, 'N m')}"
+            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
             for name, (before, after) in item.errors.items() if name in item.channels
         ]  # fmt: skip
         shares = (

@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.conventions import CHANNELS
 from pmmkit.diagnosis.prediction import at_the_scale_of
 from pmmkit.diagnosis.validation import COVERAGE
 from pmmkit.errors import DataError, PmmkitError
@@ -24,6 +25,7 @@ from pmmkit.kernel.histories import water_forces
 from pmmkit.kernel.program import packed, values_at
 from pmmkit.model import Model
 from pmmkit.progress import Progress
+from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.run import Campaign, Run
 from pmmkit.simulation import Track
 from pmmkit.simulation.simulate import simulate
@@ -38,7 +40,7 @@ MOTIONS: Final[Mapping[str, str]] = {
     "position": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s",
 }  # fmt: skip
 """Errors of the motion and their units."""
-FORCE_UNITS: Final[Mapping[str, str]] = {"X": "N", "Y": "N", "N": "N m", "K": "N m"}
+FORCE_UNITS: Final[Mapping[str, str]] = {name: CHANNEL_UNITS[name] for name in CHANNELS}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

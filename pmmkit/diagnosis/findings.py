@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pmmkit.diagnosis.contest import Entry
 from pmmkit.diagnosis.coverage import Visible
 from pmmkit.model import Model
+from pmmkit.runs.channels import CHANNEL_UNITS
 
 if TYPE_CHECKING:
     import pandas as pd
 
-UNITS: Final[Mapping[str, str]] = {"X": "N", "Y": "N", "heading": "deg", "speed": "m/s"}
-"""Of the errors; moments beside."""
+UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {"heading": "deg"}
+"""Of the errors: forces and moments, or heading and speed of free-running records."""
 Verdict = Literal["noise", "missing_effect", "unexplained"]
 
 
@@ -92,7 +93,7 @@ class Finding:
             "evidence": self.evidence, "error_before": self.error_before,
             "error_after": self.error_after,
             "errors": {
-                name: {"before": before, "after": after, "unit": UNITS.get(name, "N m")}
+                name: {"before": before, "after": after, "unit": UNITS[name]}
                 for name, (before, after) in self.errors.items()
             },
             "explained": self.explained, "rivals": list(self.rivals),

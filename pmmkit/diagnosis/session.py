@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -122,13 +123,14 @@ class Session:
             raise ModelError("There is no step to undo.")
         return replace(self, steps=self.steps[:-1])
 
+    @cached_property
     def blocks(self) -> tuple[Block, ...]:
         """The effects of the base at the values of their nonlinear parameters."""
         return refined(self.system, taken_as_given(self.system, self.given).blocks)
 
     def fall(self) -> ErrorFall:
         """Held-out errors of the base and after each step."""
-        blocks = self.blocks()
+        blocks = self.blocks
         first = len(self.begun)
         names = (BASE, *(step.effect for step in self.steps))
         return ErrorFall(
@@ -151,7 +153,7 @@ class Session:
                 f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
                 f"the campaign first, then take its model.toml."
             )
-        blocks = self.blocks()
+        blocks = self.blocks
         fit = joint_fit(self.system, blocks, floor=self.floor)
         found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
         return found.model.with_(

@@ -15,6 +15,7 @@ from pmmkit.diagnosis.comparison import Comparison
 from pmmkit.diagnosis.misfit import Cell, order_words, words_of_test
 from pmmkit.figures import style
 from pmmkit.figures.comparison_free import force_residuals, sailed
+from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             )[0]  # fmt: skip
             for axis, channel in zip(axes[:, column], channels, strict=True):
                 if column == 0:
-                    axis.set_ylabel(f"{channel} [{_unit(channel)}]")
+                    axis.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
                 if channel not in run.channels:
                     continue
                 axis.plot(whole, basis @ run.view.force[channel], color=MEASURED, label="measured")
@@ -208,10 +209,6 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
-
-
-def _unit(channel: str) -> str:
-    return "N" if channel in "XY" else "N m"
 
 
 def _places(run: CaptiveRun) -> list[int]:
@@ -358,7 +355,7 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
             left.plot(t, measured, color=MEASURED, lw=0.9, label="measured")
             predicted = table[f"{channel}_predicted"].to_numpy()[thin]
             left.plot(t, predicted, color=PREDICTED, ls="--", label="predicted")
-            left.set_ylabel(f"{channel} [{_unit(channel)}]")
+            left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
             right.plot(
                 t, table[f"{channel}_error"].to_numpy()[thin], color=style.LIMIT, lw=0.9,
                 label="predicted less measured",

@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.diagnosis.fitting import is_fault
 from pmmkit.errors import DataError
 from pmmkit.figures import style
+from pmmkit.runs.channels import CHANNEL_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -151,7 +152,7 @@ def _bars(axis: Axes, steps: tuple[str, ...], values: list[list[float]], places:
 
 def _in_newtons(errors: list[float], channel: str) -> str:
     """The fall of a channel in its unit."""
-    unit = "N" if channel in "XY" else "N m"
+    unit = CHANNEL_UNITS[channel]
     ends = [errors[0], *errors[-1:]] if len(errors) > 1 else errors
     return f"{' → '.join(f'{x:.3g}' for x in ends)} {unit}"
 

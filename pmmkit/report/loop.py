@@ -16,6 +16,7 @@ from pmmkit.figures.style import svg
 from pmmkit.files import write_text
 from pmmkit.report.page import page
 from pmmkit.report.words import TESTS, Cell, Grid, Group, Picture, Section, counted, number
+from pmmkit.runs.channels import CHANNEL_UNITS
 
 WIDE: Final = 1.96
 VERDICTS: Final = {
@@ -196,7 +197,7 @@ def _fall(loop: Loop) -> Section:
             [name, number(100 * item.share(), 3), *(number(own[x], 3) for x in channels),
              *(number(100 * item.share(test), 3) for test in tests)]
         )  # fmt: skip
-    units = [f"{name} [{'N' if name in 'XY' else 'N m'}]" for name in channels]
+    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
     head = ["after", "all [%]", *units, *(f"{TESTS.get(name, name)} [%]" for name in tests)]
     points = [f"{name} does not lower the error of left-out conditions." for name in fall.useless]
     if loop.end is not None:
