@@ -25,6 +25,7 @@ from pmmkit.diagnosis.planned import (
 from pmmkit.diagnosis.rows import Scatter
 from pmmkit.diagnosis.system import System, channels_of
 from pmmkit.diagnosis.views import View
+from pmmkit.diagnosis.whitening import FLOOR
 from pmmkit.errors import DataError
 from pmmkit.model import Model
 from pmmkit.reduction.columns import columns_of
@@ -75,7 +76,7 @@ class Ground:
 
 def ground_of(
     model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
-    options: Sequence[Option] | None = None, floor: float = 0.005, noise: float | None = None,
+    options: Sequence[Option] | None = None, floor: float = FLOOR, noise: float | None = None,
     record_noise: float = 0.015, candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
 ) -> Ground:  # fmt: skip
