@@ -22,6 +22,7 @@ from foam_texts import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pmmkit.checks import examine
 from pmmkit.errors import CampaignError
 from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.runs.loading import file_hashes
@@ -272,6 +273,14 @@ def test_several_function_objects_are_listed(case):
     with pytest.raises(CampaignError, match=r"several function objects: hull, rudder") as caught:
         every(case)
     assert "case/postProcessing/hull" in str(caught.value)
+
+
+def test_coefficients_beside_forces_do_not_compete(case):
+    names = COEFFICIENTS["v2412"]
+    text = coefficients(T, dict.fromkeys(names, T), names)
+    written(case, {"postProcessing/coeffs/0/coefficient.dat": text})
+    assert "Fx [N]" in every(case)
+    assert "Cd [-]" in every(case / "postProcessing/coeffs")
 
 
 @pytest.mark.parametrize(
@@ -592,6 +601,15 @@ def test_forces_per_density_are_doubted_unless_the_campaign_says_so(case, rho_in
     stated = campaign(case.parent, "case", "[cfd]\nrho_inf = 1.0")["SD"].data
     assert "doubtful" not in stated.attrs["conversions"]
     assert stated["Y"].values == pytest.approx(999.1 * every(case)["Fy [N]"])
+
+
+def test_a_doubted_density_is_a_warning_of_the_checks(case):
+    written(case, {"system/controlDict": CONTROL.replace("*\\", "*/", 1) % "rhoInf 1;"})
+    (found,) = [each for each in examine(campaign(case.parent, "case")) if each.check == "density"]
+    assert found.severity == "warning"
+    assert found.runs == ("SD",)
+    settled = examine(campaign(case.parent, "case", "[cfd]\nrho_inf = 1.0"))
+    assert "density" not in {each.check for each in settled}
 
 
 def test_a_dictionary_is_only_looked_at(case):

@@ -274,6 +274,15 @@ def test_a_path_that_is_not_known(files, entry, words, tmp_path):
         read(tmp_path, forces | files, **entry)
 
 
+def test_a_motion_that_nothing_needs_is_refused(tmp_path):
+    forces = table({"t": T, **on_hull(T)})
+    head = HEAD.partition("forces_in")[0]
+    with pytest.raises(CampaignError, match="motion is read only where"):
+        read(tmp_path, {"run.csv": forces, "m.csv": forces}, head=head, motion="m.csv")
+    with pytest.raises(CampaignError, match="a row of a table has no motion"):
+        read(tmp_path, {"run.csv": forces}, motion="m.csv", row={"t": 1})
+
+
 def test_a_force_alone_cannot_be_turned(tmp_path):
     files = {"run.csv": table({"t": T, "X": T, "N": T})}
     head = HEAD + "[columns]\nY = false\n"

@@ -323,6 +323,17 @@ def _motion(
     """The file of the hull's motion beside the one of its forces."""
     if entry.motion is None:
         return None
+    if not setup.solver.turns:
+        out.problems.append(
+            Problem(
+                message="motion is read only where the forces do not move with the hull.",
+                file=setup.toml,
+                entry=label,
+                remedy='Write forces_in = "earth" or moment_centre_moves = false under [cfd], or '
+                "take motion away.",
+            )
+        )
+        return None
     path = setup.find(entry.motion)
     if path is None:
         out.problems.append(setup.missing_file(entry.motion, label))

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,15 +16,20 @@ from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
+from pmmkit.runs.hull_path import PLACE
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
 from pmmkit.runs.readers import files_of, reader_for, usual_of
 from pmmkit.runs.readers.base import Array, Columns, Request
 from pmmkit.runs.run import Campaign, Correction, Kind, Settings
-from pmmkit.runs.solver_axes import PLACE, Solver, seen_from_hull, without_ramp
+from pmmkit.runs.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+DOUBTFUL: Final = "doubtful: "
+"""How a note begins that somebody should look at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +108,7 @@ class HistoryLoader:
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
         notes += [
-            f"doubtful: {doubt}; say so with {key} under [cfd]"
+            f"{DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
             for key, doubt in read.unsettled.items()
             if key not in self.context.solver.stated
         ]

@@ -302,6 +302,12 @@ class RunEntry(FileEntry):
             raise ValueError('must name a column, e.g. { "Run No." = 376 }')
         return value
 
+    @model_validator(mode="after")
+    def _motion_of_a_history(self) -> RunEntry:
+        if self.row is not None and self.motion is not None:
+            raise ValueError("a row of a table has no motion: take row or motion away")
+        return self
+
 
 class TableEntry(FileEntry):
     """``[[tables]]``."""

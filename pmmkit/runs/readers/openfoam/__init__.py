@@ -18,7 +18,7 @@ import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.runs.readers.base import Array, Cells, Choose, Columns, Request, abridged
-from pmmkit.runs.readers.openfoam.case import density_doubt, entries_of
+from pmmkit.runs.readers.openfoam.case import density_doubt, entries_of, told
 from pmmkit.runs.readers.openfoam.header import LONGEST, MOVED, layout_of
 from pmmkit.runs.readers.openfoam.numbers import read_rows
 from pmmkit.runs.readers.openfoam.places import RESULTS, Part, Series, series_of
@@ -36,7 +36,6 @@ SAME_TIME: Final = 1e-6
 """Times of forces and moments are one where they differ by less than this share of a step."""
 ROUNDING: Final = 2e-3
 """Share by which a total may differ from the sum of its parts, which are rounded as printed."""
-_LISTED: Final = ("CofR", "magUInf", "lRef", "Aref", "dragDir", "sideDir", "liftDir", "pitchAxis")
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -112,7 +111,7 @@ def columns(request: Request, choose: Choose) -> Columns:
         positions=positions,
         values=tuple(table[name] for name in wanted),
         dropped=dropped,
-        notes=(*notes, *_said(series, entries)),
+        notes=(*notes, *told(series, entries)),
         unsettled={"rho_inf": doubt} if doubt is not None and _of_forces(wanted) else {},
     )
 
@@ -280,22 +279,3 @@ def _joined(
     if max(surplus):
         notes.append(f"{files}: the last row has no partner in the other file and was left out")
     return {name: numbers[:count] for table in reversed(tables) for name, numbers in table.items()}
-
-
-def _said(series: Series, entries: Mapping[str, str]) -> list[str]:
-    """What headers and controlDict say that a reader of the report should know."""
-    stated = {name: entries[name] for name in _LISTED if name in entries}
-    stated |= series.parts[0].layout.values
-    notes = []
-    if "CofR" in stated:
-        notes.append(f"moments about CofR {stated['CofR']} of the mesh")
-    rest = [f"{name} {stated[name]}" for name in _LISTED[1:] if name in stated]
-    if rest:
-        notes.append(f"coefficients with {', '.join(rest)}")
-    notes += [
-        f"controlDict: {name} {entries[name]}" for name in ("rho", "rhoInf") if name in entries
-    ]
-    starts = len(series.families[0])
-    if starts > 1:
-        notes.append(f"{starts} starts of the computation joined")
-    return notes

@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
-from pmmkit.runs.readers.openfoam.places import RESULTS
+from pmmkit.runs.readers.openfoam.places import RESULTS, Series
 
 LARGEST: Final = 1 << 20
 """Bytes beyond which a dictionary is not looked at."""
+
+_LISTED: Final = ("CofR", "magUInf", "lRef", "Aref", "dragDir", "sideDir", "liftDir", "pitchAxis")
 
 Dictionary = Mapping[str, object]
 
@@ -61,6 +63,25 @@ def density_doubt(entries: Mapping[str, str]) -> str | None:
         f"the flow is incompressible (rho rhoInf) and rhoInf {how} in controlDict: the forces are "
         "per density unless something else multiplies them"
     )
+
+
+def told(series: Series, entries: Mapping[str, str]) -> list[str]:
+    """What headers and controlDict say that a reader of the report should know."""
+    stated = {name: entries[name] for name in _LISTED if name in entries}
+    stated |= series.parts[0].layout.values
+    notes = []
+    if "CofR" in stated:
+        notes.append(f"moments about CofR {stated['CofR']} of the mesh")
+    rest = [f"{name} {stated[name]}" for name in _LISTED[1:] if name in stated]
+    if rest:
+        notes.append(f"coefficients with {', '.join(rest)}")
+    notes += [
+        f"controlDict: {name} {entries[name]}" for name in ("rho", "rhoInf") if name in entries
+    ]
+    starts = len(series.families[0])
+    if starts > 1:
+        notes.append(f"{starts} starts of the computation joined")
+    return notes
 
 
 def number_in(text: str) -> float | None:

@@ -151,6 +151,9 @@ def _nested(names: str) -> _Columns | None:
     pieces: dict[str, tuple[int, ...]] = {}
     rows = {"": 0, "local": 0}
     column = {"": 1, "local": 1}
+    heads = [(found[1], found[2].lower()) for found in _NESTED.finditer(names)]
+    if len(set(heads)) < len(heads):
+        return None
     for found in _NESTED.finditer(names):
         where = (found[1] or "").lower()
         letter, unit = ("F", "N") if found[2].lower() == "force" else ("M", "N m")
