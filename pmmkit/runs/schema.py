@@ -212,6 +212,8 @@ class CfdEntry(Entry):
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
     moment_centre: float | None = None
+    moment_centre_moves: bool | None = None
+    forces_in: Literal["body", "earth"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
     U_SN: NumericalEntry | None = None
 
@@ -291,6 +293,7 @@ class RunEntry(FileEntry):
     """``[[runs]]``."""
 
     row: dict[str, Plain] | None = None
+    motion: Annotated[str, Field(min_length=1)] | None = None
 
     @field_validator("row")
     @classmethod
@@ -298,6 +301,12 @@ class RunEntry(FileEntry):
         if value is not None and not value:
             raise ValueError('must name a column, e.g. { "Run No." = 376 }')
         return value
+
+    @model_validator(mode="after")
+    def _motion_of_a_history(self) -> RunEntry:
+        if self.row is not None and self.motion is not None:
+            raise ValueError("a row of a table has no motion: take row or motion away")
+        return self
 
 
 class TableEntry(FileEntry):
