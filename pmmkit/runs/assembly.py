@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.errors import DataError, Problem
 from pmmkit.runs.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.runs.conversions import Frame, in_phase_parts
-from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows
+from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows, with_usual
 from pmmkit.runs.picking import ColumnSpec, Picked, pick
 from pmmkit.runs.readers import reader_for
 from pmmkit.runs.readers.base import Cells, Options, Request, fault, to_number
@@ -269,10 +269,11 @@ def _add_history(
     corrections = _corrections(entry.id, setup)
     given = {**entry.settings(), **_set(corrections)}
     missing = missing_settings(entry.test, given)
-    if missing and request.path.is_file():
+    if missing and setup.find(entry.file) is not None:
         try:
-            names = reader_for(request).names(request)
-            measured, _ = pick(names, len(names), specs, request)
+            reader = reader_for(request)
+            names = reader.names(request)
+            measured, _ = pick(names, len(names), with_usual(specs, reader, names), request)
         except DataError as error:
             out.problems += error.problems
             return
@@ -365,7 +366,7 @@ def _add_row(
         ),
         dimensional=dimensional,
         turned=frame.motion_sign(entry.test) < 0,
-        notes=tuple(column.note for column in picked if column.note),
+        notes=(*cells.notes, *(column.note for column in picked if column.note)),
     )
     run = Run(
         id=run_id,

@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.files import datasets_folder
+from pmmkit.files import datasets_folder, files_of
 from pmmkit.runs.channels import did_you_mean
 from pmmkit.runs.run import Campaign
 
@@ -118,11 +118,11 @@ class _Search:
         return [*found, self.own]
 
     def find(self, file: str) -> Path | None:
-        """Path of a file, or None."""
+        """Path of a file, a folder or a pattern of files, or None."""
         for name in (file, file.replace("\\", "/")):
             for folder in self.folders():
                 try:
-                    if (folder / name).is_file():
+                    if (folder / name).is_dir() or files_of(folder / name):
                         return folder / name
                 except (OSError, ValueError):
                     return None

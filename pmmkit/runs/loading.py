@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.files import sha256
-from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.files import files_of, sha256
+from pmmkit.runs.channels import CHANNEL_UNITS, split_unit
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
-from pmmkit.runs.readers import reader_for
+from pmmkit.runs.readers import Reader, reader_for
 from pmmkit.runs.readers.base import Array, Request
 from pmmkit.runs.run import Campaign, Correction, Kind
 from pmmkit.ship import Ship, Water
@@ -86,12 +86,16 @@ class HistoryLoader:
 
     def __call__(self) -> xr.Dataset:
         picked: list[Picked] = []
+        reader = reader_for(self.request)
+        usual: dict[str, ColumnSpec] = {}
 
         def choose(headers: Sequence[str], width: int) -> list[int]:
+            specs = with_usual(self.columns, reader, headers)
+            usual.update({name: spec for name, spec in specs.items() if name not in self.columns})
             found, problems = pick(
                 headers,
                 width,
-                self.columns,
+                specs,
                 self.request,
                 required=required_channels(self.kind),
             )
@@ -100,10 +104,13 @@ class HistoryLoader:
             picked.extend(found)
             return [column.position for column in found]
 
-        read = reader_for(self.request).columns(self.request, choose)
+        read = reader.columns(self.request, choose)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
+        notes += [
+            f"{name} from column {spec.name!r}, its usual name" for name, spec in usual.items()
+        ]
         if read.dropped:
             notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
         values = {
@@ -250,6 +257,24 @@ def dataset(
     )
 
 
+def with_usual(
+    specs: Mapping[str, ColumnSpec], reader: Reader, headers: Sequence[str]
+) -> dict[str, ColumnSpec]:
+    """``[columns]``, and for channels it says nothing of the headers usual in the format.
+
+    A reader may have ``usual(headers)``, a mapping of our names to headers that are there. A
+    header that is one of our names counts before it.
+    """
+    usual: Callable[[Sequence[str]], Mapping[str, str]] = getattr(reader, "usual", lambda _: {})
+    own = {split_unit(header)[0] for header in headers}
+    found = {
+        name: ColumnSpec(name=header)
+        for name, header in usual(headers).items()
+        if name not in specs and name not in own
+    }
+    return {**found, **specs}
+
+
 def _channel(name: str) -> str:
     for suffix in ("_std", "_cos", "_sin"):
         name = name.removesuffix(suffix)
@@ -307,7 +332,15 @@ def file_hashes(campaign: Campaign) -> dict[str, str]:
     files: dict[str, Path] = {}
     for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
         if isinstance(run.loader, (HistoryLoader, RowLoader)):
-            files.setdefault(run.loader.request.shown, run.loader.path)
+            shown, path = run.loader.request.shown, run.loader.path
+            listed = files_of(path)
+            if listed in ((path,), ()):
+                files.setdefault(shown, path)
+            else:
+                root = path if path.is_dir() else path.parent
+                files.update(
+                    {f"{shown}: {file.relative_to(root).as_posix()}": file for file in listed}
+                )
     hashes: dict[str, str] = {}
     problems: list[Problem] = []
     for shown, path in files.items():

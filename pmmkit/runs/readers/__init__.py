@@ -27,6 +27,7 @@ FORMATS: Final[dict[str, str]] = {
     "csv": "pmmkit.runs.readers.csv",
     "excel": "pmmkit.runs.readers.excel",
     "pmmkit": "pmmkit.runs.readers.saved",
+    "star-ccm+": "pmmkit.runs.readers.starccm",
 }
 """Formats by name, and the module that reads each."""
 

@@ -43,13 +43,27 @@ def columns(request: Request, choose: Choose) -> Columns:
         number, infinite or absurdly large; or because the text cannot be decoded.
     """
     text = take_apart(request)
-    width = text.width
-    headers = text.headers or ("",) * width
-    positions = tuple(choose(headers, width))
+    headers = text.headers or ("",) * text.width
+    return numbers(text, choose(headers, text.width), request)
+
+
+def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
+    """Some columns of a text that is taken apart.
+
+    Raises
+    ------
+    CampaignError
+        As `columns`.
+    """
     if not cut_off(text):
         values = _fast(text, positions)
         if values is not None:
-            return Columns(headers=headers, positions=positions, values=values, notes=text.notes)
+            return Columns(
+                headers=text.headers or ("",) * text.width,
+                positions=tuple(positions),
+                values=values,
+                notes=text.notes,
+            )
     return columns_of(_careful(text, request), positions, request)
 
 

@@ -139,7 +139,8 @@ def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
     edges = np.cumsum(widths)
     stops = ends - (code[ends - 1] == 13)
     inner = np.minimum(starts[:, None] + edges[:-1], stops[:, None])
-    beyond = starts + edges[-1]
-    places = np.sort(np.append(inner.ravel(), beyond[filled[after - 1] >= beyond]))
+    beyond = starts + sum(widths)
+    longer = filled[after - 1] >= beyond
+    places = np.sort(np.append(inner.ravel(), beyond[longer]))
     cut = np.insert(code, places, ord(CUT))
     return cut.astype(kind).tobytes().decode(encoding).encode()

@@ -17,7 +17,7 @@ from pmmkit.runs.readers.decoding import CUT
 BLANKS: Final = " "
 COMMENTS: Final = ("#", "%", "!", "//")
 """What a line begins with that holds no numbers, where the campaign file does not say."""
-_CANDIDATES: Final = (
+CANDIDATES: Final = (
     (";", "."),
     (";", ","),
     ("\t", "."),
@@ -26,6 +26,7 @@ _CANDIDATES: Final = (
     (BLANKS, "."),
     (BLANKS, ","),
 )
+"""Delimiters and decimal signs that are tried, in this order."""
 _FIXED: Final = ((CUT, "."), (CUT, ","))
 _SAMPLE: Final = 20
 _TOP: Final = 65536
@@ -118,7 +119,7 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
             delimiter=delimiter,
             decimal=decimal,
         )
-    headers, last = _headers(first.text, delimiter), first
+    headers, last = headers_of(first.text, delimiter), first
     if request.options.units_row and len(plain) == 1:
         raise request.error(request.problem("there is no line of units below the names."))
     if len(plain) > 1 and _is_units(plain[1], len(headers), delimiter, decimal, request):
@@ -153,6 +154,14 @@ def fields_of(line: bytes, delimiter: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter), [""])]
 
 
+def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
+    """The names in a header line, a comment sign before them left out."""
+    text = line.decode("utf-8").strip().removeprefix("#").strip()
+    if delimiter == BLANKS:
+        return tuple(found[0] for found in _BLANK_HEADER.finditer(text))
+    return tuple(fields_of(text.encode(), delimiter))
+
+
 def comment_marks(request: Request) -> tuple[str, ...]:
     """What comments begin with."""
     return COMMENTS if request.options.comment is None else (request.options.comment,)
@@ -183,7 +192,7 @@ def _candidates(request: Request) -> list[tuple[str, str]]:
     options = request.options
     return [
         (delimiter, decimal)
-        for delimiter, decimal in (_CANDIDATES if options.widths is None else _FIXED)
+        for delimiter, decimal in (CANDIDATES if options.widths is None else _FIXED)
         if options.delimiter in (None, delimiter) and options.decimal in (None, decimal)
     ]
 
@@ -319,18 +328,12 @@ def _names(
         return None
     units = len(above) > 1 and _is_units(above[-1], width, delimiter, decimal, request)
     line = above[-2] if units else above[-1]
-    headers = _headers(line.text, delimiter)
+    headers = headers_of(line.text, delimiter)
     if len(headers) != width or (
         2 * _count(headers, decimal) >= width and request.options.header is None
     ):
         return None
     return _with_units(headers, above[-1], delimiter, request) if units else headers
-
-
-def _headers(line: bytes, delimiter: str) -> tuple[str, ...]:
-    if delimiter == BLANKS:
-        return tuple(found[0] for found in _BLANK_HEADER.finditer(line.decode("utf-8").strip()))
-    return tuple(fields_of(line, delimiter))
 
 
 def _units(line: _Line, delimiter: str) -> list[str]:
@@ -369,7 +372,9 @@ def _with_units(
                 row=line.number,
             )
         )
-    pairs = [(header, split_unit(header)[1], unit) for header, unit in zip(headers, units, strict=True)]
+    pairs = [
+        (header, split_unit(header)[1], unit) for header, unit in zip(headers, units, strict=True)
+    ]
     problems = [
         request.problem(
             f"the name says {own!r}, the line of units {unit!r}.", row=line.number, column=header

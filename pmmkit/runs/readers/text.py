@@ -12,15 +12,27 @@ from pmmkit.runs.readers.base import Request
 from pmmkit.runs.readers.decoding import cut_apart, decoded, unix_ends
 from pmmkit.runs.readers.heading import (
     BLANKS,
+    CANDIDATES,
     Heading,
     comment_marks,
     fields_of,
     find_heading,
+    headers_of,
     line_end,
     looks_like_row,
 )
 
-__all__ = ["BLANKS", "Text", "cut_off", "fields_of", "line_end", "surely_whole", "take_apart"]
+__all__ = [
+    "BLANKS",
+    "CANDIDATES",
+    "Text",
+    "cut_off",
+    "fields_of",
+    "headers_of",
+    "line_end",
+    "surely_whole",
+    "take_apart",
+]
 
 _SAMPLE: Final = 20
 
@@ -67,7 +79,7 @@ class Text:
         """Line of the file, counted from 1, of each of the rows."""
         count = self.data.count(b"\n", self.start, self.stop) + 1 + len(self.comments)
         every = np.arange(self.first_line, self.first_line + count)
-        return np.setdiff1d(every, self.comments).tolist()
+        return [int(line) for line in np.setdiff1d(every, self.comments)]
 
     @property
     def width(self) -> int:
