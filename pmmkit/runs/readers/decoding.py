@@ -128,14 +128,15 @@ def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
     >>> cut_apart(b" 0.00-12.5\n 0.10\n", (5, 5)).replace(CUT.encode(), b"|")
     b' 0.00|-12.5\n 0.10|\n'
     """
-    kind, encoding = (np.uint8, "ascii") if data.isascii() else (np.uint32, "utf-32-le")
+    kind, encoding = ("u1", "ascii") if data.isascii() else ("<u4", "utf-32-le")
     code = np.frombuffer(data.decode().encode(encoding), dtype=kind)
     ends = np.append(np.flatnonzero(code == 10), len(code))
     starts = np.concatenate([[0], ends[:-1] + 1])
     filled = np.flatnonzero(code > 32)
     before = np.searchsorted(filled, starts)
     after = np.searchsorted(filled, ends)
-    starts, ends, after = (item[after > before] for item in (starts, ends, after))
+    some = after > before
+    starts, ends, after = starts[some], ends[some], after[some]
     edges = np.cumsum(widths)
     stops = ends - (code[ends - 1] == 13)
     inner = np.minimum(starts[:, None] + edges[:-1], stops[:, None])
@@ -143,4 +144,4 @@ def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
     longer = filled[after - 1] >= beyond
     places = np.sort(np.append(inner.ravel(), beyond[longer]))
     cut = np.insert(code, places, ord(CUT))
-    return cut.astype(kind).tobytes().decode(encoding).encode()
+    return cut.tobytes().decode(encoding).encode()

@@ -279,14 +279,14 @@ def _all_numbers(row: Sequence[str], decimal: str) -> bool:
 
 
 def _has_preamble(lines: Sequence[_Line], table: _Table, request: Request) -> bool:
-    """Whether more stands above the rows than names and units, and not damaged rows."""
+    """Whether more stands above the rows than names and units, and not names and damaged rows."""
     dialect = table.delimiter, table.decimal
     units = table.index > 1 and _is_units(lines[table.index - 1], table.width, *dialect, request)
     if table.index < 2 + units:
         return False
     top, below = (fields_of(line.text, table.delimiter) for line in lines[:2])
-    names = len(top) == table.width and 2 * _count(top, table.decimal) < len(top)
-    return not (names and _count(below, table.decimal) and len(below) == table.width)
+    named = len(top) == table.width and 2 * _count(top, table.decimal) < len(top)
+    return not (named and _count(below, table.decimal))
 
 
 def _below_preamble(
@@ -304,9 +304,20 @@ def _below_preamble(
         )
         for line in above
         if looks_like_row(line.text, table.width, delimiter, decimal)
+        or (line is above[-1] and _mostly_numbers(line, delimiter, decimal))
     ]
     if damaged:
         raise request.error(*damaged)
+    if _twice_named(above, table, request):
+        raise request.error(
+            request.problem(
+                f"rows {above[-2].number} and {above[-1].number} may both be the names of the "
+                "columns.",
+                remedy=f"State in [source] skip_rows = {above[-2].number} if the names are in row "
+                f"{above[-1].number}, or skip_rows = {above[-2].number - 1} and units_row = true "
+                "if units are.",
+            )
+        )
     _refuse_grouped([line.text for line in plain[table.index :]], delimiter, decimal, request)
     names = _names(above, table.width, delimiter, decimal, request)
     title = "no line of names above them" if names is None else "the names just above them"
@@ -318,6 +329,23 @@ def _below_preamble(
         decimal=decimal,
         notes=(f"rows of numbers found to begin in line {first.number}, {title}",),
     )
+
+
+def _mostly_numbers(line: _Line, delimiter: str, decimal: str) -> bool:
+    fields = fields_of(line.text, delimiter)
+    count = _count(fields, decimal)
+    return count > 1 and 2 * count >= len(fields)
+
+
+def _twice_named(above: Sequence[_Line], table: _Table, request: Request) -> bool:
+    """Whether the last two lines above the rows are as wide and without numbers, and not units."""
+    dialect = table.delimiter, table.decimal
+    wide = [
+        len(fields) == table.width and all(fields) and not _count(fields, table.decimal)
+        for line in above[-2:]
+        if (fields := fields_of(line.text, table.delimiter))
+    ]
+    return wide == [True, True] and not _is_units(above[-1], table.width, *dialect, request)
 
 
 def _names(

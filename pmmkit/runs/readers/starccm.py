@@ -32,13 +32,15 @@ _HEADER: Final = re.compile(
 )
 _TIMES: Final = frozenset(
     {"physical time", "time", "solution time", "物理时间", "时间", "物理時間", "時間",
-     "물리적 시간", "시간", "physikalische zeit", "zeit", "temps physique", "temps", "tiempo físico", "tiempo",
+     "물리적 시간", "시간", "physikalische zeit", "zeit", "temps physique", "temps",
+     "tiempo físico", "tiempo",
      "tempo fisico", "tempo físico", "tempo", "физическое время", "время"}
 )  # fmt: skip
 """Words for time in the languages of the program; a first column in seconds is time too."""
 _ITERATIONS: Final = frozenset(
     {"iteration", "iterations", "iterationen", "itération", "itérations", "iteración",
-     "iteraciones", "iterazione", "iterazioni", "iteração", "迭代", "反復", "반복", "итерация", "итерации",
+     "iteraciones", "iterazione", "iterazioni", "iteração", "迭代", "反復", "반복",
+     "итерация", "итерации",
      "time step", "time-step", "zeitschritt"}
 )  # fmt: skip
 _UNITS: Final[Mapping[str, str]] = {
