@@ -469,6 +469,17 @@ def test_all_files_of_a_run_are_looked_at(read):
         read({"run/a.csv": b"", "run/b.csv": GOOD, "run/c.csv": b"\0\0"})
     assert "run: a.csv" in str(caught.value)
     assert "run: c.csv" in str(caught.value)
+    files = {
+        "run/a.csv": export((TIME, *FORCES[:2]), T, X, Y).replace(b"\n0.5,", b"\n0.5;"),
+        "run/b.csv": export((TIME, "Cd Monitor"), T, X),
+        "run/c.csv": export((TIME, FORCES[2]), T, N).replace(b"\n1.5,", b"\n?,"),
+    }
+    with pytest.raises(CampaignError) as caught:
+        read(files, "run/*.csv")
+    assert "run/*.csv: a.csv" in str(caught.value)
+    assert "row 11" in str(caught.value)
+    assert "run/*.csv: c.csv" in str(caught.value)
+    assert "row 31" in str(caught.value)
 
 
 def test_an_export_is_no_table(tmp_path):

@@ -97,12 +97,16 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
     CampaignError
         If there are no rows, or if it cannot be told whether a line is a header or a damaged row.
     """
-    lines = _top(data, start, stop, line, request)
-    plain = [item for item in lines if not item.comment]
+    for count in (_SAMPLE + 4, -1):
+        lines = _top(data, start, stop, line, request, count)
+        plain = [item for item in lines if not item.comment]
+        delimiter, decimal = _dialect([item.text for item in plain], request)
+        as_usual = _reads(plain, delimiter, decimal, request)
+        if as_usual and decimal == ".":
+            break
     if not plain:
         raise request.error(request.problem("there are comments and no rows of numbers."))
-    delimiter, decimal = _dialect([item.text for item in plain], request)
-    if not request.options.skip_rows and not _reads(plain, delimiter, decimal, request):
+    if not request.options.skip_rows and not as_usual:
         table = _rows_of_numbers(plain, request, whole=plain[-1].stop >= stop)
         if table is not None and _has_preamble(plain, table, request):
             return _below_preamble(lines, plain, table, request)
@@ -173,18 +177,20 @@ def looks_like_row(line: bytes, width: int, delimiter: str, decimal: str) -> boo
     return len(fields) == width and 2 * _count(fields, decimal) >= width
 
 
-def _top(data: bytes, start: int, stop: int, line: int, request: Request) -> list[_Line]:
-    """The lines at the top of a file that are not blank."""
+def _top(
+    data: bytes, start: int, stop: int, line: int, request: Request, count: int
+) -> list[_Line]:
+    """The first lines of a file, at most `count` if that is not -1, without those left blank."""
     marks = tuple(mark.encode() for mark in comment_marks(request))
     end = min(stop, line_end(data, start + _TOP))
+    top = data[start:end].split(b"\n", count)
     found = []
-    for number, text in enumerate(data[start:end].split(b"\n"), start=line):
+    for number, text in enumerate(top if count < 0 else top[:count], start=line):
         place = start
         start += len(text) + 1
         if text.strip():
-            mark = next((mark for mark in marks if text.startswith(mark)), None)
-            bare = text if mark is None else text[len(mark) :]
-            found.append(_Line(number, place, start - 1, bare, mark is not None))
+            mark = next((mark for mark in marks if text.startswith(mark)), b"")
+            found.append(_Line(number, place, start - 1, text[len(mark) :], bool(mark)))
     return found
 
 
@@ -205,7 +211,7 @@ def _dialect(lines: Sequence[bytes], request: Request) -> tuple[str, str]:
     for delimiter, decimal in _candidates(request):
         rows = [fields_of(line, delimiter) for line in sample]
         counts = sorted(len(row) for row in rows)
-        width = counts[len(counts) // 2]
+        width = counts[len(counts) // 2] if counts else 0
         if width < 2:
             continue
         listed = [cell for row in rows for cell in row]
@@ -242,6 +248,8 @@ def _count(fields: Sequence[str], decimal: str) -> int:
 
 def _reads(lines: Sequence[_Line], delimiter: str, decimal: str, request: Request) -> bool:
     """Whether the first line and the one below it (and units) are header and row, or two rows."""
+    if not lines:
+        return False
     top = fields_of(lines[0].text, delimiter)
     below = 1
     if len(lines) > 1 and _is_units(lines[1], len(top), delimiter, decimal, request):

@@ -106,12 +106,8 @@ def columns(request: Request, choose: Choose) -> Columns:
     used = [export for export in exports if set(export.headers) & set(chosen) - keys]
     used = used or [export for export in exports if export.key_header in chosen][:1] or exports[:1]
     _check_keys(used, [header for header in chosen if header in keys], exports, request)
-    parts, dropped = [], 0
+    parts, dropped = _parts(used, chosen, request)
     notes = [note for export in used for note in export.notes]
-    for export in used:
-        part, lacking = _part(export, chosen)
-        parts.append(part)
-        dropped += lacking
     left = [export.request.path.name for export in exports if export not in used]
     if left:
         notes.append(f"no column used of {', '.join(left)}")
@@ -323,12 +319,29 @@ def _check_keys(
         raise request.error(*problems)
 
 
-def _part(export: _Export, chosen: Sequence[str]) -> tuple[Part, int]:
-    """The chosen columns of one file, a row for each time step, and how many rows lack a value."""
-    headers = [name for name in dict.fromkeys(export.headers)
-               if name in chosen and name != export.key_header]  # fmt: skip
-    places = [export.key, *(export.headers.index(name) for name in headers)]
-    read = numbers(export.text, places, export.request)
-    values = dict(zip(headers, read.values[1:], strict=True))
-    part = steps(export.request.path.name, read.values[0], values, export.request)
-    return part, read.dropped
+def _parts(
+    exports: Sequence[_Export], chosen: Sequence[str], request: Request
+) -> tuple[list[Part], int]:
+    """The chosen columns of each file by time steps, and how many rows lack a value."""
+    parts: list[Part] = []
+    problems: list[Problem] = []
+    dropped = 0
+    for export in exports:
+        headers = [
+            name
+            for name in dict.fromkeys(export.headers)
+            if name in chosen and name != export.key_header
+        ]
+        places = [export.key, *(export.headers.index(name) for name in headers)]
+        name = export.request.path.name
+        try:
+            read = numbers(export.text, places, export.request)
+            values = dict(zip(headers, read.values[1:], strict=True))
+            parts.append(steps(name, read.values[0], values, export.request))
+        except DataError as error:
+            problems += error.problems
+            continue
+        dropped += read.dropped
+    if problems:
+        raise request.error(*problems)
+    return parts, dropped

@@ -153,21 +153,26 @@ def _without_comments(
     marks = [mark.encode() for mark in comment_marks(request)]
     if all(data.find(mark[:1], heading.start, stop) < 0 for mark in marks):
         return data, ()
-    pattern = re.compile(rb"(?:\A|\n)(" + rb"|".join(map(re.escape, marks)) + rb")([^\n]*)")
     top = data[heading.start : line_end(data, heading.start)]
     width = len(heading.headers or fields_of(top, heading.delimiter))
-    kept, numbers = [], []
-    place, line, counted = 0, heading.line, heading.start
-    for found in pattern.finditer(data, max(heading.start - 1, 0), stop):
-        if request.options.comment is None and looks_like_row(
-            found[2], width, heading.delimiter, heading.decimal
+    code = np.frombuffer(data, np.uint8, count=stop - heading.start, offset=heading.start)
+    begins = np.append(0, np.flatnonzero(code == 10) + 1)
+    likely = np.flatnonzero(np.isin(code[begins], [mark[0] for mark in marks]))
+    kept, numbers, place = [], [], 0
+    for index in likely.tolist():
+        begin = heading.start + int(begins[index])
+        end = line_end(data, begin)
+        mark = next((mark for mark in marks if data.startswith(mark, begin)), None)
+        if mark is None or (
+            request.options.comment is None
+            and looks_like_row(
+                data[begin + len(mark) : end], width, heading.delimiter, heading.decimal
+            )
         ):
             continue
-        line += data.count(b"\n", counted, found.start(1))
-        counted = found.start(1)
-        numbers.append(line)
-        kept.append(data[place : found.start(1)])
-        place = min(found.end() + 1, len(data))
+        numbers.append(heading.line + index)
+        kept.append(data[place:begin])
+        place = min(end + 1, len(data))
     return b"".join([*kept, data[place:]]), tuple(numbers)
 
 
