@@ -98,33 +98,23 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def files_of(path: str | Path) -> tuple[Path, ...]:
-    """The files that a path stands for, sorted by name; none if there is nothing.
-
-    Parameters
-    ----------
-    path : path
-        A file; a folder, which stands for all files in it and below; or a pattern with ``*`` in
-        the last part.
+def matching(pattern: str | Path) -> tuple[Path, ...]:
+    """The files whose names fit a pattern with ``*`` in its last part, sorted by name.
 
     Examples
     --------
     >>> import tempfile
     >>> folder = Path(tempfile.mkdtemp())
-    >>> for name in ("a.csv", "b.csv", "c.txt"):
+    >>> for name in ("b.csv", "a.csv", "c.txt"):
     ...     _ = (folder / name).write_text("1")
-    >>> [file.name for file in files_of(folder / "*.csv")], len(files_of(folder))
-    (['a.csv', 'b.csv'], 3)
+    >>> [file.name for file in matching(folder / "*.csv")], matching(folder / "c.txt")
+    (['a.csv', 'b.csv'], ())
     """
-    place = Path(path)
-    if place.is_file():
-        return (place,)
-    if place.is_dir():
-        return tuple(sorted(file for file in place.rglob("*") if file.is_file()))
+    place = Path(pattern)
     if "*" not in place.name:
         return ()
-    pattern = place.name.replace("[", "[[]")
-    return tuple(sorted(file for file in place.parent.glob(pattern) if file.is_file()))
+    found = place.parent.glob(place.name.replace("[", "[[]"))
+    return tuple(sorted(file for file in found if file.is_file()))
 
 
 def datasets_folder() -> Path:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.errors import DataError, Problem
 from pmmkit.runs.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.runs.conversions import Frame, in_phase_parts
-from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows, with_usual
+from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows
 from pmmkit.runs.picking import ColumnSpec, Picked, pick
-from pmmkit.runs.readers import reader_for
+from pmmkit.runs.readers import reader_for, usual_of
 from pmmkit.runs.readers.base import Cells, Options, Request, fault, to_number
 from pmmkit.runs.readers.rows import filled_in, matching_rows, no_column
 from pmmkit.runs.run import DYNAMIC_TESTS, FREE_TESTS, Correction, Kind, Run
@@ -271,9 +271,9 @@ def _add_history(
     missing = missing_settings(entry.test, given)
     if missing and setup.find(entry.file) is not None:
         try:
-            reader = reader_for(request)
-            names = reader.names(request)
-            measured, _ = pick(names, len(names), with_usual(specs, reader, names), request)
+            names = reader_for(request).names(request)
+            usual = usual_of(request, names)
+            measured, _ = pick(names, len(names), specs, request, usual=usual)
         except DataError as error:
             out.problems += error.problems
             return

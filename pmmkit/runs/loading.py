@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.files import files_of, sha256
-from pmmkit.runs.channels import CHANNEL_UNITS, split_unit
+from pmmkit.files import sha256
+from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
-from pmmkit.runs.readers import Reader, reader_for
+from pmmkit.runs.readers import files_of, reader_for, usual_of
 from pmmkit.runs.readers.base import Array, Request
 from pmmkit.runs.run import Campaign, Correction, Kind
 from pmmkit.ship import Ship, Water
@@ -86,30 +86,31 @@ class HistoryLoader:
 
     def __call__(self) -> xr.Dataset:
         picked: list[Picked] = []
-        reader = reader_for(self.request)
-        usual: dict[str, ColumnSpec] = {}
+        usual: dict[str, str] = {}
 
         def choose(headers: Sequence[str], width: int) -> list[int]:
-            specs = with_usual(self.columns, reader, headers)
-            usual.update({name: spec for name, spec in specs.items() if name not in self.columns})
+            usual.update(usual_of(self.request, headers))
             found, problems = pick(
                 headers,
                 width,
-                specs,
+                self.columns,
                 self.request,
                 required=required_channels(self.kind),
+                usual=usual,
             )
             if problems:
                 raise self.request.error(*problems)
             picked.extend(found)
             return [column.position for column in found]
 
-        read = reader.columns(self.request, choose)
+        read = reader_for(self.request).columns(self.request, choose)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
         notes += [
-            f"{name} from column {spec.name!r}, its usual name" for name, spec in usual.items()
+            f"{column.name} from column {column.title!r}, its usual name"
+            for column in picked
+            if column.name in usual and column.name not in self.columns
         ]
         if read.dropped:
             notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
@@ -257,24 +258,6 @@ def dataset(
     )
 
 
-def with_usual(
-    specs: Mapping[str, ColumnSpec], reader: Reader, headers: Sequence[str]
-) -> dict[str, ColumnSpec]:
-    """``[columns]``, and for channels it says nothing of the headers usual in the format.
-
-    A reader may have ``usual(headers)``, a mapping of our names to headers that are there. A
-    header that is one of our names counts before it.
-    """
-    usual: Callable[[Sequence[str]], Mapping[str, str]] = getattr(reader, "usual", lambda _: {})
-    own = {split_unit(header)[0] for header in headers}
-    found = {
-        name: ColumnSpec(name=header)
-        for name, header in usual(headers).items()
-        if name not in specs and name not in own
-    }
-    return {**found, **specs}
-
-
 def _channel(name: str) -> str:
     for suffix in ("_std", "_cos", "_sin"):
         name = name.removesuffix(suffix)
@@ -319,6 +302,8 @@ def validate(campaign: Campaign) -> list[Problem]:
 def file_hashes(campaign: Campaign) -> dict[str, str]:
     """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
 
+    Of a folder these are the files in it that are read.
+
     Parameters
     ----------
     campaign : Campaign
@@ -329,20 +314,18 @@ def file_hashes(campaign: Campaign) -> dict[str, str]:
     CampaignError
         If a file cannot be read.
     """
-    files: dict[str, Path] = {}
+    requests: dict[str, Request] = {}
     for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
         if isinstance(run.loader, (HistoryLoader, RowLoader)):
-            shown, path = run.loader.request.shown, run.loader.path
-            listed = files_of(path)
-            if listed in ((path,), ()):
-                files.setdefault(shown, path)
-            else:
-                root = path if path.is_dir() else path.parent
-                files.update(
-                    {f"{shown}: {file.relative_to(root).as_posix()}": file for file in listed}
-                )
+            requests.setdefault(run.loader.request.shown, run.loader.request)
     hashes: dict[str, str] = {}
     problems: list[Problem] = []
+    files: dict[str, Path] = {}
+    for request in requests.values():
+        try:
+            files |= files_of(request)
+        except DataError as error:
+            problems += error.problems
     for shown, path in files.items():
         try:
             hashes[shown] = sha256(path)

@@ -17,7 +17,7 @@ from typing import Final
 
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError, Problem
-from pmmkit.files import files_of
+from pmmkit.files import matching
 from pmmkit.runs.channels import split_unit
 from pmmkit.runs.readers.base import Cells, Choose, Columns, Request
 from pmmkit.runs.readers.csv import numbers
@@ -87,6 +87,21 @@ def names(request: Request) -> tuple[str, ...]:
     return _listed(_opened(request))
 
 
+def files(request: Request) -> list[Path]:
+    """The file itself, those that a pattern fits, or the .csv files of a folder.
+
+    Raises
+    ------
+    CampaignError
+        If a folder holds none.
+    """
+    path = request.path
+    found = _exports_in(path) if path.is_dir() else list(matching(path))
+    if path.is_dir() and not found:
+        raise request.error(request.problem("the folder holds no .csv file."))
+    return found or [path]
+
+
 def columns(request: Request, choose: Choose) -> Columns:
     """Some columns of one export or of several, merged on time.
 
@@ -141,10 +156,11 @@ def usual(headers: Sequence[str]) -> dict[str, str]:
     Examples
     --------
     >>> usual(["Physical Time [s]", "fx [N]", "Drag [N]", "Mz [N m]", "Moment Z [N m]"])
-    {'t': 'Physical Time [s]', 'X': 'fx [N]'}
+    {'t': 'Physical Time', 'X': 'fx'}
     """
+    bare = [split_unit(header)[0] for header in headers]
     found = {
-        name: [header for header in headers if split_unit(header)[0].lower() in spellings]
+        name: [title for title in bare if title.lower() in spellings]
         for name, spellings in _USUAL.items()
     }
     return {name: listed[0] for name, listed in found.items() if len(listed) == 1}
@@ -217,14 +233,12 @@ def _head(file: Path) -> bytes:
 
 def _opened(request: Request) -> list[_Export]:
     """All files of a run, with everything that is wrong with any of their headings."""
-    path = request.path
-    files = _exports_in(path) if path.is_dir() else list(files_of(path))
-    if path.is_dir() and not files:
-        raise request.error(request.problem("the folder holds no .csv file."))
     exports: list[_Export] = []
     problems: list[Problem] = []
-    for file in files or [path]:
-        shown = request.shown if file == path else f"{request.shown}: {file.name}"
+    folder = request.shown if request.path.is_dir() else request.shown.rpartition("/")[0]
+    for file in files(request):
+        inside = f"{folder.rstrip('/')}/{file.name}" if folder else file.name
+        shown = request.shown if file == request.path else inside
         try:
             exports.append(_open(replace(request, path=file, shown=shown)))
         except DataError as error:
