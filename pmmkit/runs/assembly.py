@@ -273,10 +273,11 @@ def _add_history(
     corrections = _corrections(entry.id, setup)
     given = {**entry.settings(), **_set(corrections)}
     missing = missing_settings(entry.test, given)
-    if missing and request.path.exists():
+    if missing and setup.find(entry.file) is not None:
         try:
             names = reader_for(request).names(request)
-            measured, _ = pick(names, len(names), specs, request, usual=usual_of(request))
+            usual = usual_of(request, names)
+            measured, _ = pick(names, len(names), specs, request, usual=usual)
         except DataError as error:
             out.problems += error.problems
             return
@@ -411,7 +412,7 @@ def _add_row(
         ),
         dimensional=dimensional,
         turned=frame.motion_sign(entry.test) < 0,
-        notes=tuple(column.note for column in picked if column.note),
+        notes=(*cells.notes, *(column.note for column in picked if column.note)),
     )
     run = Run(
         id=run_id,

@@ -103,10 +103,15 @@ class HistoryLoader:
         return self.request.path
 
     def __call__(self) -> xr.Dataset:
-        read, picked = _read(self.request, self.columns, required_channels(self.kind))
+        read, picked, usual = _read(self.request, self.columns, required_channels(self.kind))
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
+        notes += [
+            f"{column.name} from column {column.title!r}, its usual name"
+            for column in picked
+            if column.name in usual and column.name not in self.columns
+        ]
         notes += [
             f"{DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
             for key, doubt in read.unsettled.items()
@@ -131,25 +136,25 @@ class HistoryLoader:
 
 def _read(
     request: Request, specs: Mapping[str, ColumnSpec], required: Sequence[str]
-) -> tuple[Columns, list[Picked]]:
-    """The columns of a file that are used, and what each of them is."""
+) -> tuple[Columns, list[Picked], Mapping[str, str]]:
+    """The columns of a file that are used, what each of them is, and usual names of the format."""
     picked: list[Picked] = []
+    usual: dict[str, str] = {}
 
     def choose(headers: Sequence[str], width: int) -> list[int]:
-        found, problems = pick(
-            headers, width, specs, request, required=required, usual=usual_of(request)
-        )
+        usual.update(usual_of(request, headers))
+        found, problems = pick(headers, width, specs, request, required=required, usual=usual)
         if problems:
             raise request.error(*problems)
         picked.extend(found)
         return [column.position for column in found]
 
-    return reader_for(request).columns(request, choose), picked
+    return reader_for(request).columns(request, choose), picked, usual
 
 
 def _motion_of(request: Request, context: Context) -> dict[str, Array]:
     """The path of the hull from a file of its own, SI, our axes and signs."""
-    read, picked = _read(request, {}, ("t",))
+    read, picked, _ = _read(request, {}, ("t",))
     values = {
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -290,9 +291,9 @@ def _position(
 
 _ALSO: Final[dict[str, tuple[str, ...]]] = {
     "t": ("time", "time_s", "zeit", "temps"),
-    "X": ("fx", "x", "force x", "surge force"),
-    "Y": ("fy", "y", "force y", "sway force"),
-    "N": ("mz", "n", "moment z", "yaw moment"),
+    "X": ("fx", "x", "force x", "surge force", "drag", "surge"),
+    "Y": ("fy", "y", "force y", "sway force", "sway"),
+    "N": ("mz", "n", "moment z", "yaw moment", "yaw"),
     "psi": ("heading", "yaw"),
     "x": ("x0", "north", "x_position"),
     "y": ("y0", "east", "y_position"),
@@ -316,7 +317,10 @@ def _not_there(name: str, headers: Sequence[str], request: Request) -> Problem:
                 f"there is no column {name}, nor {turned}. {_list(headers)}",
                 remedy=f'Say under [columns] which it is: {turned} = "{found[0]}".',
             )
-    likely = [header for header, word in bare if word in _ALSO.get(name, ())]
+    also = _ALSO.get(name, ())
+    likely = [header for header, word in bare if word in also] or [
+        header for header, word in bare if set(re.split(r"[\W_]+", word)) & set(also)
+    ]
     example = likely[0] if likely else "their name"
     return request.problem(
         f"there is no column {name}. {_list(headers)}",

@@ -32,12 +32,22 @@ from pmmkit.runs.channels import (
 from pmmkit.runs.readers import FORMATS
 from pmmkit.runs.run import TESTS
 
+
+def _as_tuple(value: Any) -> Any:
+    """A list as a tuple, which can be hashed."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=0)]
 Degrees = Annotated[float, Field(ge=-180, le=180)]
 Steep = Annotated[float, Field(gt=-90, lt=90)]
 Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
 Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
+Widths = Annotated[
+    tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
+]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 Plain = str | float | int | bool
 
 ACTIONS: Final = (
@@ -138,6 +148,10 @@ class SourceEntry(Entry):
     delimiter: Literal[",", ";", "\t", " ", "|"] | None = None
     decimal: Literal[".", ","] | None = None
     header: bool | None = None
+    units_row: bool | None = None
+    comment: Annotated[str, Field(min_length=1)] | None = None
+    widths: Widths | None = None
+    order: Names = ()
     sheet: str | None = None
     group: str | None = None
     missing: Literal["error", "drop"] = "error"

@@ -11,10 +11,10 @@ A reader is a module with three functions:
 
 and, where the format asks for it,
 
-``USUAL``
+``USUAL``, or ``usual(headers)``
     Our channels and the headers (without unit) that they usually stand under.
 ``files(request)``
-    The files that a folder stands for.
+    The files that a folder or a pattern stands for.
 
 To add a format, write the module and put its name below.
 """
@@ -39,6 +39,7 @@ FORMATS: Final[dict[str, str]] = {
     "excel": "pmmkit.runs.readers.excel",
     "openfoam": "pmmkit.runs.readers.openfoam",
     "pmmkit": "pmmkit.runs.readers.saved",
+    "star-ccm+": "pmmkit.runs.readers.starccm",
 }
 """Formats by name, and the module that reads each."""
 
@@ -92,10 +93,12 @@ def reader_for(request: Request) -> Reader:
     return cast(Reader, importlib.import_module(FORMATS[name]))
 
 
-def usual_of(request: Request) -> Mapping[str, str]:
+def usual_of(request: Request, headers: Sequence[str]) -> Mapping[str, str]:
     """Channels and the headers that they usually stand under in the format of a file."""
-    usual: Mapping[str, str] = getattr(reader_for(request), "USUAL", {})
-    return usual
+    reader = reader_for(request)
+    find: Callable[[Sequence[str]], Mapping[str, str]] | None = getattr(reader, "usual", None)
+    usual: Mapping[str, str] = getattr(reader, "USUAL", {})
+    return usual if find is None else find(headers)
 
 
 def files_of(request: Request) -> dict[str, Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -39,6 +40,14 @@ class Options:
         Text files; None means UTF-8, and found from the first lines.
     header : bool or None
         Whether there is a line of names; None finds out.
+    units_row : bool or None
+        Whether a line of units follows the names; None finds out.
+    comment : str or None
+        What lines begin with that hold no numbers; None goes by the usual signs.
+    widths : tuple of int or None
+        Widths of the columns of a text file without delimiters [characters].
+    order : tuple of str
+        Files of one run in the order in which they were computed: the later one counts.
     sheet, group : str or None
         Sheet of a workbook; group (run) of an HDF5 file.
     missing : {"error", "drop"}
@@ -55,6 +64,10 @@ class Options:
     delimiter: str | None = None
     decimal: str | None = None
     header: bool | None = None
+    units_row: bool | None = None
+    comment: str | None = None
+    widths: tuple[int, ...] | None = None
+    order: tuple[str, ...] = ()
     sheet: str | None = None
     group: str | None = None
     missing: Literal["error", "drop"] = "error"
@@ -146,6 +159,8 @@ class Cells:
         Decimal sign of numbers written as text.
     problems : tuple of Problem
         Rows that are not well formed; they are not among `rows`.
+    notes : tuple of str
+        What was left out or found out.
     """
 
     headers: tuple[str, ...]
@@ -153,6 +168,7 @@ class Cells:
     lines: tuple[int, ...]
     decimal: str = "."
     problems: tuple[Problem, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def to_number(cell: Cell, decimal: str = ".") -> float | None:
@@ -184,6 +200,12 @@ _NO_VALUE: Final = frozenset(
     {"", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "#na", "null", "none", "<na>", "-1.#ind",
      "1.#ind", "-1.#qnan", "1.#qnan", "#n/a n/a"}
 )  # fmt: skip
+
+
+_GROUPED: Final = re.compile(
+    r"[+-]?\d{1,3}(?:([,.'’ \u00a0\u2009\u202f_])\d{3})(?:\1\d{3})*(?:[.,]\d*)?"
+)
+"""A number whose thousands are grouped."""
 
 
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
@@ -221,11 +243,14 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
         positions=tuple(positions),
         values=tuple(np.ascontiguousarray(table[:, place]) for place in range(len(positions))),
         dropped=dropped,
+        notes=cells.notes,
     )
 
 
 def fault(number: float | None, cell: Cell) -> str | None:
     """What is wrong with a cell, or None."""
+    if number is None and _GROUPED.fullmatch(str(cell).strip()):
+        return f"{_clip(cell)} seems to have thousands separators: export it without them."
     if number is None:
         return f"{_clip(cell)} is not a number."
     if math.isnan(number):
