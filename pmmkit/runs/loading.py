@@ -18,7 +18,7 @@ from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
 from pmmkit.runs.readers import reader_for
-from pmmkit.runs.readers.base import Array, Request
+from pmmkit.runs.readers.base import Array, Columns, Request
 from pmmkit.runs.run import Campaign, Correction, Kind
 from pmmkit.ship import Ship, Water
 
@@ -86,6 +86,7 @@ class HistoryLoader:
 
     def __call__(self) -> xr.Dataset:
         picked: list[Picked] = []
+        rate = self.request.options.sample_rate
 
         def choose(headers: Sequence[str], width: int) -> list[int]:
             found, problems = pick(
@@ -93,8 +94,12 @@ class HistoryLoader:
                 width,
                 self.columns,
                 self.request,
-                required=required_channels(self.kind),
+                required=[
+                    name for name in required_channels(self.kind) if name != "t" or rate is None
+                ],
             )
+            if rate is not None:
+                problems += _two_times(found, self.request)
             if problems:
                 raise self.request.error(*problems)
             picked.extend(found)
@@ -110,6 +115,9 @@ class HistoryLoader:
             column.name: column.apply(numbers)
             for column, numbers in zip(picked, read.values, strict=True)
         }
+        if rate is not None:
+            values["t"] = _counted_time(read, rate, self.request)
+            notes.append(f"t counted from 0 at {rate:g} samples a second")
         return dataset(
             "history",
             values,
@@ -254,6 +262,32 @@ def _channel(name: str) -> str:
     for suffix in ("_std", "_cos", "_sin"):
         name = name.removesuffix(suffix)
     return name
+
+
+def _two_times(picked: Sequence[Picked], request: Request) -> list[Problem]:
+    """The problem of a column of time beside a stated sample rate."""
+    return [
+        request.problem(
+            f"sample_rate = {request.options.sample_rate:g} is stated, and the file has a column "
+            "of time.",
+            column=column.title,
+            remedy="Leave sample_rate out, or write t = false under [columns].",
+        )
+        for column in picked
+        if column.name == "t"
+    ]
+
+
+def _counted_time(read: Columns, rate: float, request: Request) -> Array:
+    """Time of each row from its place in the file."""
+    if read.dropped:
+        raise request.error(
+            request.problem(
+                f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
+                remedy="Fill the gaps, or give the file a column of time.",
+            )
+        )
+    return np.arange(len(read.values[0])) / rate
 
 
 def check_rows(found: int, stated: int | None, request: Request) -> None:

@@ -138,8 +138,9 @@ class SourceEntry(Entry):
     delimiter: Literal[",", ";", "\t", " ", "|"] | None = None
     decimal: Literal[".", ","] | None = None
     header: bool | None = None
-    sheet: str | None = None
+    sheet: str | Annotated[int, Field(ge=1)] | None = None
     group: str | None = None
+    sample_rate: Positive | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: Literal[SYSTEMS] | None = None  # type: ignore[valid-type]
     in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = None

@@ -38,8 +38,12 @@ class Options:
         Text files; None means UTF-8, and found from the first lines.
     header : bool or None
         Whether there is a line of names; None finds out.
-    sheet, group : str or None
-        Sheet of a workbook; group (run) of an HDF5 file.
+    sheet : str, int or None
+        Sheet of a workbook by name, or by its place counted from 1.
+    group : str or None
+        Group (struct, run) of an HDF5, MATLAB or TDMS file.
+    sample_rate : float or None
+        Samples a second [Hz] of files without a column of time.
     missing : {"error", "drop"}
         What to do with rows that lack a value in a column that is used.
     nondimensional : str or None
@@ -54,8 +58,9 @@ class Options:
     delimiter: str | None = None
     decimal: str | None = None
     header: bool | None = None
-    sheet: str | None = None
+    sheet: str | int | None = None
     group: str | None = None
+    sample_rate: float | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: str | None = None
     in_phase_with: str | None = None
