@@ -90,7 +90,7 @@ class _Found:
     offset: float = 0.0
     missing: tuple[float, ...] = ()
     other: str | None = None
-    texts: tuple[str, ...] | None = None
+    texts: Callable[[], tuple[str, ...]] | None = None
 
     def values(self) -> Array:
         """The values, NaN where there is none."""
@@ -139,7 +139,9 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
 def _sorted_out(found: Sequence[_Found]) -> tuple[list[Vector], list[str]]:
     usable = [item for item in found if item.is_column]
     bare = Counter(item.path.rpartition("/")[2] for item in usable)
-    lengths = frozenset(item.shape[0] for item in usable if len(item.shape) == 1)
+    lengths = frozenset(
+        item.shape[0] for item in usable if len(item.shape) == 1 and item.texts is None
+    )
     offered: list[Vector] = []
     for item in usable:
         last = item.path.rpartition("/")[2]
@@ -232,14 +234,17 @@ def _dataset(item: Any, path: str, request: Request) -> Iterator[_Found]:
             missing=tuple(number for number in missing if number is not None),
         )
     elif h5py.check_string_dtype(dtype) and len(shape) == 1 and 1 < shape[0] <= _MOST_TEXTS:
-        letters = numbers(item, request)
-        texts = tuple(
-            text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
-            for text in letters
-        )
+        texts = functools.partial(_letters, item, request)
         yield _Found(path=path, shape=shape, texts=texts)
     else:
         yield _Found(path=path, shape=shape, other="not numbers")
+
+
+def _letters(item: Any, request: Request) -> tuple[str, ...]:
+    return tuple(
+        text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+        for text in numbers(item, request)
+    )
 
 
 def _field(whole: Callable[[], Any], name: str) -> Callable[[], Array]:

@@ -36,6 +36,10 @@ _MATRIX: Final = 14
 _COMPRESSED: Final = 15
 _CELL, _STRUCT, _OBJECT, _CHAR, _SPARSE, _FUNCTION, _OPAQUE = 1, 2, 3, 4, 5, 16, 17
 _NUMERIC_CLASSES: Final = range(6, 16)
+_BYTES: Final = 9
+"""Class of the nameless variable in which MATLAB keeps what its objects share."""
+_OF_ONE_CLASS: Final = {7: (7,), 9: (6,), 12: (14, 15), 13: (14, 15)}
+"""Types of numbers that stand in variables of some classes only; small integers in all."""
 _DEEPEST: Final = 32
 _V4_NUMBERS: Final = ("f8", "f4", "i4", "i2", "u2", "u1")
 _V4_HEADER: Final = 20
@@ -198,8 +202,10 @@ class _Matrix:
             return [self._opaque(parts, name)]
         shape = self._shape(parts[1])
         own = _text(parts[2]) if name is None else name
-        if not own:
+        if not own and kind == _BYTES:
             return []
+        if not own:
+            raise Damaged("a variable has no name")
         rest = parts[3:]
         if kind == _STRUCT:
             return self._struct(rest, shape, own, depth)
@@ -209,6 +215,8 @@ class _Matrix:
             return [Variable(name=own, shape=_flat(shape), other="a text")]
         if kind not in _NUMERIC_CLASSES or complex_:
             return [Variable(name=own, shape=_flat(shape), other=_other(kind))]
+        if rest and kind not in _OF_ONE_CLASS.get(rest[0].type, (kind,)):
+            raise Damaged(f"the numbers of {own!r} are not of its class")
         return [self._array(rest, shape, own)]
 
     def _array(self, rest: list[_Element], shape: tuple[int, ...], name: str) -> Variable:

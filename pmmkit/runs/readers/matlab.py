@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -169,7 +169,7 @@ def _vectors(found: Sequence[Variable]) -> list[Vector]:
     for item in usable:
         if min(item.shape) == 1:
             offered.append(
-                Vector(name=item.name, length=max(item.shape), read=_flat(item), texts=item.texts)
+                Vector(name=item.name, length=max(item.shape), read=_flat(item), texts=_texts(item))
             )
         else:
             offered += _matrix(item, lengths, usable)
@@ -196,6 +196,11 @@ def _matrix(item: Variable, lengths: frozenset[int], found: Sequence[Variable]) 
 
 def _flat(item: Variable) -> functools.partial[Array]:
     return functools.partial(lambda read: read().reshape(-1), item.read)
+
+
+def _texts(item: Variable) -> Callable[[], tuple[str, ...]] | None:
+    texts = item.texts
+    return None if texts is None else lambda: texts
 
 
 def _described(variable: Variable) -> str:

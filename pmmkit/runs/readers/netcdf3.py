@@ -5,6 +5,7 @@ Layout after Unidata, "The NetCDF Classic Format Specification" (2023): versions
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 from collections.abc import Mapping
@@ -19,6 +20,8 @@ _TYPES: Final = {
     7: "u1", 8: ">u2", 9: ">u4", 10: ">i8", 11: ">u8",
 }  # fmt: skip
 _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
+_LARGE: Final = 1 << 31
+"""From this size on the header need not state the true one."""
 _STREAMING: Final = (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF)
 
 
@@ -79,6 +82,11 @@ class _Entry:
         """Bytes, of one record for a variable that has records."""
         return math.prod(self.shape[self.record :]) * self.dtype.itemsize
 
+    @property
+    def padded(self) -> int:
+        """The same, up to the next multiple of four."""
+        return self.size + -self.size % 4
+
 
 @dataclass
 class _Header:
@@ -98,7 +106,7 @@ class _Header:
             self._entry([side for _, side in sides], records) for _ in range(self._list(_VARIABLES))
         ]
         repeated = [entry for entry in entries if entry.record]
-        step = sum(entry.size + -entry.size % 4 for entry in repeated)
+        step = sum(entry.padded for entry in repeated)
         if len(repeated) == 1:
             step = repeated[0].size
         if repeated and step:
@@ -108,8 +116,17 @@ class _Header:
                 repeated = [self._with(entry, records) for entry in repeated]
             elif room >= (records + 1) * step:
                 raise Damaged(f"{records} records are declared, {room // step} are there")
+        self._check_order(entries)
         fixed = [entry for entry in entries if not entry.record]
         return [self._values(entry, step, records) for entry in (*fixed, *repeated)]
+
+    @staticmethod
+    def _check_order(entries: list[_Entry]) -> None:
+        """Refuse variables that lie over one another."""
+        ordered = sorted(entries, key=lambda entry: entry.begin)
+        for entry, following in itertools.pairwise(ordered):
+            if entry.begin + entry.size > following.begin:
+                raise Damaged(f"{entry.name!r} and {following.name!r} lie over one another")
 
     def _entry(self, sides: list[int], records: int) -> _Entry:
         name = self._name()
@@ -118,15 +135,18 @@ class _Header:
             raise Damaged(f"{name!r} has an unknown dimension")
         attributes = self._attributes()
         dtype = self._type()
-        self._count()
+        stated = self._count()
         begin = self._number(8 if self.far else 4)
         record = bool(places) and sides[places[0]] == 0
         shape = tuple(sides[place] for place in places)
         if record:
             shape = (0 if records in _STREAMING else records, *shape[1:])
-        return _Entry(
+        entry = _Entry(
             name=name, shape=shape, record=record, dtype=dtype, begin=begin, attributes=attributes
         )
+        if begin % 4 or (stated not in (entry.size, entry.padded) and entry.size < _LARGE):
+            raise Damaged(f"{name!r} should take {entry.size} bytes, {stated} are stated")
+        return entry
 
     @staticmethod
     def _with(entry: _Entry, records: int) -> _Entry:

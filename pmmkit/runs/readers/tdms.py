@@ -97,7 +97,7 @@ def cells(request: Request) -> Cells:
                 name=title,
                 length=len(channel),
                 read=functools.partial(_numbers, channel, request),
-                texts=tuple(map(str, channel[:])) if channel.dtype.kind == "O" else None,
+                texts=functools.partial(_texts, channel) if channel.dtype.kind == "O" else None,
             )
             for title, channel in zip(titles, contents.every, strict=True)
         ]
@@ -240,6 +240,10 @@ def _titles(names: Sequence[str], channels: Sequence[Any]) -> tuple[str, ...]:
 
 def _text(value: Any) -> str | None:
     return value if isinstance(value, str) else None
+
+
+def _texts(channel: Any) -> tuple[str, ...]:
+    return tuple(map(str, channel[:]))
 
 
 def _numbers(channel: Any, request: Request) -> Array:

@@ -45,8 +45,8 @@ class Vector:
         Number of values.
     read : callable
         Gives the numbers.
-    texts : tuple of str or None
-        The texts, for a series of texts.
+    texts : callable or None
+        Gives the texts, for a series of texts.
     notes : tuple of str
         What was done to the numbers.
     """
@@ -54,7 +54,7 @@ class Vector:
     name: str
     length: int
     read: Callable[[], Array]
-    texts: tuple[str, ...] | None = None
+    texts: Callable[[], tuple[str, ...]] | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -265,7 +265,7 @@ def small_table(vectors: Sequence[Vector], left_out: Sequence[str], request: Req
     length = main_length([vector.length for vector in numbers_only(vectors, left_out, request)])
     used = [vector for vector in vectors if vector.length == length]
     table: list[Sequence[Cell]] = [
-        vector.texts
+        vector.texts()
         if vector.texts is not None
         else np.asarray(vector.read(), dtype=np.float64).tolist()
         for vector in used
