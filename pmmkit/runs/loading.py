@@ -103,7 +103,9 @@ class HistoryLoader:
         return self.request.path
 
     def __call__(self) -> xr.Dataset:
-        read, picked, usual = _read(self.request, self.columns, required_channels(self.kind))
+        rate = self.request.options.sample_rate
+        required = [x for x in required_channels(self.kind) if x != "t" or rate is None]
+        read, picked, usual = _read(self.request, self.columns, required)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
@@ -123,6 +125,9 @@ class HistoryLoader:
             column.name: column.apply(numbers)
             for column, numbers in zip(picked, read.values, strict=True)
         }
+        if rate is not None:
+            values["t"] = _counted_time(read, rate, self.request)
+            notes.append(f"t counted from 0 at {rate:g} samples a second")
         return dataset(
             "history",
             values,
@@ -144,6 +149,8 @@ def _read(
     def choose(headers: Sequence[str], width: int) -> list[int]:
         usual.update(usual_of(request, headers))
         found, problems = pick(headers, width, specs, request, required=required, usual=usual)
+        if request.options.sample_rate is not None:
+            problems += _two_times(found, request)
         if problems:
             raise request.error(*problems)
         picked.extend(found)
@@ -333,6 +340,32 @@ def _channel(name: str) -> str:
     for suffix in ("_std", "_cos", "_sin"):
         name = name.removesuffix(suffix)
     return name
+
+
+def _two_times(picked: Sequence[Picked], request: Request) -> list[Problem]:
+    """The problem of a column of time beside a stated sample rate."""
+    return [
+        request.problem(
+            f"sample_rate = {request.options.sample_rate:g} is stated, and the file has a column "
+            "of time.",
+            column=column.title,
+            remedy="Leave sample_rate out, or write t = false under [columns].",
+        )
+        for column in picked
+        if column.name == "t"
+    ]
+
+
+def _counted_time(read: Columns, rate: float, request: Request) -> Array:
+    """Time of each row from its place in the file."""
+    if read.dropped:
+        raise request.error(
+            request.problem(
+                f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
+                remedy="Fill the gaps, or give the file a column of time.",
+            )
+        )
+    return np.arange(len(read.values[0])) / rate
 
 
 def check_rows(found: int, stated: int | None, request: Request) -> None:

@@ -322,10 +322,14 @@ def _not_there(name: str, headers: Sequence[str], request: Request) -> Problem:
         header for header, word in bare if set(re.split(r"[\W_]+", word)) & set(also)
     ]
     example = likely[0] if likely else "their name"
+    without = (
+        "or where there is none state sample_rate = 200.0 [Hz] under [source]"
+        if name == "t"
+        else f"or {name} = false if it was not measured"
+    )
     return request.problem(
         f"there is no column {name}. {_list(headers)}",
-        remedy=f'Say under [columns] which it is: {name} = "{example}" (or {name} = false if it '
-        "was not measured).",
+        remedy=f'Say under [columns] which it is: {name} = "{example}" ({without}).',
     )
 
 

@@ -152,8 +152,9 @@ class SourceEntry(Entry):
     comment: Annotated[str, Field(min_length=1)] | None = None
     widths: Widths | None = None
     order: Names = ()
-    sheet: str | None = None
+    sheet: str | Annotated[int, Field(ge=1)] | None = None
     group: str | None = None
+    sample_rate: Positive | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: Literal[SYSTEMS] | None = None  # type: ignore[valid-type]
     in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = None

@@ -27,6 +27,7 @@ from pathlib import Path, PurePath
 from typing import Final, Protocol, cast
 
 from pmmkit.errors import UnknownNameError
+from pmmkit.runs.hdf5_guard import is_saved_campaign
 from pmmkit.runs.readers.base import Cells, Choose, Columns, Options, Request
 
 __all__ = [
@@ -37,15 +38,19 @@ __all__ = [
 FORMATS: Final[dict[str, str]] = {
     "csv": "pmmkit.runs.readers.csv",
     "excel": "pmmkit.runs.readers.excel",
+    "hdf5": "pmmkit.runs.readers.hdf5",
+    "matlab": "pmmkit.runs.readers.matlab",
     "openfoam": "pmmkit.runs.readers.openfoam",
     "pmmkit": "pmmkit.runs.readers.saved",
     "star-ccm+": "pmmkit.runs.readers.starccm",
+    "tdms": "pmmkit.runs.readers.tdms",
 }
 """Formats by name, and the module that reads each."""
 
 _SUFFIXES: Final[dict[str, str]] = {
     ".xls": "excel", ".xlsx": "excel", ".xlsm": "excel", ".xlsb": "excel", ".ods": "excel",
-    ".h5": "pmmkit", ".hdf5": "pmmkit", ".nc": "pmmkit",
+    ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "hdf5", ".nc4": "hdf5",
+    ".mat": "matlab", ".tdms": "tdms",
 }  # fmt: skip
 
 
@@ -88,6 +93,8 @@ def reader_for(request: Request) -> Reader:
     name = format_of(request.shown, request.options)
     if request.options.format is None and request.path.is_dir():
         name = OF_FOLDERS
+    if name == "hdf5" and request.options.format is None and is_saved_campaign(request.path):
+        name = "pmmkit"
     if name not in FORMATS:
         raise UnknownNameError(f"Format {name!r} is not known: {', '.join(FORMATS)}.")
     return cast(Reader, importlib.import_module(FORMATS[name]))

@@ -48,8 +48,12 @@ class Options:
         Widths of the columns of a text file without delimiters [characters].
     order : tuple of str
         Files of one run in the order in which they were computed: the later one counts.
-    sheet, group : str or None
-        Sheet of a workbook; group (run) of an HDF5 file.
+    sheet : str, int or None
+        Sheet of a workbook by name, or by its place counted from 1.
+    group : str or None
+        Group (struct, run) of an HDF5, MATLAB or TDMS file.
+    sample_rate : float or None
+        Samples a second [Hz] of files without a column of time.
     missing : {"error", "drop"}
         What to do with rows that lack a value in a column that is used.
     nondimensional : str or None
@@ -68,8 +72,9 @@ class Options:
     comment: str | None = None
     widths: tuple[int, ...] | None = None
     order: tuple[str, ...] = ()
-    sheet: str | None = None
+    sheet: str | int | None = None
     group: str | None = None
+    sample_rate: float | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: str | None = None
     in_phase_with: str | None = None

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 
+from pmmkit.runs.hdf5_guard import is_hdf5, is_saved_campaign
 from pmmkit.runs.readers.base import Cells, Choose, Columns, Request
 from pmmkit.runs.store import read_run
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether a file is a campaign that pmmkit saved, by its attributes."""
+    return is_hdf5(head) and is_saved_campaign(path)
 
 
 def names(request: Request) -> tuple[str, ...]:
