@@ -214,7 +214,7 @@ def _compare(campaign: Campaign, part: Path, written: set[str]) -> None:
     CampaignError
         With every run that does not come back as it was.
     """
-    again = open_campaign(part)
+    again = open_campaign(part, data=part)
     back = {run.id: run for run in (*again.runs, *(run for run, _ in again.excluded))}
     problems = []
     for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):

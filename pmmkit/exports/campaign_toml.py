@@ -163,6 +163,8 @@ def _cfd(campaign: Campaign) -> dict[str, Any]:
 
 def _trial(campaign: Campaign) -> dict[str, Any]:
     """``[trial]`` with the antenna at midship, to which the positions have been moved."""
+    if campaign.kind == "captive":
+        return {}
     return {
         key: value for key, value in campaign.trial.items() if key not in ("antenna_x", "antenna_y")
     }

@@ -1,0 +1,698 @@
+"""Exports: the numbers of other programs are ours, what is written comes back, texts stay texts."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+import random
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from small_campaign import write_campaign
+
+import pmmkit as pk
+from pmmkit.cli import main
+from pmmkit.errors import CampaignError, DataError, FileExists, ModelError, PmmkitError
+from pmmkit.exports import FORMATS, model_to_mss, model_to_shipmmg, table_to_mss
+from pmmkit.exports.text import is_matlab_name, matlab_name, plain
+from pmmkit.kernel import prepare
+from pmmkit.model import Part
+from pmmkit.runs.run import Campaign, Correction, Run, Settings, TypeB
+from pmmkit.tables import from_values, identical
+
+SPEEDS = {
+    "kvlcc2-l7": 1.179, "mariner": 7.7175, "s175-3dof": 8.0, "s175": 8.0, "kcs": 10.0,
+    "esso190k": 8.0, "esso-osaka-3m": 0.8,
+}  # fmt: skip
+OCTAVE = shutil.which("octave-cli")
+EVIL = "x'); system('rm"
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    return write_campaign(tmp_path_factory.mktemp("tests") / "small")
+
+
+@pytest.fixture(scope="module")
+def reduced(small):
+    """A model whose values depend on the Froude number, from tests."""
+    table = pk.reduce(pk.open_campaign(small))
+    return pk.to_model(table, "s175-3dof", name="reduced")
+
+
+# --- A function of MSS, its arithmetic done in Python -------------------------------------------
+
+_FUNCTIONS = {
+    "abs": abs, "max": max, "min": min, "sqrt": math.sqrt, "exp": math.exp, "sin": math.sin,
+    "cos": math.cos, "tanh": math.tanh, "atan2": math.atan2,
+    "where": lambda condition, yes, no: yes if condition else no,
+    "interpolate": lambda x, xs, ys: float(np.interp(x, xs, ys)),
+}  # fmt: skip
+_ASSIGNMENT = re.compile(r"([A-Za-z]\w*) = ([\w\s.,+*/^()\[\]<>=~-]+);(?:\s+%.*)?")
+
+
+def statements(text: str) -> list[str]:
+    """The lines of the function itself that are no comments, continued lines joined."""
+    body = text.split("\nend\n")[0].replace(" ...\n", " ")
+    return [line.strip() for line in body.splitlines() if line.strip() and line[0] != "%"]
+
+
+def evaluate(text: str, x: list[float], ui: list[float]) -> tuple[list[float], float]:
+    """xdot and U of an exported function, by its own arithmetic."""
+    known: dict[str, float] = {"pi": math.pi, "Inf": math.inf}
+    for line in statements(text)[1:]:
+        if line.startswith("if "):
+            default = re.search(r"U0 = (\S+);", line)
+            known |= {"U0": float(default[1])} if default else {}
+            more = re.search(r"ui = \[ui; (\S+)\];", line)
+            ui = [*ui, float(more[1])] if more and len(ui) == 1 else ui
+            continue
+        found = _ASSIGNMENT.fullmatch(line)
+        if line.startswith("xdot = "):
+            return [known[name] for name in re.findall(r"\w+_dot", line)], known["U"]
+        assert found, f"not an assignment of plain arithmetic: {line}"
+        code = re.sub(r"\b(x|ui)\((\d+)\)", lambda at: f"{at[1]}[{int(at[2]) - 1}]", found[2])
+        scope = {**_FUNCTIONS, **known, "x": x, "ui": ui, "__builtins__": {}}
+        known[found[1]] = eval(code.replace("^", "**").replace("~=", "!="), scope)
+    raise AssertionError("the function gives no xdot")
+
+
+def states_of(text: str) -> list[str]:
+    heading = text.replace("\n% ", " ")
+    return re.search(r"state vector x = \[ (.*?) \]'", heading)[1].split()
+
+
+def random_states(model: pk.Model, speed: float, names: list[str], count: int):
+    """States as MSS takes them, with inputs; every second time without revolutions."""
+    rng = random.Random(7)
+    about = model.convention.surge == "delta-u"
+    for index in range(count):
+        known = {
+            "u": rng.uniform(0.3, 1.1) * speed - (speed if about else 0.0),
+            "v": rng.uniform(-0.4, 0.4) * speed,
+            "r": rng.uniform(-0.8, 0.8) * speed / model.ship.L,
+            "p": rng.uniform(-0.05, 0.05), "phi": rng.uniform(-0.3, 0.3),
+            "x": rng.uniform(-9, 9), "y": rng.uniform(-9, 9), "psi": rng.uniform(-3, 3),
+            "delta": rng.uniform(-0.6, 0.6), "n": rng.uniform(40, 200),
+        }  # fmt: skip
+        turns = [] if "rudder_abkowitz" in model.parts or index % 2 else [rng.uniform(40, 600)]
+        yield [known[name] for name in names], [rng.uniform(-0.8, 0.8), *turns]
+
+
+def rates(model: pk.Model, speed: float, names: list[str], x: list[float], ui: list[float]):
+    """The same from pmmkit's own right-hand side and steering gear."""
+    ready = prepare(model, speed)
+    given = dict(zip(names, x, strict=True))
+    given["u"] += speed if model.convention.surge == "delta-u" else 0.0
+    given["n"] = given.get("n", 0.0) / 60
+    turns = 0.0
+    if ready.structure.turns:
+        turns = ui[1] / 60 if len(ui) > 1 else ready.self_propulsion()
+    y = [given.get(name, 0.0) for name in ready.structure.states]
+    out = dict(zip(ready.structure.states, ready.rates(y, given["delta"], turns), strict=True))
+    steering = next(
+        model.values(effect, model.ship.froude(speed, model.water.g) if model.Fn else None)
+        for effect in ("rudder_mmg", "rudder_abkowitz", "tanker_bis")
+        if effect in model.parts
+    )
+    most, rate = math.radians(steering["max_deg"]), math.radians(steering["rate_deg_s"])
+    order = min(max(ui[0], -most), most) - given["delta"]
+    out |= {"delta": min(max(order, -rate), rate), "n": 60 * out.get("n", 0.0)}
+    return [out[name] for name in names]
+
+
+def library(name: str, reduced: pk.Model) -> tuple[pk.Model, float]:
+    return (reduced, 8.0) if name == "reduced" else (pk.load_model(name), SPEEDS[name])
+
+
+@pytest.mark.parametrize("name", [*SPEEDS, "reduced"])
+def test_the_function_of_mss_has_our_right_hand_side(name, reduced):
+    model, speed = library(name, reduced)
+    text = model_to_mss(model, speed=speed)
+    names = states_of(text)
+    for x, ui in random_states(model, speed, names, 40):
+        xdot, U = evaluate(text, x, ui)
+        np.testing.assert_allclose(xdot, rates(model, speed, names, x, ui), rtol=1e-9, atol=1e-13)
+        u = x[0] + (speed if model.convention.surge == "delta-u" else 0.0)
+        assert U == pytest.approx(math.hypot(u, x[1]), rel=1e-12)
+
+
+@pytest.mark.skipif(OCTAVE is None, reason="there is no octave-cli")
+@pytest.mark.parametrize("name", ["kvlcc2-l7", "mariner", "s175", "s175-3dof", "reduced"])
+def test_octave_gives_our_right_hand_side(name, reduced, tmp_path):
+    model, speed = library(name, reduced)
+    (file,) = pk.export(model, tmp_path / "ship.m", speed=speed)
+    names = states_of(file.read_text(encoding="ascii"))
+    cases = list(random_states(model, speed, names, 25))
+    calls = [
+        f"printf('%.17g ', ship([{'; '.join(map(repr, x))}], [{'; '.join(map(repr, ui))}]));"
+        for x, ui in cases
+    ]
+    (tmp_path / "cases.m").write_text("\n".join(calls), encoding="ascii")
+    done = subprocess.run(
+        [OCTAVE, "--norc", "--quiet", "cases.m"], cwd=tmp_path, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    theirs = np.array(done.stdout.split(), float).reshape(len(cases), len(names))
+    ours = [rates(model, speed, names, x, ui) for x, ui in cases]
+    np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-13)
+
+
+def test_mariner_has_the_states_and_inputs_of_mss_mariner():
+    text = model_to_mss(pk.load_model("mariner"), speed=7.7175)
+    assert text.startswith("function [xdot,U] = mariner(x,ui,U0)\n")
+    assert states_of(text) == ["u", "v", "r", "x", "y", "psi", "delta"]
+    assert "if nargin < 3, U0 = 7.7175; end" in text
+    ahead, _ = evaluate(text, [0.0] * 7, [0.0])
+    assert ahead[0] == 0.0
+    assert ahead[3] == 7.7175
+    turned, _ = evaluate(text, [0.0] * 6 + [0.2], [0.2])
+    assert turned[2] > 0.0
+
+
+def test_values_that_depend_on_speed_need_one(reduced):
+    with pytest.raises(ModelError, match=r"2 Froude numbers.*--speed"):
+        model_to_mss(reduced)
+    slow, fast = (statements(model_to_mss(reduced, speed=speed)) for speed in (6.1, 11.9))
+    assert slow != fast
+    with pytest.raises(PmmkitError, match="outside the range"):
+        model_to_mss(reduced, speed=30.0)
+
+
+def test_every_number_of_a_model_stands_in_the_function_as_it_is():
+    model = pk.load_model("kvlcc2-l7")
+    text = model_to_mss(model)
+    for name, value in model.parts["hull_polynomial"].values.items():
+        assert f"{name} = {value!r};" in text
+    for name in ("D", "t", "C1", "kt2"):
+        assert f"propeller_{name} = {model.parts['propeller'].values[name]!r};" in text
+    assert "library: Yasukawa and Yoshimura 2015" in text
+    assert f"pmmkit {pk.__version__}" in text
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "options", "why"),
+    [
+        ("memory", {"Yv_late": -0.002, "Nv_late": 0.0, "lag": 0.5}, {}, "late_sway"),
+        ("wind", {"AF": 10.0, "AL": 50.0}, {}, "the wind"),
+        (
+            "crossflow_drag",
+            {"CD": 0.5, "station": (-0.5, 0.5), "CD_station": (1.0, 2.0)},
+            {"shape": "table"},
+            "a loop",
+        ),
+    ],
+)
+def test_an_effect_that_mss_cannot_express_is_named(effect, values, options, why, tmp_path):
+    model = pk.load_model("s175-3dof")
+    model = model.with_(
+        parts={**model.parts, effect: Part(effect=effect, values=values, options=options)}
+    )
+    target = tmp_path / "ship.m"
+    target.write_text("as it was", encoding="ascii")
+    with pytest.raises(ModelError, match=rf"{effect}: .*{why}"):
+        pk.export(model, target)
+    assert target.read_text(encoding="ascii") == "as it was"
+    assert [file.name for file in tmp_path.iterdir()] == ["ship.m"]
+
+
+def test_all_effects_without_a_place_are_named_at_once():
+    model = pk.load_model("s175-3dof")
+    parts = {
+        "wind": Part(effect="wind", values={"AF": 10.0, "AL": 50.0}),
+        "lagged_crossflow": Part(
+            effect="lagged_crossflow", values={"Yvvv_late": -0.1, "Nvvv_late": 0.0, "lag": 0.5}
+        ),
+    }
+    with pytest.raises(ModelError) as caught:
+        model_to_mss(model.with_(parts={**model.parts, **parts}))
+    assert len(caught.value.problems) == 2
+
+
+# --- Texts of files stay texts ---------------------------------------------------------------
+
+
+def code_lines(text: str, sign: str) -> list[str]:
+    return [line for line in text.splitlines() if line and not line.startswith(sign)]
+
+
+@settings(deadline=None, max_examples=40)
+@given(texts=st.lists(st.text(max_size=60), min_size=5, max_size=5))
+def test_no_text_of_a_model_becomes_code(texts):
+    known = pk.load_model("kvlcc2-l7")
+    name, title, scale, note, source = texts
+    screw = known.parts["propeller"]
+    named = Part(effect="propeller", values=screw.values, options=screw.options, source=source)
+    model = known.with_(
+        name=name or "x", title=title, scale=scale, notes=(note,), history=(source,),
+        parts={**known.parts, "propeller": named},
+    )  # fmt: skip
+    for make, sign in ((model_to_mss, "%"), (model_to_shipmmg, "#")):
+        written = make(model)
+        assert written.isascii()
+        assert written == make(model)
+        ours, plainly = code_lines(written, sign), code_lines(make(known), sign)
+        assert ours[1:] == plainly[1:]
+    assert is_matlab_name(matlab_name(name))
+
+
+def test_a_model_with_an_evil_name_does_nothing_but_compute(tmp_path):
+    model = pk.load_model("kvlcc2-l7").with_(
+        name=EVIL, title="\nsystem('touch gone');\r%{", notes=("\u2028delete gone",)
+    )
+    text = model_to_mss(model, speed=1.179)
+    assert text.startswith("function [xdot,U] = x_system_rm(x,ui)\n")
+    for line in statements(text)[1:]:
+        allowed = (_ASSIGNMENT.fullmatch(line), re.match(r"if (nargin|length)", line), "xdot = [")
+        assert allowed[0] or allowed[1] or line.startswith(allowed[2]), line
+    assert not [line for line in text.splitlines() if line.strip() == "%{"]
+    if OCTAVE is not None:
+        (file,) = pk.export(model, tmp_path / "ship.m", speed=1.179)
+        call = f"addpath('{tmp_path}'); disp(size(ship([1;0;0;0;0;0;0], 0)))"
+        subprocess.run([OCTAVE, "--norc", "--quiet", "--eval", call], cwd=tmp_path, check=True)
+        assert [item.name for item in tmp_path.iterdir()] == [file.name]
+
+
+@settings(deadline=None, max_examples=50)
+@given(text=st.text(max_size=80))
+def test_names_and_comments_are_harmless_whatever_the_text(text):
+    assert is_matlab_name(matlab_name(text))
+    line = plain(text)
+    assert line.isascii()
+    assert line.isprintable() or not line
+    assert plain(line) == line
+
+
+@pytest.mark.parametrize("name", ["end", "where", "x", "7m", "a b", "kvlcc2-l7", "a" * 64])
+def test_file_names_must_be_names_of_functions(name, tmp_path):
+    with pytest.raises(ModelError, match="no name of a function"):
+        pk.export("mariner", tmp_path / f"{name}.m", speed=7.0)
+
+
+# --- Tables ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def table():
+    model = pk.load_model("s175-3dof")
+    return from_values(
+        {"Yv": [-0.0116, -0.0118], "Nvvr": [-0.0424, math.nan], "Yv|v|": [0.1 + 0.2, -1e-300]},
+        std={"Yv": 1e-4}, Fn=[0.15, 0.29], ship=model.ship, water=model.water,
+        notes=("Yv and Yv|v| move together",),
+    )  # fmt: skip
+
+
+def read_structure(text: str) -> dict[str, object]:
+    """Fields of the structure that a table's function gives."""
+    fields: dict[str, object] = {}
+    for name, value in re.findall(r"^table\.(\S+) = (.*?);(?:  %.*)?$", text, re.MULTILINE):
+        if value.startswith("["):
+            fields[name] = [float(item) for item in value.strip("[]").split(", ")]
+        else:
+            fields[name] = value.strip("'") if value.startswith("'") else float(value)
+    return fields
+
+
+def test_a_table_becomes_a_structure_over_the_froude_number(table):
+    found = read_structure(table_to_mss(table))
+    assert found["Fn"] == [0.15, 0.29]
+    np.testing.assert_array_equal(found["Yv"], table["Yv"])
+    np.testing.assert_array_equal(found["Nvvr"], table["Nvvr"])
+    np.testing.assert_array_equal(found["Yvabsv"], table["Yv|v|"])
+    np.testing.assert_array_equal(found["std.Yv"], [1e-4, 1e-4])
+    assert found["ship.L"] == 175.0
+    assert found["convention.system"] == "prime"
+
+
+@pytest.mark.skipif(OCTAVE is None, reason="there is no octave-cli")
+def test_octave_reads_the_structure(table, tmp_path):
+    named = table.with_(ship=pk.load_model("s175").ship, notes=(EVIL, "\nquit(3)"))
+    pk.export(named, tmp_path / "derivatives.m")
+    call = "t = derivatives(); printf('%.17g ', t.Fn, t.Yv, t.Yvabsv, t.std.Yv)"
+    done = subprocess.run(
+        [OCTAVE, "--norc", "--quiet", "--eval", call], cwd=tmp_path, capture_output=True,
+        text=True, check=True,
+    )  # fmt: skip
+    expected = np.concatenate([table.Fn, table["Yv"], table["Yv|v|"], [1e-4, 1e-4]])
+    np.testing.assert_array_equal(np.array(done.stdout.split(), float), expected)
+
+
+@pytest.mark.parametrize(("to", "ending"), [("csv", "csv"), ("excel", "xlsx"), ("netcdf", "nc")])
+def test_tables_come_back_from_every_format_that_is_read(table, to, ending, tmp_path):
+    (file,) = pk.export(table, tmp_path / f"again.{ending}", to)
+    assert identical(pk.read_table(file), table)
+    (second,) = pk.export(file, tmp_path / "second.csv")
+    assert identical(pk.read_table(second), table)
+
+
+def test_latex_is_written_by_the_room_of_the_tables(table, tmp_path):
+    (file,) = pk.export(table, tmp_path / "table.tex")
+    assert "toprule" in file.read_text(encoding="utf-8")
+
+
+# --- shipmmg -----------------------------------------------------------------------------------
+
+
+def shipmmg_module(model: pk.Model, folder, speed: float):
+    pytest.importorskip("shipmmg")
+    (file,) = pk.export(model, folder / "ship.py", "shipmmg", speed=speed)
+    spec = importlib.util.spec_from_file_location("exported_ship", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_shipmmg_has_our_right_hand_side_where_its_wake_is_ours(tmp_path, monkeypatch):
+    """With β = xP r' neither wake changes; with xG = 0 both refer to midship."""
+    known = pk.load_model("kvlcc2-l7")
+    model = known.with_(ship=replace(known.ship, xG=0.0))
+    module = shipmmg_module(model, tmp_path, 1.179)
+    monkeypatch.setattr("shipmmg.mmg_3dof.solve_ivp", lambda function, *_, **__: function)
+    from shipmmg.mmg_3dof import simulate_mmg_3dof
+
+    theirs = simulate_mmg_3dof(
+        module.basic_params, module.maneuvering_params, [0.0, 1.0], [0.0, 0.0], [10.0, 10.0],
+        **{"\u03c1": module.rho},
+    )  # fmt: skip
+    ready, rng = prepare(model, 1.179), np.random.default_rng(3)
+    for _ in range(50):
+        U, r, delta, n = rng.uniform((0.4, -0.15, -0.6, 5.0), (1.2, 0.15, 0.6, 14.0))
+        beta = model.parts["propeller"].values["xp"] * r * model.ship.L / U
+        u, v = U * math.cos(beta), -U * math.sin(beta)
+        ours = ready.accelerations(u, v, r, delta=delta, n=n)[:3]
+        found = theirs(0.0, [u, v, r, 0.0, 0.0, 0.0, delta, n])[:3]
+        np.testing.assert_allclose(found, ours, rtol=1e-9)
+
+
+def test_a_turn_by_shipmmg_differs_by_its_wake_and_its_point_of_reference(tmp_path):
+    """Both differences are stated in the file; without them the turns agree to 1e-6."""
+    model = pk.load_model("kvlcc2-l7")
+    module = shipmmg_module(model, tmp_path, 1.179)
+    from shipmmg.mmg_3dof import simulate_mmg_3dof
+
+    t = np.linspace(0.0, 100.0, 4001)
+    delta = np.minimum(np.radians(module.rudder_rate) * t, np.radians(35.0))
+    run = simulate_mmg_3dof(
+        module.basic_params, module.maneuvering_params, t, delta, np.full(len(t), module.nps),
+        u0=module.u0, **{"\u03c1": module.rho}, rtol=1e-7,
+    )  # fmt: skip
+    _, _, _, x, y, psi, *_ = run.sol(t)
+    L = model.ship.L
+    theirs = np.interp(np.pi / 2, psi, x) / L, np.interp(np.pi, psi, y) / L
+    ours = pk.simulate(model, "turning", rudder_deg=35, speed=1.179, compiled=False).metrics
+    assert theirs[0] / ours["advance_L"] - 1 == pytest.approx(0.0118, abs=5e-4)
+    assert theirs[1] / ours["tactical_diameter_L"] - 1 == pytest.approx(-0.0115, abs=5e-4)
+
+
+def test_the_constants_of_nomoto_are_those_of_the_linear_ship(tmp_path):
+    module = shipmmg_module(pk.load_model("kcs"), tmp_path, 10.0)
+    found = pk.stability("kcs", 10.0)
+    assert module.kt_params.K == pytest.approx(found.K * 10.0 / 230.0)
+    assert module.kt_params.T == pytest.approx(found.T * 230.0 / 10.0)
+
+
+def test_shipmmg_is_refused_with_what_is_missing():
+    with pytest.raises(ModelError, match=r"(?s)lacks propeller, rudder_mmg.*rudder_abkowitz"):
+        model_to_shipmmg(pk.load_model("mariner"), speed=7.0)
+    with pytest.raises(ModelError, match="inflow of rudder_mmg is 'son-nomoto'"):
+        model_to_shipmmg(pk.load_model("s175-3dof"))
+    model = pk.load_model("kvlcc2-l7")
+    strange = model.with_values("hull_polynomial", Yvv=0.01)
+    with pytest.raises(ModelError, match="no place for Yvv"):
+        model_to_shipmmg(strange)
+
+
+# --- Campaigns ---------------------------------------------------------------------------------
+
+
+def same_data(one: Campaign, other: Campaign) -> None:
+    """Every sample the same to the bit, every setting equal."""
+    pairs = zip(
+        [*one.runs, *(run for run, _ in one.excluded)],
+        [*other.runs, *(run for run, _ in other.excluded)],
+        strict=True,
+    )
+    for mine, back in pairs:
+        assert (mine.id, mine.test, mine.kind) == (back.id, back.test, back.kind)
+        assert mine.settings == back.settings
+        assert (mine.forces, mine.use_means) == (back.forces, back.use_means)
+        data, again = mine.data, back.data
+        assert set(data.variables) == set(again.variables)
+        for name in data.variables:
+            first = np.asarray(data[name].values, float)
+            second = np.asarray(again[name].values, float)
+            assert first.tobytes() == second.tobytes(), (mine.id, name)
+    for field in (
+        "ship", "water", "kind", "forces", "free", "moment_reference_x", "moment_reference_z",
+        "motion_reference_x", "propeller", "rudder", "numerical", "title",
+    ):  # fmt: skip
+        assert getattr(one, field) == getattr(other, field), field
+    assert sorted(map(repr, one.uncertainty)) == sorted(map(repr, other.uncertainty))
+
+
+@pytest.mark.parametrize("name", ["campaign.nc", "campaign.h5", "folder"])
+def test_a_campaign_comes_back_the_same_to_the_bit(small, name, tmp_path):
+    campaign = pk.open_campaign(small)
+    files = pk.export(small, tmp_path / name)
+    assert len(files) == (len(campaign) + 1 if name == "folder" else 1)
+    same_data(campaign, pk.open_campaign(tmp_path / name))
+
+
+def history(seed: int = 0) -> xr.Dataset:
+    rng = np.random.default_rng(seed)
+    t = np.arange(40) * 0.1
+    names = ("X", "Y", "N", "v", "delta")
+    return xr.Dataset({name: ("t", rng.normal(size=40)) for name in names}, coords={"t": t})
+
+
+def run_of(run_id: str, data: xr.Dataset, kind: str = "history", **changes) -> Run:
+    known = {
+        "id": run_id, "test": "static_drift", "kind": kind, "loader": lambda: data,
+        "settings": Settings(speed=1.1, drift=math.radians(7.3)),
+    } | changes  # fmt: skip
+    return Run(**known)
+
+
+def mixed() -> Campaign:
+    """Histories, means and harmonics; ids that file systems and patterns trip over."""
+    means = xr.Dataset({"X": -1.5, "Y": 3.25, "N": 0.1 + 0.2, "Y_std": 0.01, "v": -0.14})
+    means["X"].attrs["units"] = "N"
+    waves = xr.Dataset(
+        {
+            "Y_cos": ("harmonic", [0.1, 2.0, math.nan, 1 / 3]),
+            "Y_sin": ("harmonic", [0.0, -3.0, 0.1, 0.2]),
+        },
+        coords={"harmonic": [0, 1, 2, 3]},
+    )
+    ship = pk.load_model("kvlcc2-l7").ship
+    sway = Settings(speed=1.5, period=9.7, amplitude=0.2, phase=math.radians(33.0))
+    return Campaign(
+        title='Tank "A", Ü', ship=ship, water=pk.Water(rho=999.1, tank_width=14.0),
+        runs=(
+            run_of("SD*", history(1)), run_of("sd/*", history(2), forces="balance"),
+            run_of("CON", means, "means"), run_of("a,\n\"b\"", means, "means"),
+            run_of("001", means.drop_vars("v"), "means"), run_of("1", means, "means"),
+            run_of("PS", waves, "harmonics", test="pure_sway", settings=sway, use_means=False),
+        ),
+        excluded=((run_of("[x]", history(3)), "gauge broken"),),
+        uncertainty=(
+            TypeB(name="X_gauge", std=0.003, relative=True), TypeB(name="drift", std=5e-4),
+            TypeB(name="drift", std=math.radians(0.02), shared=True),
+        ),
+        propeller={"D": 0.2, "J": [0.0, 0.5], "more": {"name": "wake \\ 1"}},
+        numerical={"Y": 0.4}, cfd={"rho_inf": 998.0, "symmetry_factor": 2.0},
+        free=("heave",), moment_reference_x=0.25,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["campaign.nc", "folder"])
+def test_every_kind_of_run_comes_back(name, tmp_path, monkeypatch):
+    monkeypatch.setenv("PMMKIT_DATA", str(tmp_path))
+    one = mixed()
+    files = pk.export(one, tmp_path / name)
+    again = pk.open_campaign(tmp_path / name)
+    same_data(one, again)
+    assert [reason for _, reason in again.excluded] == ["gauge broken"]
+    if name == "folder":
+        assert {file.name for file in files} == {
+            "campaign.toml", "1_SD_.csv", "2_sd__.csv", "8__x_.csv", "means.csv",
+            "means_2.csv", "harmonics.csv",
+        }  # fmt: skip
+        head = (tmp_path / name / "1_SD_.csv").read_text(encoding="utf-8").splitlines()[0]
+        assert head == "t [s],X [N],Y [N],N [N m],v [m/s],delta [rad]"
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    degrees=st.floats(-180, 180), samples=st.lists(st.floats(-1e20, 1e20), min_size=3, max_size=9)
+)
+def test_any_angle_and_any_number_survive_csv(tmp_path_factory, degrees, samples):
+    data = xr.Dataset(
+        {name: ("t", np.array(samples)) for name in ("X", "Y", "N")},
+        coords={"t": np.arange(len(samples)) * 0.1},
+    )
+    settings = Settings(speed=1.0, drift=math.radians(degrees))
+    one = mixed().with_(
+        runs=(run_of("a", data, settings=settings),), excluded=(), uncertainty=(), cfd={}
+    )
+    folder = tmp_path_factory.mktemp("csv") / "out"
+    pk.export(one, folder)
+    same_data(one, pk.open_campaign(folder))
+
+
+def test_what_csv_cannot_keep_is_refused_and_leaves_nothing(tmp_path):
+    gap = history()
+    gap["Y"][3] = math.nan
+    strange = history().assign(wire=("t", np.zeros(40)))
+    one = mixed().with_(runs=(run_of("gap", gap), run_of("strange", strange)), excluded=())
+    with pytest.raises(CampaignError, match=r"(?s)run gap, column Y.*run strange, column wire"):
+        pk.export(one, tmp_path / "folder")
+    assert list(tmp_path.iterdir()) == []
+    pk.export(one, tmp_path / "kept.nc")
+    again = pk.open_campaign(tmp_path / "kept.nc")
+    np.testing.assert_array_equal(again["gap"].data["Y"].values, gap["Y"].values)
+
+
+def test_what_would_come_back_differently_is_not_left_there(small, tmp_path, monkeypatch):
+    import pandas as pd
+
+    whole = pd.DataFrame.to_csv
+    monkeypatch.setattr(
+        pd.DataFrame, "to_csv", lambda self, *a, **k: whole(self, *a, float_format="%.9g", **k)
+    )
+    with pytest.raises(CampaignError, match="not what was written"):
+        pk.export(small, tmp_path / "rounded")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_holds_a_campaign_is_left_alone(small, tmp_path):
+    before = {file: file.read_bytes() for file in small.iterdir() if file.is_file()}
+    for target in (small, small / "campaign.toml"):
+        with pytest.raises(FileExists):
+            pk.export(small, target, "csv")
+    with pytest.raises(FileExists, match=r"holds a campaign\.toml"):
+        pk.export(pk.open_campaign(small), small, "csv")
+    assert before == {file: file.read_bytes() for file in small.iterdir() if file.is_file()}
+
+
+def test_corrections_of_samples_are_not_done_twice(tmp_path):
+    folder = write_campaign(tmp_path / "small")
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    scale = '[[corrections]]\nruns = ["*"]\naction = "scale"\nchannels = ["X"]\nfactor = 2.0\n'
+    (folder / "campaign.toml").write_text(f'{text}\n{scale}reason = "gauge"\n', encoding="utf-8")
+    one = pk.open_campaign(folder)
+    assert isinstance(one.runs[0].corrections[0], Correction)
+    pk.export(one, tmp_path / "out")
+    again = pk.open_campaign(tmp_path / "out")
+    assert again.runs[0].corrections == ()
+    same_data(one, again)
+
+
+# --- Tracks ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def turn(tmp_path_factory):
+    out = tmp_path_factory.mktemp("turn")
+    arguments = ["--speed", "1.179", "--no-figures", "--out", str(out)]
+    assert main(["simulate", "kvlcc2-l7", *arguments]) == 0
+    return out
+
+
+def test_a_track_becomes_netcdf_with_units_and_metrics(turn, tmp_path):
+    (file,) = pk.export(turn / "track.csv", tmp_path / "track.nc")
+    track = pk.simulate("kvlcc2-l7", "turning", speed=1.179, compiled=False)
+    with xr.open_dataset(file, engine="h5netcdf") as found:
+        for name in ("t", "x", "y", "psi", "delta", "n"):
+            np.testing.assert_array_equal(found[name].values, getattr(track, name))
+        assert found["psi"].attrs["units"] == "rad"
+        assert found.attrs["tactical_diameter_L"] == track.metrics["tactical_diameter_L"]
+        assert found.attrs["name"] == "kvlcc2-l7"
+    (again,) = pk.export(track, tmp_path / "same.nc")
+    with xr.open_dataset(again, engine="h5netcdf") as found:
+        np.testing.assert_array_equal(found["y"].values, track.y)
+
+
+def test_a_track_as_csv_has_units_and_is_a_run_of_a_campaign(turn, tmp_path):
+    (file,) = pk.export(turn / "track.csv", tmp_path / "turn.csv")
+    head, first = file.read_text(encoding="utf-8").splitlines()[:2]
+    assert head.startswith("t [s],x [m],y [m],psi [rad],u [m/s]")
+    assert first.startswith("0.0,0.0,")
+    (tmp_path / "campaign.toml").write_text(
+        '[campaign]\nkind = "free-running"\n[ship]\nname = "kvlcc2-l7"\n[[runs]]\nid = "T"\n'
+        'test = "turning"\nfile = "turn.csv"\nspeed = 1.179\nrudder_deg = 35.0\n',
+        encoding="utf-8",
+    )
+    track = pk.simulate("kvlcc2-l7", "turning", speed=1.179, compiled=False)
+    data = pk.open_campaign(tmp_path)["T"].data
+    np.testing.assert_array_equal(data["psi"].values, track.psi)
+    (third,) = pk.export(file, tmp_path / "third.csv")
+    assert third.read_bytes() == file.read_bytes()
+
+
+def test_a_damaged_track_is_told_with_its_rows(turn, tmp_path):
+    lines = (turn / "track.csv").read_text(encoding="utf-8").splitlines()
+    lines[3] = lines[3].replace(",", ",x", 1)
+    (tmp_path / "track.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    with pytest.raises(CampaignError, match=r"track\.csv.*row 4"):
+        pk.export(tmp_path / "track.csv", tmp_path / "out.nc")
+    assert not (tmp_path / "out.nc").exists()
+
+
+# --- The word and the command ------------------------------------------------------------------
+
+
+def test_what_does_not_suit_is_refused_with_what_does(table, tmp_path):
+    with pytest.raises(DataError, match="A model is not written as csv: mss, shipmmg"):
+        pk.export("mariner", tmp_path / "m.csv")
+    with pytest.raises(DataError, match="no such file, folder or library ship"):
+        pk.export("marinner", tmp_path / "m.m")
+    with pytest.raises(DataError, match="Which format"):
+        pk.export(table, tmp_path / "table.docx")
+    with pytest.raises(DataError, match="is not known"):
+        pk.export(table, tmp_path / "table", "word")
+    with pytest.raises(DataError, match="needs the ending"):
+        pk.export(table, tmp_path / "table.dat", "csv")
+    with pytest.raises(DataError, match="cannot be exported"):
+        pk.export(3, tmp_path / "table.m")
+    (tmp_path / "notes.txt").write_text("hello", encoding="utf-8")
+    with pytest.raises(DataError, match="nothing that can be exported"):
+        pk.export(tmp_path / "notes.txt", tmp_path / "m.m")
+    assert set(FORMATS) == {"model", "table", "campaign", "track"}
+
+
+def test_the_command_writes_and_says_what(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "kvlcc2-l7", "--to", "mss", "--speed", "1.179", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said == {"files": ["kvlcc2_l7.m"]}
+    first = (tmp_path / "kvlcc2_l7.m").read_bytes()
+    assert main(["export", "kvlcc2-l7", "-o", "kvlcc2_l7.m", "--speed", "1.179"]) == 0
+    assert (tmp_path / "kvlcc2_l7.m").read_bytes() == first
+    assert "Written: kvlcc2_l7.m" in capsys.readouterr().out
+
+
+def test_the_command_exports_a_campaign_and_back(small, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", str(small), "--to", "csv"]) == 0
+    assert "small-csv: 25 files" in capsys.readouterr().out
+    assert main(["export", "small-csv", "--to", "netcdf"]) == 0
+    same_data(pk.open_campaign(small), pk.open_campaign(tmp_path / "small-csv.nc"))
+
+
+def test_the_command_ends_as_others_do(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "mariner", "--to", "mss"]) == 1
+    assert "--speed" in capsys.readouterr().err
+    assert main(["export", "mariner", "--to", "word"]) == 2
+    assert main(["export", "mariner"]) == 2
+    assert main(["export", "nowhere.nc", "--to", "csv", "--json"]) == 1
+    assert list(tmp_path.iterdir()) == []
