@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import json
 import math
 import random
@@ -79,7 +80,9 @@ def evaluate(text: str, x: list[float], ui: list[float]) -> tuple[list[float], f
         if line.startswith("xdot = "):
             return [known[name] for name in re.findall(r"\w+_dot", line)], known["U"]
         assert found, f"not an assignment of plain arithmetic: {line}"
-        code = re.sub(r"\b(x|ui)\((\d+)\)", lambda at: f"{at[1]}[{int(at[2]) - 1}]", found[2])
+        code = re.sub(
+            r"\b(x|ui|\w+_deg)\((\d+)\)", lambda at: f"{at[1]}[{int(at[2]) - 1}]", found[2]
+        )
         scope = {**_FUNCTIONS, **known, "x": x, "ui": ui, "__builtins__": {}}
         known[found[1]] = eval(code.replace("^", "**").replace("~=", "!="), scope)
     raise AssertionError("the function gives no xdot")
@@ -135,14 +138,7 @@ def library(name: str, reduced: pk.Model) -> tuple[pk.Model, float]:
 
 @pytest.mark.parametrize("name", [*SPEEDS, "reduced"])
 def test_the_function_of_mss_has_our_right_hand_side(name, reduced):
-    model, speed = library(name, reduced)
-    text = model_to_mss(model, speed=speed)
-    names = states_of(text)
-    for x, ui in random_states(model, speed, names, 40):
-        xdot, U = evaluate(text, x, ui)
-        np.testing.assert_allclose(xdot, rates(model, speed, names, x, ui), rtol=1e-9, atol=1e-13)
-        u = x[0] + (speed if model.convention.surge == "delta-u" else 0.0)
-        assert U == pytest.approx(math.hypot(u, x[1]), rel=1e-12)
+    assert_same_rates(*library(name, reduced), 40)
 
 
 @pytest.mark.skipif(OCTAVE is None, reason="there is no octave-cli")
@@ -176,6 +172,91 @@ def test_mariner_has_the_states_and_inputs_of_mss_mariner():
     assert ahead[3] == 7.7175
     turned, _ = evaluate(text, [0.0] * 6 + [0.2], [0.2])
     assert turned[2] > 0.0
+
+
+def assert_same_rates(model: pk.Model, speed: float, count: int) -> None:
+    text = model_to_mss(model, speed=speed)
+    names = states_of(text)
+    for x, ui in random_states(model, speed, names, count):
+        xdot, U = evaluate(text, x, ui)
+        np.testing.assert_allclose(xdot, rates(model, speed, names, x, ui), rtol=1e-9, atol=1e-13)
+        u = x[0] + (speed if model.convention.surge == "delta-u" else 0.0)
+        np.testing.assert_allclose(U, math.hypot(u, x[1]), rtol=1e-12)
+
+
+CONVENTIONS = [
+    dict(zip(("system", "U", "surge", "coriolis", "sway", "rudder_positive"), words, strict=True))
+    for words in itertools.product(
+        ("prime", "prime-d", "bis"), ("instantaneous", "carriage"), ("u", "constant", "delta-u"),
+        ("in-derivatives", "separate"), ("v", "beta"), ("starboard", "port"),
+    )
+]  # fmt: skip
+
+
+def test_every_convention_is_written_as_it_is_meant():
+    known = pk.load_model("s175-3dof")
+    known = known.with_values(
+        "hull_polynomial", **{"Yv|v|": -0.02, "Nr|r|": 0.001, "X0": -1e-4, "Yuv": -0.003}
+    )
+    polynomial = {"Yd": 0.002, "Yvdd": 0.01, "Nddd": -0.001, "rate_deg_s": 3.0, "max_deg": 35.0}
+    parts = {name: part for name, part in known.parts.items() if name != "rudder_mmg"}
+    parts["rudder_abkowitz"] = Part(effect="rudder_abkowitz", values=polynomial)
+    driven = {**parts, "propeller": Part(effect="propeller", values=_WAKE | {"kt0": 90.0})}
+    del parts["propeller"]
+    for words in CONVENTIONS:
+        model = known.with_(
+            parts=parts if words["surge"] == "delta-u" else driven,
+            convention=known.convention.with_(**words),
+        )
+        assert_same_rates(model, 8.0, 2)
+
+
+_WAKE = {"D": 6.5, "t": 0.17, "wp": 0.18, "kt0": 0.527, "kt1": -0.455}
+_TABLE = {"J": (0.0, 0.5, 1.0), "KT": (0.5, 0.3, 0.05), "KQ": (0.06, 0.04, 0.01)}
+_QUADRANTS = {
+    "D": 6.5, "t": 0.17, "wp": 0.18, "beta_deg": (-180.0, -90.0, 0.0, 45.0, 90.0, 180.0),
+    "CT": (-0.4, -1.1, 0.3, 0.1, -0.9, -0.3), "CQ": (0.0, -0.1, 0.04, 0.02, -0.1, 0.0),
+}  # fmt: skip
+_BLADE = dict(pk.load_model("s175").parts["rudder_mmg"].values)
+_ENGINE = {"inertia": 2e5, "torque_max": 2e6}
+
+
+@pytest.mark.parametrize(
+    ("effect", "values", "options"),
+    [
+        ("propeller", _WAKE, {"wake": "constant"}),
+        ("propeller", _WAKE | {"tau": 0.4, "cp": -0.2}, {"wake": "kose"}),
+        (
+            "propeller", {"D": 6.5, "t": 0.17, "wp": 0.18, **_TABLE},
+            {"wake": "constant", "open_water": "table"},
+        ),
+        ("rudder_mmg", _BLADE | {"stall_deg": 15.0, "stall_loss": 0.5}, {"stall": "smooth"}),
+        ("crossflow_drag", {"CD": 0.6, "CrY": 1.1}, {}),
+        ("crossflow_drag", {"CD": 0.6, "growth": 0.8}, {"shape": "ends", "form": "without-sway"}),
+        ("resistance_curve", {"X_F": -4e-5, "X_FF": 1e-5, "Fn0": 0.2}, {}),
+        ("nonlinear_added_mass", {"Yvvvdot": -0.02, "Nvvvdot": -0.004}, {}),
+        ("roll", {"damping": 1e8, "damping_quadratic": 1e9}, {"restoring": "sine"}),
+        ("shaft_lag", {"time_constant": 9.0, "n_step": 0.2}, {}),
+        ("shaft_lag", {}, {"law": "by-turns"}),
+        ("shaft", _ENGINE, {}),
+        ("shaft", _ENGINE | {"n_rated": 2.0}, {"limit": "falling"}),
+        ("shaft", _ENGINE | {"power_max": 2e7, "friction": 1e4}, {"limit": "power"}),
+        ("four_quadrant_propeller", _QUADRANTS, {"wake": "constant", "characteristics": "table"}),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("ship", ["s175", "s175-3dof"])
+def test_effects_keep_their_numbers_with_every_option(ship, effect, values, options):
+    model = pk.load_model(ship)
+    if effect == "roll" and not model.rolls:
+        pytest.skip("the ship does not roll")
+    parts = {**model.parts, effect: Part(effect=effect, values=values, options=options)}
+    if effect == "four_quadrant_propeller":
+        del parts["propeller"]
+    if effect == "rudder_mmg":
+        parts[effect] = Part(
+            effect=effect, values=values, options={**model.parts[effect].options, **options}
+        )
+    assert_same_rates(model.with_(parts=parts), 8.0, 20)
 
 
 def test_values_that_depend_on_speed_need_one(reduced):
@@ -380,7 +461,7 @@ def test_shipmmg_has_our_right_hand_side_where_its_wake_is_ours(tmp_path, monkey
 
     theirs = simulate_mmg_3dof(
         module.basic_params, module.maneuvering_params, [0.0, 1.0], [0.0, 0.0], [10.0, 10.0],
-        **{"\u03c1": module.rho},
+        ρ=module.rho,
     )  # fmt: skip
     ready, rng = prepare(model, 1.179), np.random.default_rng(3)
     for _ in range(50):
@@ -402,7 +483,7 @@ def test_a_turn_by_shipmmg_differs_by_its_wake_and_its_point_of_reference(tmp_pa
     delta = np.minimum(np.radians(module.rudder_rate) * t, np.radians(35.0))
     run = simulate_mmg_3dof(
         module.basic_params, module.maneuvering_params, t, delta, np.full(len(t), module.nps),
-        u0=module.u0, **{"\u03c1": module.rho}, rtol=1e-7,
+        u0=module.u0, ρ=module.rho, rtol=1e-7,
     )  # fmt: skip
     _, _, _, x, y, psi, *_ = run.sol(t)
     L = model.ship.L
@@ -415,8 +496,8 @@ def test_a_turn_by_shipmmg_differs_by_its_wake_and_its_point_of_reference(tmp_pa
 def test_the_constants_of_nomoto_are_those_of_the_linear_ship(tmp_path):
     module = shipmmg_module(pk.load_model("kcs"), tmp_path, 10.0)
     found = pk.stability("kcs", 10.0)
-    assert module.kt_params.K == pytest.approx(found.K * 10.0 / 230.0)
-    assert module.kt_params.T == pytest.approx(found.T * 230.0 / 10.0)
+    stated = module.kt_params.K, module.kt_params.T
+    assert stated == pytest.approx((found.K * 10.0 / 230.0, found.T * 230.0 / 10.0))
 
 
 def test_shipmmg_is_refused_with_what_is_missing():
@@ -566,7 +647,7 @@ def test_what_would_come_back_differently_is_not_left_there(small, tmp_path, mon
 
     whole = pd.DataFrame.to_csv
     monkeypatch.setattr(
-        pd.DataFrame, "to_csv", lambda self, *a, **k: whole(self, *a, float_format="%.9g", **k)
+        pd.DataFrame, "to_csv", lambda self, *a, **k: whole(self, *a, float_format="%.3g", **k)
     )
     with pytest.raises(CampaignError, match="not what was written"):
         pk.export(small, tmp_path / "rounded")
@@ -659,6 +740,8 @@ def test_what_does_not_suit_is_refused_with_what_does(table, tmp_path):
         pk.export(table, tmp_path / "table.docx")
     with pytest.raises(DataError, match="is not known"):
         pk.export(table, tmp_path / "table", "word")
+    with pytest.raises(FileExists, match="cannot be written"):
+        pk.export("mariner", tmp_path, "mss", speed=7.0)
     with pytest.raises(DataError, match="needs the ending"):
         pk.export(table, tmp_path / "table.dat", "csv")
     with pytest.raises(DataError, match="cannot be exported"):

@@ -124,13 +124,13 @@ def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]
         if name == "lx":
             continue
         derivative = parse_derivative(name)
-        sign = convention.sway == "beta" and "vdot" in derivative.factors
+        turned = convention.sway == "beta" and "vdot" in derivative.factors
         moment = derivative.channel not in "XY"
         power = derivative.length_power - 1 + moment
         lines.append(
             Line(
                 target=variable(name),
-                text=f"{'-' if sign else ''}{number(value)}*mass_unit"
+                text=f"{number(-value if turned else value)}*mass_unit"
                 + ("" if not power else "*L" if power == 1 else f"*L^{power}"),
                 note=_INERTIA[derivative.factors[0]][moment],
             )

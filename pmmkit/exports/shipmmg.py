@@ -57,7 +57,7 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     Examples
     --------
     >>> from pmmkit.model import load_model
-    >>> [line for line in model_to_shipmmg(load_model("kvlcc2-l7")).splitlines() if "Nvvr" in line]
+    >>> [line for line in model_to_shipmmg(load_model("kvlcc2-l7")).splitlines() if "N_vvr" in line]
     ['        "N_vvr_dash": -0.294,']
     """
     if model.Fn and speed is None:

@@ -100,7 +100,7 @@ def transcribe(
     ([('roll_heel', 'sin(phi)')],
      '-rho*g*volume*GM*roll_heel - (damping + damping_quadratic*abs(p))*p')
     """
-    writer = _Writer(prefix)
+    writer = _Writer(prefix, {name for name in arguments.values() if isinstance(name, str)})
     bound = {
         name: _Value(text=value) if isinstance(value, str) else _constant(value)
         for name, value in arguments.items()
@@ -124,11 +124,17 @@ def _constant(value: float) -> _Value:
     return _Value(text=number(value), known=value)
 
 
+def _apart(text: str) -> str:
+    """An operand that starts with a sign in brackets; two signs in a row mean something else."""
+    return f"({text})" if text.startswith("-") else text
+
+
 class _Writer:
     """Writes functions out one after the other; each variable is assigned once."""
 
-    def __init__(self, prefix: str) -> None:
+    def __init__(self, prefix: str, taken: Iterable[str]) -> None:
         self.prefix = prefix
+        self.taken = set(taken)
         self.lines: list[Line] = []
 
     def run(self, function: Callable[..., Any], bound: Mapping[str, _Value]) -> list[_Value]:
@@ -174,12 +180,12 @@ class _Writer:
         if value.text.isidentifier() or value.known is not None:
             known[name] = value
             return
-        base = target = f"{self.prefix}_{name.strip('_')}"
-        taken = {line.target for line in self.lines}
+        base = target = f"{self.prefix}_{name.strip('_')}".strip("_")
         count = 1
-        while target in taken:
+        while target in self.taken:
             count += 1
             target = f"{base}_{count}"
+        self.taken.add(target)
         self.lines.append(Line(target=target, text=value.text))
         known[name] = _Value(text=target)
 
@@ -207,12 +213,12 @@ class _Writer:
                 return _constant(outside[name])
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 inner = self._value(operand, known, outside)
-                return _Value(text=f"-{inner.within(_PRODUCT)}", rank=_SUM)
+                return _Value(text=f"-{_apart(inner.within(_PRODUCT))}", rank=_PRODUCT)
             case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
                 sign, rank = _OPERATORS[type(op)]
                 first = self._value(left, known, outside).within(rank)
-                second = self._value(right, known, outside)
-                return _Value(text=f"{first}{sign}{second.within(rank + 1)}", rank=rank)
+                second = _apart(self._value(right, known, outside).within(rank + 1))
+                return _Value(text=f"{first}{sign}{second}", rank=rank)
             case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _COMPARISONS:
                 sign, decide = _COMPARISONS[type(op)]
                 a, b = self._value(left, known, outside), self._value(right, known, outside)
@@ -223,6 +229,9 @@ class _Writer:
             case ast.IfExp(test=test, body=yes, orelse=no):
                 chosen = yes if self._decided(test, known, outside) else no
                 return self._value(chosen, known, outside)
+            case ast.Subscript(value=ast.Name(id=name), slice=ast.Constant(value=int() as place)):
+                if name in known:
+                    return _Value(text=f"{known[name].text}({place + 1})")
             case ast.Call():
                 (only,) = self._call(node, known, outside)
                 return only

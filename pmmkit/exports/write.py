@@ -80,7 +80,7 @@ def export(
     DataError
         If the format does not suit, or cannot say all that there is; with every reason.
     FileExists
-        If `path` is the very file or folder that is to be exported.
+        If `path` is the very file or folder that is to be exported, or cannot be written.
 
     Examples
     --------
@@ -95,8 +95,17 @@ def export(
     subject = read_subject(obj, data=data) if isinstance(obj, str | Path) else obj
     kind = kind_of(subject)
     chosen = _format(kind, target, to)
-    if kind == "campaign" and chosen == "csv":
-        assert isinstance(subject, Campaign)
+    try:
+        return _written(subject, kind, chosen, target, speed)
+    except OSError as error:
+        if isinstance(error, FileExists):
+            raise
+        raise FileExists(f"{path} cannot be written: {error.strerror or error}.") from error
+
+
+def _written(subject: Any, kind: str, to: str, target: Path, speed: float | None) -> list[Path]:
+    """Write by whom the kind and the format name."""
+    if kind == "campaign" and to == "csv":
         return [target / name for name in write_campaign_csv(subject, target)]
     writers: dict[tuple[str, str], Any] = {
         ("model", "mss"): partial(_model_as_mss, speed=speed),
@@ -108,7 +117,7 @@ def export(
     }
     if isinstance(subject, Track):
         subject = subject.to_xarray()
-    writers.get((kind, chosen), partial(_table_as, chosen))(subject, target)
+    writers.get((kind, to), partial(_table_as, to))(subject, target)
     return [target]
 
 
