@@ -9,6 +9,7 @@ from typing import Any, Final
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.exports.text import comment, written_by
 from pmmkit.model.text import toml_text
+from pmmkit.runs.corrections import OF_SAMPLES
 from pmmkit.runs.run import Campaign, Run, TypeB
 
 _DEGREES: Final = {
@@ -91,6 +92,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
             for key, value in campaign.provenance.items()
             for line in comment(f"Source, {key}: {value}", "#")
         ),
+        *(line for told in _applied(kept) for line in comment(told, "#")),
         *(
             line
             for run, reason in campaign.excluded
@@ -138,6 +140,17 @@ def _before(forward: Callable[[float], float], value: float, guess: float) -> fl
             step = math.nextafter(step, toward)
             near.append(step)
     return next((item for item in near if forward(item) == value), guess)
+
+
+def _applied(runs: list[Run]) -> list[str]:
+    """Corrections that changed samples, each once."""
+    every = (item for run in runs for item in run.corrections if item.action in OF_SAMPLES)
+    return list(
+        dict.fromkeys(
+            f"Correction applied to {', '.join(item.runs)}: {item.action} ({item.reason})"
+            for item in every
+        )
+    )
 
 
 def _given(values: Mapping[str, Any]) -> dict[str, Any]:

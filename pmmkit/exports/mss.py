@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,24 +10,19 @@ from typing import Any, Final
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import ModelError, Problem
 from pmmkit.exports.hull import hull_lines, mass_lines, motion_lines, variable
-from pmmkit.exports.text import WIDTH, comment, is_matlab_name, matlab_name, number, row, written_by
+from pmmkit.exports.mss_words import heading, meaning
+from pmmkit.exports.text import WIDTH, comment, is_matlab_name, matlab_name, number, row
 from pmmkit.exports.transcribe import Line, Unwritable, needed, transcribe
 from pmmkit.kernel import Prepared, prepare
 from pmmkit.kernel.program import values_at
 from pmmkit.kernel.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
-from pmmkit.model import Model, model_text
+from pmmkit.model import Model
 from pmmkit.simulation.simulate import steering
 
 _ANY_FROUDE: Final = 0.2
 """Where a model has one set of values for all speeds, any speed gives its structure."""
 _NO_INPUT: Final = {
     "wind_speed": "the wind", "wind_direction": "the wind", "bucket": "the bucket of a waterjet",
-}  # fmt: skip
-_STATES: Final = {
-    "u": ("surge velocity", "m/s"), "v": ("sway velocity", "m/s"), "r": ("yaw velocity", "rad/s"),
-    "x": ("position in x-direction", "m"), "y": ("position in y-direction", "m"),
-    "psi": ("yaw angle", "rad"), "p": ("roll velocity", "rad/s"), "phi": ("roll angle", "rad"),
-    "delta": ("actual rudder angle", "rad"), "n": ("actual shaft velocity", "rpm"),
 }  # fmt: skip
 _PARTICULARS: Final = {
     "L": "length between perpendiculars (m)", "B": "breadth (m)", "d": "draught (m)",
@@ -116,7 +110,7 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
         _inputs(states, inputs, about=about),
         _ship(model),
         _Section(
-            title=f"Hull: {_meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
+            title=f"Hull: {meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
             lines=_with_sources(
                 model, POLYNOMIALS, hull_lines(values, model.convention, rolls=ready.rolls)
             ),
@@ -143,7 +137,7 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
     used = frozenset().union(*(line.uses for section in body for line in section.lines))
     lines = [
         f"function [xdot,U] = {called}",
-        *_heading(model, called, states, inputs, speed=speed, turns=turns, about=about),
+        *heading(model, called, states, inputs, speed=speed, turns=turns, about=about),
         "",
         *_checks(states, inputs, speed=speed, turns=turns, approach=approach),
         *(text for section in body for text in _written(section)),
@@ -380,67 +374,6 @@ def _wrapped(code: str) -> list[str]:
             current = "    "
         current += word.lstrip() if not current.strip() else word
     return [*lines, current]
-
-
-def _meaning(model: Model) -> str:
-    convention = model.convention
-    unit = {
-        "prime": "forces over rho/2 L^2 U^2, moments over rho/2 L^3 U^2",
-        "prime-d": "forces over rho/2 L d U^2, moments over rho/2 L^2 d U^2",
-        "bis": "forces over rho g volume, moments over rho g volume L, speeds over sqrt(g L)",
-    }[convention.system]
-    coriolis = {
-        "separate": "Coriolis terms of the added mass in the equations of motion",
-        "in-derivatives": "Coriolis terms of the added mass inside the derivatives",
-    }[convention.coriolis]
-    return f"derivatives in the {convention.system} system ({unit}), {coriolis}"
-
-
-def _heading(
-    model: Model, called: str, states: Sequence[str], inputs: Sequence[str], *,
-    speed: float | None, turns: float | None, about: bool,
-) -> list[str]:  # fmt: skip
-    listed = " ".join(states)
-    lines = comment(
-        f"[xdot,U] = {called} returns the speed U in m/s (optionally) and the time derivative of "
-        f"the state vector x = [ {listed} ]' for {model.title or model.name}, "
-        f"L = {model.ship.L:g} m."
-    )
-    lines.append("%")
-    for name in states:
-        text, unit = _STATES[name]
-        if name == "u" and about:
-            text = "perturbed surge velocity about U0"
-        lines += comment(f"{name:<5} = {text} ({unit})")
-    lines += ["%", *comment(f"Input: ui = [ {' '.join(inputs)} ]'"), "%"]
-    lines += comment("delta_c = commanded rudder angle (rad)")
-    if "n_c" in inputs:
-        follows = "" if "n" in states else ", which the shaft has at once"
-        lines += comment(f"n_c = commanded shaft velocity (rpm){follows}")
-        if turns is not None:
-            lines += comment(
-                f"Without n_c: {60 * turns:.6g} rpm, self-propulsion at {speed:g} m/s."
-            )
-    if ",U0)" in called:
-        lines += comment(f"U0 = nominal speed (m/s), {speed:g} m/s if left out")
-    lines += ["%", *comment(
-        "Axes: x forward, y to starboard, z down, origin midship. A positive rudder angle (delta "
-        "and delta_c) turns the ship to starboard. Calm water, no current."
-    )]  # fmt: skip
-    if model.Fn:
-        assert speed is not None
-        froude = model.ship.froude(speed, model.water.g)
-        ends = ", ".join(f"{x:.4g}" for x in model.Fn)
-        lines += comment(f"Values at Fn {froude:.4g} ({speed:g} m/s), from those at Fn {ends}.")
-    lines += comment(f"Scale: {model.scale}") if model.scale else []
-    for note in model.notes:
-        lines += comment(f"Note: {note}")
-    digest = hashlib.sha256(model_text(model).encode()).hexdigest()
-    lines += ["%", *written_by()]
-    lines += comment(f"Model: {model.name}; SHA-256 of its file as pmmkit writes it: {digest}")
-    for step in model.history:
-        lines += comment(f"Step: {step}")
-    return lines
 
 
 def _checks(
