@@ -81,10 +81,12 @@ def test_octave_reads_the_structure(table, tmp_path):
 
 @pytest.mark.parametrize(("to", "ending"), [("csv", "csv"), ("excel", "xlsx"), ("netcdf", "nc")])
 def test_tables_come_back_from_every_format_that_is_read(table, to, ending, tmp_path):
-    (file,) = pk.export(table, tmp_path / f"again.{ending}", to)
+    file, *beside = pk.export(table, tmp_path / f"again.{ending}", to)
+    assert {path.name for path in tmp_path.iterdir()} == {file.name, *(x.name for x in beside)}
     assert identical(pk.read_table(file), table)
-    (second,) = pk.export(file, tmp_path / "second.csv")
+    second, sidecar = pk.export(file, tmp_path / "second.csv")
     assert identical(pk.read_table(second), table)
+    assert sidecar.name == "second.json"
 
 
 def test_latex_is_written_by_the_room_of_the_tables(table, tmp_path):
@@ -280,6 +282,8 @@ def test_a_track_becomes_netcdf_with_units_and_metrics(turn, tmp_path):
         assert found["psi"].attrs["units"] == "rad"
         assert found.attrs["tactical_diameter_L"] == track.metrics["tactical_diameter_L"]
         assert found.attrs["name"] == "kvlcc2-l7"
+    (twice,) = pk.export(turn / "track.csv", tmp_path / "twice.nc")
+    assert twice.read_bytes() == file.read_bytes()
     (again,) = pk.export(track, tmp_path / "same.nc")
     with xr.open_dataset(again, engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["y"].values, track.y)
@@ -300,6 +304,16 @@ def test_a_track_as_csv_has_units_and_is_a_run_of_a_campaign(turn, tmp_path):
     np.testing.assert_array_equal(data["psi"].values, track.psi)
     (third,) = pk.export(file, tmp_path / "third.csv")
     assert third.read_bytes() == file.read_bytes()
+
+
+def test_a_column_of_a_track_that_is_no_channel_is_named(turn, tmp_path):
+    lines = (turn / "track.csv").read_text(encoding="utf-8").splitlines()
+    more = [f"{line},{'helm' if index == 0 else index}" for index, line in enumerate(lines)]
+    (tmp_path / "track.csv").write_text("\n".join(more) + "\n", encoding="utf-8")
+    (file,) = pk.export(tmp_path / "track.csv", tmp_path / "out.nc")
+    with xr.open_dataset(file, engine="h5netcdf") as found:
+        assert found.attrs["left_out"] == "helm"
+        assert "helm" not in found
 
 
 def test_a_damaged_track_is_told_with_its_rows(turn, tmp_path):

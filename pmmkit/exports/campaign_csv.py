@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 _ROW: Final = "No."
 """Column of a table that numbers its rows."""
+_LONGEST: Final = 80
+"""Letters of a run's id in the name of its file."""
 _REMEDY: Final = "Export the campaign as netcdf, which keeps everything."
 
 
@@ -89,7 +91,7 @@ def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:
             tables.setdefault((run.kind, *columns), []).append((run, values))
             entries[run.id] = {}
             continue
-        file = f"{count:0{digits}}_{name}.csv"
+        file = f"{count:0{digits}}_{name[:_LONGEST]}.csv"
         if not problems:
             _history(data, part / file)
         wanted = required_channels(campaign.kind)

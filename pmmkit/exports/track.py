@@ -33,7 +33,8 @@ def read_track(path: str | Path) -> xr.Dataset:
     Returns
     -------
     Dataset
-        The channels over t, SI and radians.
+        The channels over t, SI and radians. Columns that are no channels are named by the
+        attribute ``left_out``.
 
     Raises
     ------
@@ -58,8 +59,11 @@ def read_track(path: str | Path) -> xr.Dataset:
         column.name: column.apply(numbers)
         for column, numbers in zip(picked, read.values, strict=True)
     }
+    taken = {column.position for column in picked}
+    left = [title for place, title in enumerate(read.headers) if place not in taken]
     beside = file.with_name(file.name.replace("track", "metrics", 1)).with_suffix(".json")
-    return _dataset(values, _metrics(beside) if beside != file else {})
+    attributes = _metrics(beside) if beside != file else {}
+    return _dataset(values, attributes | ({"left_out": "; ".join(left)} if left else {}))
 
 
 def write_track_csv(track: xr.Dataset, path: str | Path) -> None:
@@ -128,8 +132,14 @@ def _metrics(path: Path) -> dict[str, Any]:
         ) from error
     if not isinstance(content, dict):
         return {}
-    return {
-        str(name): math.nan if value is None else value
+    texts = {
+        name: "; ".join(value)
+        for name, value in content.items()
+        if isinstance(value, list) and value and all(isinstance(item, str) for item in value)
+    }
+    numbers = {
+        name: math.nan if value is None else value
         for name, value in content.items()
         if value is None or (isinstance(value, str | int | float) and not isinstance(value, bool))
     }
+    return numbers | texts

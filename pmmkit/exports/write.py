@@ -22,6 +22,7 @@ from pmmkit.runs.run import Campaign
 from pmmkit.runs.store import save_campaign
 from pmmkit.simulation.track import Track
 from pmmkit.tables import DerivativeTable, write
+from pmmkit.tables.io import sidecar_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,7 +119,7 @@ def _written(subject: Any, kind: str, to: str, target: Path, speed: float | None
     if isinstance(subject, Track):
         subject = subject.to_xarray()
     writers.get((kind, to), partial(_table_as, to))(subject, target)
-    return [target]
+    return [target, sidecar_of(target)] if (kind, to) == ("table", "csv") else [target]
 
 
 def kind_of(subject: object) -> str:
