@@ -406,6 +406,13 @@ def test_a_last_row_with_all_its_digits_but_no_line_end_stays(read):
     assert "a.csv: the last row is cut off" in said
 
 
+def test_a_last_row_with_too_few_fields(read):
+    found, said = outcome(read, GOOD + b"3.05,-29.5\n")
+    assert found is not None
+    assert np.array_equal(found, REFERENCE)
+    assert "a.csv: the last row is cut off" in said
+
+
 def test_flipped_bits(read):
     rng = np.random.default_rng(2)
     start = GOOD.index(b"\n") + 1

@@ -148,6 +148,26 @@ def test_damaged_rows_are_no_preamble(read):
             read(head + "\n".join(lines) + "\n")
 
 
+@pytest.mark.parametrize(
+    ("place", "row"),
+    [(0, "0.00;1.25;-20;50"), (0, "0.00;--;--"), (2, "abc;def;ghi")],
+    ids=["a field too many", "half lost", "all lost"],
+)
+@pytest.mark.parametrize("head", ["t;u;X\n", "preamble"])
+def test_a_damaged_row_near_the_top(read, head, place, row):
+    lines = rows(";", table=np.vstack([TABLE, TABLE + 2])).splitlines()
+    lines[place] = row
+    top = PREAMBLE + "t;u;X\n" if head == "preamble" else head
+    with pytest.raises(CampaignError):
+        read(top + "\n".join(lines) + "\n")
+
+
+def test_numbers_in_a_preamble_are_no_rows(read):
+    found = read(PREAMBLE + "117;4711\nt;u;X\n" + rows(";"))
+    assert found.headers == ("t", "u", "X")
+    assert same(found)
+
+
 @pytest.mark.parametrize("mark", ["#", "%", "!", "//"])
 def test_comments_above_between_and_below(read, mark):
     lines = rows(" ").splitlines()
