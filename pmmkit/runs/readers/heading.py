@@ -308,11 +308,11 @@ def _below_preamble(
             f"the line looks like a damaged row: rows of {table.width} numbers begin only in row "
             f"{first.number}.",
             row=line.number,
-            remedy=f"Copy the file again, or state skip_rows = {first.number - 1} in [source].",
+            remedy="Copy the file again, or state skip_rows in [source].",
         )
         for line in above
         if looks_like_row(line.text, table.width, delimiter, decimal)
-        or (line is above[-1] and _mostly_numbers(line, delimiter, decimal))
+        or (line is above[-1] and _may_be_row(line, table, request))
     ]
     if damaged:
         raise request.error(*damaged)
@@ -339,9 +339,12 @@ def _below_preamble(
     )
 
 
-def _mostly_numbers(line: _Line, delimiter: str, decimal: str) -> bool:
-    fields = fields_of(line.text, delimiter)
-    count = _count(fields, decimal)
+def _may_be_row(line: _Line, table: _Table, request: Request) -> bool:
+    """Whether the line above the rows may be one: as wide with a number, or half of it numbers."""
+    fields = fields_of(line.text, table.delimiter)
+    count = _count(fields, table.decimal)
+    if len(fields) == table.width:
+        return count > 0 and request.options.header is None
     return count > 1 and 2 * count >= len(fields)
 
 
