@@ -253,7 +253,7 @@ def test_iterations_beside_time_say_what_to_export(read, word):
     }
     with pytest.raises(CampaignError) as caught:
         read(files)
-    assert f"b.csv goes by '{word} [-]', a.csv by 'Physical Time [s]'" in str(caught.value)
+    assert f"b.csv goes by '{word}', a.csv by 'Physical Time [s]'" in str(caught.value)
     assert "x axis of its plot to Physical Time" in str(caught.value)
 
 
@@ -271,7 +271,7 @@ def test_iterations_alone_are_no_time(read):
     files = {"a.csv": export(("Iteration", *FORCES), np.arange(1.0, 61.0), X, Y, N)}
     with pytest.raises(CampaignError, match="there is no column t"):
         read(files, "a.csv")
-    data = read(files, "a.csv", columns='t = { name = "Iteration", unit = "s", scale = 0.5 }\n')
+    data = read(files, "a.csv", columns='t = { name = "Iteration", scale = 0.5 }\n')
     assert data["t"].values == pytest.approx(0.5 * np.arange(1, 61))
 
 

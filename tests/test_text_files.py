@@ -150,8 +150,8 @@ def test_damaged_rows_are_no_preamble(read):
 
 @pytest.mark.parametrize(
     ("place", "row"),
-    [(0, "0.00;1.25;-20;50"), (0, "0.00;--;--"), (2, "abc;def;ghi")],
-    ids=["a field too many", "half lost", "all lost"],
+    [(0, "0.00;1.25;-20;50"), (0, "0.00;--;--"), (0, "0.00;abc"), (2, "abc;def;ghi")],
+    ids=["a field too many", "half lost", "most lost", "all lost"],
 )
 @pytest.mark.parametrize("head", ["t;u;X\n", "preamble"])
 def test_a_damaged_row_near_the_top(read, head, place, row):
@@ -186,6 +186,9 @@ def test_names_and_units_in_comments(read, mark):
     top = f"{mark} run 12, third\n{mark} t u X\n"
     assert read(top + rows()).headers == ("t", "u", "X")
     assert read(top + f"{mark} s m/s N\n" + rows()).headers == ("t [s]", "u [m/s]", "X [N]")
+    assert read(top + f"{mark} -----\n" + rows()).headers == ("t", "u", "X")
+    below = read(PREAMBLE + f"t u X\n{mark} started again after a break\n" + rows())
+    assert below.headers == ("t", "u", "X")
     assert read(f"{mark} run 12\n" + rows()).headers == ("", "", "")
 
 

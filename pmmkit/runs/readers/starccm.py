@@ -263,6 +263,8 @@ def _open(request: Request) -> _Export:
             notes.append(
                 f"{request.path.name}: column {original[key]!r} is taken for the time{seconds}"
             )
+    else:
+        headers[key] = headers[key].removesuffix(" [-]")
     return _Export(request, text, tuple(headers), key, timed, tuple(notes))
 
 
