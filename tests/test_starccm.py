@@ -413,6 +413,15 @@ def test_a_last_row_with_too_few_fields(read):
     assert "a.csv: the last row is cut off" in said
 
 
+def test_a_remark_behind_a_row_that_is_cut_off(read):
+    found, said = outcome(read, GOOD + b"3.05,-29.5\n# stopped\n")
+    assert found is not None
+    assert np.array_equal(found, REFERENCE)
+    assert "comments among the rows left out" in said
+    with pytest.raises(CampaignError, match="row 5"):
+        read({"a.csv": GOOD.replace(b"\n0.2,", b"\n0.2;") + b"3.05,-29\n# stopped\n"}, "a.csv")
+
+
 def test_flipped_bits(read):
     rng = np.random.default_rng(2)
     start = GOOD.index(b"\n") + 1
@@ -462,9 +471,10 @@ def test_rows_of_another_length_are_named(read, row):
 @pytest.mark.parametrize(
     "content",
     [b"", b"\n", GOOD.split(b"\n")[0], GOOD.split(b"\n")[0] + b"\n", b"\0" * 400,
-     b"\x89HDF\r\n\x1a\n", GOOD.split(b"\n")[0] + b"\n1.0,2", b'"' * 99, b'"Physical Time (s)'],
+     b"\x89HDF\r\n\x1a\n", GOOD.split(b"\n")[0] + b"\n1.0,2", b'"' * 99, b'"Physical Time (s)',
+     b"Case 7\n\nno names here\n" + GOOD.split(b"\n", 1)[1]],
     ids=["0 bytes", "blank", "cut header", "header only", "zeros", "HDF5", "half a row", "quotes",
-         "half a name"],
+         "half a name", "no header"],
 )  # fmt: skip
 def test_files_that_hold_no_export(read, content):
     with pytest.raises(CampaignError, match=r"a\.csv"):

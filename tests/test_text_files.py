@@ -178,7 +178,7 @@ def test_comments_above_between_and_below(read, mark):
     found = read(text + "\n")
     assert found.headers == ("t", "u", "X")
     assert same(found)
-    assert found.notes == ("2 lines of comments among the rows left out",)
+    assert found.notes == ("comments among the rows left out: 2 lines",)
 
 
 @pytest.mark.parametrize("mark", ["#", "%", "!", "//"])
@@ -199,7 +199,7 @@ def test_a_row_that_begins_like_a_comment_is_damaged(read):
         read(text.replace("\n1.00", "\n!.00"))
     found = read(text.replace("\n1.00", "\n!.00"), comment="!")
     assert same(found, TABLE[[0, 1, 3]])
-    assert found.notes == ("1 lines of comments among the rows left out",)
+    assert found.notes == ("comments among the rows left out: 1 lines",)
 
 
 def test_lines_are_counted_with_comments(read):

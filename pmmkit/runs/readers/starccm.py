@@ -251,7 +251,14 @@ def _open(request: Request) -> _Export:
         units_row=False,
     )
     text, torn = _without_torn_row(take_apart(replace(request, options=options)), request)
-    original = text.headers or ()
+    original = text.headers
+    if original is None:
+        raise request.error(
+            request.problem(
+                "there is no header of monitors above the rows.",
+                remedy='For plain columns write format = "csv".',
+            )
+        )
     headers = list(clean_headers(original))
     key, timed = _key(headers)
     notes = [*text.notes, *torn]
