@@ -253,7 +253,7 @@ def test_iterations_beside_time_say_what_to_export(read, word):
     }
     with pytest.raises(CampaignError) as caught:
         read(files)
-    assert f"b.csv goes by '{word} [-]', a.csv by 'Physical Time [s]'" in str(caught.value)
+    assert f"b.csv goes by '{word}', a.csv by 'Physical Time [s]'" in str(caught.value)
     assert "x axis of its plot to Physical Time" in str(caught.value)
 
 
@@ -271,7 +271,7 @@ def test_iterations_alone_are_no_time(read):
     files = {"a.csv": export(("Iteration", *FORCES), np.arange(1.0, 61.0), X, Y, N)}
     with pytest.raises(CampaignError, match="there is no column t"):
         read(files, "a.csv")
-    data = read(files, "a.csv", columns='t = { name = "Iteration", unit = "s", scale = 0.5 }\n')
+    data = read(files, "a.csv", columns='t = { name = "Iteration", scale = 0.5 }\n')
     assert data["t"].values == pytest.approx(0.5 * np.arange(1, 61))
 
 
@@ -406,6 +406,22 @@ def test_a_last_row_with_all_its_digits_but_no_line_end_stays(read):
     assert "a.csv: the last row is cut off" in said
 
 
+def test_a_last_row_with_too_few_fields(read):
+    found, said = outcome(read, GOOD + b"3.05,-29.5\n")
+    assert found is not None
+    assert np.array_equal(found, REFERENCE)
+    assert "a.csv: the last row is cut off" in said
+
+
+def test_a_remark_behind_a_row_that_is_cut_off(read):
+    found, said = outcome(read, GOOD + b"3.05,-29.5\n# stopped\n")
+    assert found is not None
+    assert np.array_equal(found, REFERENCE)
+    assert "comments among the rows left out" in said
+    with pytest.raises(CampaignError, match="row 5"):
+        read({"a.csv": GOOD.replace(b"\n0.2,", b"\n0.2;") + b"3.05,-29\n# stopped\n"}, "a.csv")
+
+
 def test_flipped_bits(read):
     rng = np.random.default_rng(2)
     start = GOOD.index(b"\n") + 1
@@ -455,9 +471,10 @@ def test_rows_of_another_length_are_named(read, row):
 @pytest.mark.parametrize(
     "content",
     [b"", b"\n", GOOD.split(b"\n")[0], GOOD.split(b"\n")[0] + b"\n", b"\0" * 400,
-     b"\x89HDF\r\n\x1a\n", GOOD.split(b"\n")[0] + b"\n1.0,2", b'"' * 99, b'"Physical Time (s)'],
+     b"\x89HDF\r\n\x1a\n", GOOD.split(b"\n")[0] + b"\n1.0,2", b'"' * 99, b'"Physical Time (s)',
+     b"Case 7\n\nno names here\n" + GOOD.split(b"\n", 1)[1]],
     ids=["0 bytes", "blank", "cut header", "header only", "zeros", "HDF5", "half a row", "quotes",
-         "half a name"],
+         "half a name", "no header"],
 )  # fmt: skip
 def test_files_that_hold_no_export(read, content):
     with pytest.raises(CampaignError, match=r"a\.csv"):

@@ -148,6 +148,26 @@ def test_damaged_rows_are_no_preamble(read):
             read(head + "\n".join(lines) + "\n")
 
 
+@pytest.mark.parametrize(
+    ("place", "row"),
+    [(0, "0.00;1.25;-20;50"), (0, "0.00;--;--"), (0, "0.00;abc"), (2, "abc;def;ghi")],
+    ids=["a field too many", "half lost", "most lost", "all lost"],
+)
+@pytest.mark.parametrize("head", ["t;u;X\n", "preamble"])
+def test_a_damaged_row_near_the_top(read, head, place, row):
+    lines = rows(";", table=np.vstack([TABLE, TABLE + 2])).splitlines()
+    lines[place] = row
+    top = PREAMBLE + "t;u;X\n" if head == "preamble" else head
+    with pytest.raises(CampaignError):
+        read(top + "\n".join(lines) + "\n")
+
+
+def test_numbers_in_a_preamble_are_no_rows(read):
+    found = read(PREAMBLE + "117;4711\nt;u;X\n" + rows(";"))
+    assert found.headers == ("t", "u", "X")
+    assert same(found)
+
+
 @pytest.mark.parametrize("mark", ["#", "%", "!", "//"])
 def test_comments_above_between_and_below(read, mark):
     lines = rows(" ").splitlines()
@@ -158,7 +178,7 @@ def test_comments_above_between_and_below(read, mark):
     found = read(text + "\n")
     assert found.headers == ("t", "u", "X")
     assert same(found)
-    assert found.notes == ("2 lines of comments among the rows left out",)
+    assert found.notes == ("comments among the rows left out: 2 lines",)
 
 
 @pytest.mark.parametrize("mark", ["#", "%", "!", "//"])
@@ -166,6 +186,9 @@ def test_names_and_units_in_comments(read, mark):
     top = f"{mark} run 12, third\n{mark} t u X\n"
     assert read(top + rows()).headers == ("t", "u", "X")
     assert read(top + f"{mark} s m/s N\n" + rows()).headers == ("t [s]", "u [m/s]", "X [N]")
+    assert read(top + f"{mark} -----\n" + rows()).headers == ("t", "u", "X")
+    below = read(PREAMBLE + f"t u X\n{mark} started again after a break\n" + rows())
+    assert below.headers == ("t", "u", "X")
     assert read(f"{mark} run 12\n" + rows()).headers == ("", "", "")
 
 
@@ -176,7 +199,7 @@ def test_a_row_that_begins_like_a_comment_is_damaged(read):
         read(text.replace("\n1.00", "\n!.00"))
     found = read(text.replace("\n1.00", "\n!.00"), comment="!")
     assert same(found, TABLE[[0, 1, 3]])
-    assert found.notes == ("1 lines of comments among the rows left out",)
+    assert found.notes == ("comments among the rows left out: 1 lines",)
 
 
 def test_lines_are_counted_with_comments(read):

@@ -138,8 +138,7 @@ def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
     some = after > before
     starts, ends, after = starts[some], ends[some], after[some]
     edges = np.cumsum(widths)
-    stops = ends - (code[ends - 1] == 13)
-    inner = np.minimum(starts[:, None] + edges[:-1], stops[:, None])
+    inner = np.minimum(starts[:, None] + edges[:-1], ends[:, None])
     beyond = starts + sum(widths)
     longer = filled[after - 1] >= beyond
     places = np.sort(np.append(inner.ravel(), beyond[longer]))

@@ -114,6 +114,7 @@ def find_heading(data: bytes, start: int, stop: int, line: int, request: Request
     _refuse_grouped([item.text for item in plain], delimiter, decimal, request)
     top = fields_of(first.text, delimiter)
     commented = lines[: lines.index(first)] if _all_numbers(top, decimal) else []
+    commented = _without_remarks(commented, len(top), delimiter)
     names = _names(commented, len(top), delimiter, decimal, request)
     if names is not None or not _is_header(first, delimiter, decimal, request):
         return Heading(
@@ -308,22 +309,24 @@ def _below_preamble(
             f"the line looks like a damaged row: rows of {table.width} numbers begin only in row "
             f"{first.number}.",
             row=line.number,
-            remedy=f"Copy the file again, or state skip_rows = {first.number - 1} in [source].",
+            remedy="Copy the file again, or state skip_rows in [source].",
         )
         for line in above
         if looks_like_row(line.text, table.width, delimiter, decimal)
-        or (line is above[-1] and _mostly_numbers(line, delimiter, decimal))
+        or (line is above[-1] and _may_be_row(line, table, request))
     ]
     if damaged:
         raise request.error(*damaged)
-    if _twice_named(above, table, request):
+    above = _without_remarks(above, table.width, delimiter)
+    if _names_too_high(above, table, request):
         raise request.error(
             request.problem(
                 f"rows {above[-2].number} and {above[-1].number} may both be the names of the "
                 "columns.",
+                row=above[-1].number,
                 remedy=f"State in [source] skip_rows = {above[-2].number} if the names are in row "
                 f"{above[-1].number}, or skip_rows = {above[-2].number - 1} and units_row = true "
-                "if units are.",
+                f"if units are; else row {above[-1].number} is damaged.",
             )
         )
     _refuse_grouped([line.text for line in plain[table.index :]], delimiter, decimal, request)
@@ -339,21 +342,28 @@ def _below_preamble(
     )
 
 
-def _mostly_numbers(line: _Line, delimiter: str, decimal: str) -> bool:
-    fields = fields_of(line.text, delimiter)
-    count = _count(fields, decimal)
+def _may_be_row(line: _Line, table: _Table, request: Request) -> bool:
+    """Whether the line above the rows may be one: as wide with a number, or half of it numbers."""
+    fields = fields_of(line.text, table.delimiter)
+    count = _count(fields, table.decimal)
+    if len(fields) == table.width:
+        return count > 0 and request.options.header is None
     return count > 1 and 2 * count >= len(fields)
 
 
-def _twice_named(above: Sequence[_Line], table: _Table, request: Request) -> bool:
-    """Whether the last two lines above the rows are as wide and without numbers, and not units."""
-    dialect = table.delimiter, table.decimal
-    wide = [
-        len(fields) == table.width and all(fields) and not _count(fields, table.decimal)
-        for line in above[-2:]
-        if (fields := fields_of(line.text, table.delimiter))
+def _names_too_high(above: Sequence[_Line], table: _Table, request: Request) -> bool:
+    """Whether what looks like names stands two lines above the rows and is not above units."""
+    if len(above) < 2 or _is_units(above[-1], table.width, table.delimiter, table.decimal, request):
+        return False
+    names = headers_of(above[-2].text, table.delimiter)
+    return len(names) == table.width and all(names) and not _count(names, table.decimal)
+
+
+def _without_remarks(lines: Sequence[_Line], width: int, delimiter: str) -> list[_Line]:
+    """The lines without comments that cannot be names or units."""
+    return [
+        line for line in lines if not line.comment or len(headers_of(line.text, delimiter)) == width
     ]
-    return wide == [True, True] and not _is_units(above[-1], table.width, *dialect, request)
 
 
 def _names(

@@ -37,12 +37,6 @@ _TIMES: Final = frozenset(
      "tempo fisico", "tempo físico", "tempo", "физическое время", "время"}
 )  # fmt: skip
 """Words for time in the languages of the program; a first column in seconds is time too."""
-_ITERATIONS: Final = frozenset(
-    {"iteration", "iterations", "iterationen", "itération", "itérations", "iteración",
-     "iteraciones", "iterazione", "iterazioni", "iteração", "迭代", "反復", "반복",
-     "итерация", "итерации",
-     "time step", "time-step", "zeitschritt"}
-)  # fmt: skip
 _UNITS: Final[Mapping[str, str]] = {
     "radian": "rad", "radian/s": "rad/s", "radian/s^2": "rad/s2", "m/s^2": "m/s2", "/s": "1/s",
 }  # fmt: skip
@@ -257,7 +251,14 @@ def _open(request: Request) -> _Export:
         units_row=False,
     )
     text, torn = _without_torn_row(take_apart(replace(request, options=options)), request)
-    original = text.headers or ()
+    original = text.headers
+    if original is None:
+        raise request.error(
+            request.problem(
+                "there is no header of monitors above the rows.",
+                remedy='For plain columns write format = "csv".',
+            )
+        )
     headers = list(clean_headers(original))
     key, timed = _key(headers)
     notes = [*text.notes, *torn]
@@ -269,6 +270,8 @@ def _open(request: Request) -> _Export:
             notes.append(
                 f"{request.path.name}: column {original[key]!r} is taken for the time{seconds}"
             )
+    else:
+        headers[key] = headers[key].removesuffix(" [-]")
     return _Export(request, text, tuple(headers), key, timed, tuple(notes))
 
 
@@ -289,8 +292,8 @@ def _key(headers: Sequence[str]) -> tuple[int, bool]:
     bare = [(name.lower(), unit) for name, unit in map(split_unit, headers)]
     times = [place for place, (name, unit) in enumerate(bare)
              if name in _TIMES and _measures_time(unit)]  # fmt: skip
-    first, unit = bare[0]
-    if times[:1] == [0] or (first not in _ITERATIONS and unit != "-" and _measures_time(unit)):
+    unit = bare[0][1]
+    if times[:1] == [0] or (unit != "-" and _measures_time(unit)):
         return 0, True
     return (times[0], True) if len(times) == 1 else (0, False)
 

@@ -77,9 +77,9 @@ class Text:
     @property
     def numbers_of_lines(self) -> list[int]:
         """Line of the file, counted from 1, of each of the rows."""
-        count = self.data.count(b"\n", self.start, self.stop) + 1 + len(self.comments)
-        every = np.arange(self.first_line, self.first_line + count)
-        return [int(line) for line in np.setdiff1d(every, self.comments)]
+        count = self.data.count(b"\n", self.start, self.stop) + 1
+        every = np.arange(self.first_line, self.first_line + count + len(self.comments))
+        return [int(line) for line in np.setdiff1d(every, self.comments)[:count]]
 
     @property
     def width(self) -> int:
@@ -128,7 +128,7 @@ def take_apart(request: Request) -> Text:
         notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
     data, comments = _without_comments(data, stop, heading, request)
     if comments:
-        notes = (*notes, f"{len(comments)} lines of comments among the rows left out")
+        notes = (*notes, f"comments among the rows left out: {len(comments)} lines")
     return Text(
         headers=heading.headers,
         data=data,
