@@ -2,10 +2,37 @@
 
 from __future__ import annotations
 
-from typing import Any
+import struct
+import zipfile
+from pathlib import Path
+from typing import Any, Final
 
 from pmmkit.runs.channels import did_you_mean
 from pmmkit.runs.readers.base import Cell, Cells, Choose, Columns, Request, columns_of
+
+_OLE: Final = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+"""First bytes of an OLE2 compound file: .xls, but .doc too."""
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether the file is a workbook, by its list of parts."""
+    if head.startswith(_OLE):
+        return _has_workbook_stream(path, head)
+    if not head.startswith(b"PK"):
+        return False
+    try:
+        with zipfile.ZipFile(path) as parts:
+            listed = set(parts.namelist())
+            if "mimetype" in listed and parts.getinfo("mimetype").file_size < 200:
+                return b"opendocument.spreadsheet" in parts.read("mimetype")
+    except Exception:
+        return False
+    return bool({"xl/workbook.xml", "xl/workbook.bin"} & listed)
+
+
+def sheets(request: Request) -> tuple[str, ...]:
+    """Names of the sheets."""
+    return tuple(_workbook(request).sheet_names)
 
 
 def names(request: Request) -> tuple[str, ...]:
@@ -48,14 +75,30 @@ def cells(request: Request) -> Cells:
     )
 
 
-def _grid(request: Request) -> list[tuple[Cell, ...]]:
+def _has_workbook_stream(path: Path, head: bytes) -> bool:
+    """Whether the first sector of the directory of an OLE2 file lists a workbook ([MS-CFB] 2.2)."""
+    try:
+        (shift,), (sector,) = struct.unpack_from("<H", head, 30), struct.unpack_from("<i", head, 48)
+        with path.open("rb") as stream:
+            stream.seek((sector + 1) << shift)
+            listed = stream.read(8192)
+    except (OSError, ValueError, OverflowError, struct.error):
+        return False
+    return any(name.encode("utf-16-le") in listed for name in ("Workbook", "Book"))
+
+
+def _workbook(request: Request) -> Any:
     import python_calamine as calamine
 
     try:
-        workbook = calamine.CalamineWorkbook.from_path(str(request.path))
-        sheets = list(workbook.sheet_names)
+        return calamine.CalamineWorkbook.from_path(str(request.path))
     except BaseException as error:
         raise _unreadable(request, error) from error
+
+
+def _grid(request: Request) -> list[tuple[Cell, ...]]:
+    workbook = _workbook(request)
+    sheets = list(workbook.sheet_names)
     wanted = request.options.sheet
     if wanted is None and len(sheets) != 1:
         listed = ", ".join(repr(sheet) for sheet in sheets)

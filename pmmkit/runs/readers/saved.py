@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 
 from pmmkit.runs.readers.base import Cells, Choose, Columns, Request
-from pmmkit.runs.store import read_run
+from pmmkit.runs.store import is_campaign, read_run
+
+
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether the file is a campaign that pmmkit saved."""
+    return head.startswith(b"\x89HDF\r\n\x1a\n") and is_campaign(path)
 
 
 def names(request: Request) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import Final
 from pmmkit.runs.readers.base import Request, to_number
 
 BLANKS: Final = " "
-_CANDIDATES: Final = (
+CANDIDATES: Final = (
     (";", "."),
     (";", ","),
     ("\t", "."),
@@ -21,6 +21,7 @@ _CANDIDATES: Final = (
     (BLANKS, "."),
     (BLANKS, ","),
 )
+"""Delimiters and decimal signs that are tried, in this order."""
 _SAMPLE: Final = 20
 _BLANK_HEADER: Final = re.compile(
     r"(?:[^\s\[(]|\[[^\]]*\]|\([^)]*\))+(?:\s+(?:\[[^\]]*\]|\([^)]*\)))?"
@@ -105,7 +106,7 @@ def take_apart(request: Request) -> Text:
     first = data[start : line_end(data, start)]
     headers = None
     if _is_header(fields_of(first, delimiter), decimal, request):
-        headers = _headers(first, delimiter)
+        headers = headers_of(first, delimiter)
         start, line = line_end(data, start) + 1, line + 1
         if start >= stop:
             raise request.error(
@@ -185,7 +186,8 @@ def fields_of(line: bytes, delimiter: str) -> list[str]:
     return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter), [""])]
 
 
-def _headers(line: bytes, delimiter: str) -> tuple[str, ...]:
+def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
+    """The names in a header line."""
     text = line.decode("utf-8").strip().removeprefix("#").strip()
     if delimiter == BLANKS:
         return tuple(found[0] for found in _BLANK_HEADER.finditer(text))
@@ -198,7 +200,7 @@ def _dialect(text: bytes, request: Request) -> tuple[str, str]:
     sample = [line for line in text.split(b"\n")[1 : _SAMPLE + 1] if line.strip()]
     sample = sample or text.split(b"\n")[:1]
     best, chosen = -1.0, (options.delimiter or ",", options.decimal or ".")
-    for delimiter, decimal in _CANDIDATES:
+    for delimiter, decimal in CANDIDATES:
         if options.delimiter not in (None, delimiter) or options.decimal not in (None, decimal):
             continue
         rows = [fields_of(line, delimiter) for line in sample]
