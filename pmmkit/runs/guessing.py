@@ -95,9 +95,61 @@ def suggest(
         item = found[position]
         if item is not None:
             known.add(item.name)
-            if numbers is not None and unit is None:
+            if numbers is not None and unit is None and item.unit is None:
                 found[position] = _with_unit(item, numbers)
     return _each_once(found)
+
+
+def rates_of(time: Array, values: Mapping[int, Array]) -> dict[int, tuple[int, float]]:
+    """Columns that are the rate of change of another one.
+
+    Parameters
+    ----------
+    time : array (n,)
+        Times, increasing.
+    values : mapping of int to array
+        Columns by position, finite.
+
+    Returns
+    -------
+    dict
+        Position of the rate: position of the other, and the factor between them (57.3 where an
+        angle is in radians and its rate in degrees).
+
+    Examples
+    --------
+    >>> t = np.linspace(0.0, 60.0, 601)
+    >>> rates_of(t, {1: np.sin(t), 2: 2.0 * np.cos(t), 3: np.cos(t)})
+    {3: (1, 0.999)}
+    """
+    count = len(time)
+    stretch = max(2, count // 300)
+    edges = np.arange(0, count, stretch)
+    if len(edges) < 20 or not values:
+        return {}
+    places = list(values)
+    table = np.stack([values[place] for place in places])
+    span = np.diff(time[edges])
+    if not (np.all(np.isfinite(table)) and np.all(span > 0)):
+        return {}
+    summed = np.cumsum((table[:, 1:] + table[:, :-1]) / 2 * np.diff(time), axis=1)
+    summed = np.concatenate([np.zeros((len(places), 1)), summed], axis=1)
+    means, slopes = np.diff(summed[:, edges]) / span, np.diff(table[:, edges]) / span
+    powers = np.sum(slopes**2, axis=1)
+    found = {}
+    for row, place in enumerate(places):
+        if np.ptp(means[row]) < 1e-3 * np.abs(means[row]).max(initial=1e-30):
+            continue
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = slopes @ means[row] / powers
+            left = np.sum((means[row] - factors[:, None] * slopes) ** 2, axis=1)
+        near = np.isclose(factors[:, None], [1.0, 57.29578, 1 / 57.29578], rtol=0.03).any(axis=1)
+        share = np.where(near, left / np.sum(means[row] ** 2), np.inf)
+        share[row] = np.inf
+        best = int(np.argmin(share))
+        if share[best] < 0.01:
+            found[place] = (places[best], float(f"{factors[best]:.3g}"))
+    return found
 
 
 _RANK: Final = {"surely": 0, "probably": 1, "perhaps": 2}
@@ -133,8 +185,10 @@ def _by_name(
         name = f"{part['channel']}_{part['part']}{part['order'] or ('' if part['mean'] else '1')}"
         if harmonic_part(name):
             return Suggestion(name=name, certainty="probably", reason=f"{plain!r} by its form")
-    words = re.findall(r"[^\W_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", plain))
-    folded = " ".join(words).lower()
+    words = re.findall(r"[^\W_]+", re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", plain))
+    own = _SUFFIX_UNITS.get(words[-1]) if unit is None and len(words) > 1 else None
+    folded = " ".join(words[:-1] if own else words).lower()
+    unit = unit or own
     for name, pattern in (*(_TABLE_NAMES if table else ()), *_NAMES):
         found = pattern.fullmatch(folded) or pattern.search(folded)
         if not found or not _fits(name, unit, table=table):
@@ -147,6 +201,7 @@ def _by_name(
             name=name,
             certainty="probably" if (whole or unit is not None) and not drag else "perhaps",
             reason=f"{plain!r} is a usual name of it" + (", positive aft" if drag else ""),
+            unit=own,
             scale=-1.0 if drag else 1.0,
         )
     return None
@@ -208,7 +263,7 @@ def _with_unit(item: Suggestion, numbers: Array) -> Suggestion:
 
 
 _TELLING: Final[dict[str, tuple[str, float]]] = {
-    "psi": ("deg", 13.0), "phi": ("deg", 1.6), "delta": ("deg", 1.6), "trim": ("deg", 1.6),
+    "psi": ("deg", 45.0), "phi": ("deg", 1.6), "delta": ("deg", 1.6), "trim": ("deg", 1.6),
     "wind_direction": ("deg", 6.4), "n": ("rpm", 60.0), "r": ("deg/s", 2.0),
 }  # fmt: skip
 """Unit other than SI, and the number beyond which SI cannot be."""
@@ -236,6 +291,13 @@ def bare_header(header: str, unit: str | None = None) -> tuple[str, str | None]:
     """Name and unit of a header, the unit from a line of units where it has none itself."""
     name, own = split_unit(header)
     return (name, own) if own is not None else (header.strip(), unit or None)
+
+
+_SUFFIX_UNITS: Final = {
+    "rpm": "rpm", "rps": "rps", "deg": "deg", "rad": "rad", "kN": "kN", "N": "N", "Nm": "N m",
+    "mm": "mm", "m": "m", "mps": "m/s", "s": "s", "sec": "s",
+}  # fmt: skip
+"""Last words of a header that are taken for its unit."""
 
 
 def _pattern(words: str) -> re.Pattern[str]:

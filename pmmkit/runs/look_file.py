@@ -11,9 +11,9 @@ from typing import Final, cast
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.runs.guessing import Suggestion, bare_header, suggest
+from pmmkit.runs.guessing import Suggestion, bare_header, rates_of, suggest
 from pmmkit.runs.readers import FORMATS, Reader, head_of, recognise
-from pmmkit.runs.readers.base import HEAD, Array, Options, Request
+from pmmkit.runs.readers.base import ABSURD, HEAD, Array, Options, Request, to_number
 from pmmkit.runs.readers.layout import Layout, layout_of, text_of
 from pmmkit.runs.sampling import LARGE, Sample, sample_of
 
@@ -229,8 +229,7 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
     try:
         read = reader.columns(request, lambda _, width: [p for p in wanted if p < width])
     except CampaignError as error:
-        spared = _lenient(look, wanted) if look.layout is not None else {}
-        return Values(numbers=spared, problems=error.problems)
+        return Values(numbers=_lenient(look, wanted), problems=_few(error.problems, request))
     return Values(numbers=dict(zip(read.positions, read.values, strict=True)), notes=read.notes)
 
 
@@ -373,12 +372,34 @@ def _columns(
     )
 
 
+def _few(problems: Sequence[Problem], request: Request) -> tuple[Problem, ...]:
+    """The first problems of a file, and how many more there are."""
+    if len(problems) <= 3:
+        return tuple(problems)
+    return (*problems[:2], request.problem(f"and {len(problems) - 2} more problems."))
+
+
 def _lenient(look: FileLook, positions: Sequence[int]) -> dict[int, Array]:
-    """Columns of a damaged text file, NaN where there is no number."""
+    """Columns of a damaged text file or sheet, NaN where there is no number; else nothing."""
+    if look.format == "excel":
+        cells = _reader("excel").cells(look.request)
+        found = {
+            place: np.array([to_number(row[place]) for row in cells.rows], dtype=float)
+            for place in positions
+        }
+    elif look.layout is not None:
+        found = _lenient_text(look, look.layout, positions)
+    else:
+        return {}
+    return {
+        place: np.where(np.abs(numbers) < ABSURD, numbers, np.nan)
+        for place, numbers in found.items()
+    }
+
+
+def _lenient_text(look: FileLook, layout: Layout, positions: Sequence[int]) -> dict[int, Array]:
     import pandas as pd
 
-    layout = look.layout
-    assert layout is not None
     try:
         table = pd.read_csv(
             look.path,
@@ -398,8 +419,7 @@ def _lenient(look: FileLook, positions: Sequence[int]) -> dict[int, Array]:
         cells = table[place].astype(str)
         if layout.decimal != ".":
             cells = cells.str.replace(layout.decimal, ".", regex=False)
-        numbers = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
-        found[place] = np.where(np.abs(numbers) < 1e30, numbers, np.nan)
+        found[place] = pd.to_numeric(cells, errors="coerce").to_numpy(dtype=float)
     return found
 
 
@@ -420,7 +440,27 @@ def _judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = 
     time = look.known.get("t") if kind == "history" else None
     if time is None or time.position not in values:
         return look
-    return replace(look, clock=clock_of(values[time.position], seams))
+    look = replace(look, clock=clock_of(values[time.position], seams))
+    return look if seams else _with_rates(look, values, time.position)
+
+
+def _with_rates(look: FileLook, values: Mapping[int, Array], clock: int) -> FileLook:
+    """With a remark at columns that are the rate of another one."""
+    others = {
+        place: numbers
+        for place, numbers in values.items()
+        if place != clock and np.all(np.isfinite(numbers))
+    }
+    rates = rates_of(values[clock], others)
+    columns = []
+    for column in look.columns:
+        other, factor = rates.get(column.position, (None, 1.0))
+        if other is not None:
+            times = "" if factor == 1.0 else f", times {factor:g}"
+            said = f"the rate of {look.columns[other].label}{times}"
+            column = replace(column, remark="; ".join(filter(None, (column.remark, said))))
+        columns.append(column)
+    return replace(look, columns=tuple(columns))
 
 
 def _kind(

@@ -96,7 +96,7 @@ def layout_of(head: bytes, *, whole: bool) -> Layout | None:
     filled = [line.encode() for line in lines if line.strip()]
     late = filled[len(filled) // 2 :] if len(filled) > 3 else filled[-2:]
     sample = late[:: max(1, len(late) // _SAMPLE)]
-    found = _dialect(sample)
+    found = _dialect(sample) or _dialect(filled[-4:])
     if found is None:
         return None
     delimiter, decimal, width = found
@@ -124,8 +124,7 @@ def layout_of(head: bytes, *, whole: bool) -> Layout | None:
         headers=headers or ("",) * width,
         units=units,
         numeric=tuple(
-            all(to_number(fields[place], decimal) is not None for fields in body)
-            for place in range(width)
+            _numbers([fields[place] for fields in body], decimal) for place in range(width)
         ),
     )
 
@@ -149,6 +148,12 @@ def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
     if not whole and "\n" in text:
         text = text[: text.rindex("\n")]
     return text, encoding
+
+
+def _numbers(cells: Sequence[str], decimal: str) -> bool:
+    """Whether a column holds numbers and nothing else but empty cells."""
+    found = [to_number(cell, decimal) for cell in cells]
+    return None not in found and any(number == number for number in found)
 
 
 def _dialect(sample: Sequence[bytes]) -> tuple[str, str, int] | None:

@@ -188,7 +188,8 @@ def fields_of(line: bytes, delimiter: str) -> list[str]:
 
 def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
     """The names in a header line."""
-    text = line.decode("utf-8").strip().removeprefix("#").strip()
+    around = " \r\n" if delimiter == "\t" else None
+    text = line.decode("utf-8").strip(around).removeprefix("#").strip(around)
     if delimiter == BLANKS:
         return tuple(found[0] for found in _BLANK_HEADER.finditer(text))
     return tuple(fields_of(text.encode(), delimiter))
