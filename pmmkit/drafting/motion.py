@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -281,45 +282,71 @@ def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
 def _free(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
     """Settings of a free-running test, by its rudder, heading and track."""
     settings: dict[str, tuple[float, str]] = {}
-    begun = len(t)
+    begun = 0
     if "delta" in channels:
         delta = channels["delta"]
-        top = float(np.abs(delta).max())
-        over = np.abs(delta) > 0.5 * top
-        if top > math.radians(0.5) and over.any():
-            begun = int(np.argmax(over))
-            side = math.copysign(1.0, delta[begun])
-            held = float(np.median(np.abs(delta[np.abs(delta) > 0.9 * top])))
-            sides = np.sign(delta[over])
-            swaps = int(np.count_nonzero(np.diff(sides)))
+        held = _most_held(delta)
+        on = np.where(np.abs(np.abs(delta) - held) < math.radians(0.6), np.sign(delta), 0.0)
+        long = _stretches(on, t, least=0.01 * float(t[-1] - t[0]))
+        swaps = sum(one[0] != two[0] for one, two in itertools.pairwise(long))
+        if held > math.radians(0.7) and long:
             test = test or ("zigzag" if swaps >= 2 else "turning" if swaps == 0 else None)
+            side, begun, _ = max(long, key=_length) if test == "turning" else long[0]
             if test in ("zigzag", "turning", "pull_out"):
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
             if test == "zigzag" and "psi" in channels:
-                settings |= _switch(channels["psi"], delta, held, begun)
-    first = slice(0, max(5, begun))
+                settings |= _switch(np.unwrap(channels["psi"]), long)
+    return Moved(test=test, settings=settings | _approach(t, channels, begun))
+
+
+def _most_held(delta: Array) -> float:
+    """The rudder angle, either side, at which the rudder stays longest [rad]."""
+    size = np.round(np.degrees(np.abs(delta)) * 2).astype(int)
+    counts = np.bincount(size[size >= 2], minlength=3)
+    near = np.abs(size - int(np.argmax(counts))) <= 1
+    return float(np.median(np.abs(delta[near]))) if near.any() else 0.0
+
+
+def _stretches(on: Array, t: Array, *, least: float) -> list[tuple[float, int, int]]:
+    """Stretches of at least so many seconds with the rudder held: side, first and last sample."""
+    edges = np.flatnonzero(np.diff(on)) + 1
+    starts, stops = np.concatenate([[0], edges]), np.concatenate([edges, [len(on)]]) - 1
+    return [
+        (float(on[start]), int(start), int(stop))
+        for start, stop in zip(starts, stops, strict=True)
+        if on[start] != 0 and t[stop] - t[start] >= least
+    ]
+
+
+def _length(stretch: tuple[float, int, int]) -> int:
+    return stretch[2] - stretch[1]
+
+
+def _switch(psi: Array, held: list[tuple[float, int, int]]) -> dict[str, tuple[float, str]]:
+    """Half the difference of the headings at which a zigzag leaves the rudder to either side."""
+    left = {side: [psi[stop] for which, _, stop in held[:-1] if which == side]
+            for side in (-1.0, 1.0)}  # fmt: skip
+    if not (left[-1.0] and left[1.0]):
+        return {}
+    value = abs(math.degrees(float(np.median(left[1.0]) - np.median(left[-1.0])))) / 2
+    return {"switch_deg": (_tidy(value, 0), "recorded psi where the rudder leaves its angle")}
+
+
+def _approach(t: Array, channels: Mapping[str, Array], begun: int) -> dict[str, tuple[float, str]]:
+    """Speed in the seconds before the rudder, or over the whole record where there is no rudder."""
+    late = t[begun] if begun else t[-1]
+    first = (t <= late) & (t >= late - (5.0 if begun else np.inf))
+    if np.count_nonzero(first) < 3:
+        first = np.arange(len(t)) < 3
+    when = "before the rudder" if begun else "mean of the record"
     if {"u", "v"} <= set(channels):
         speed = float(np.mean(np.hypot(channels["u"][first], channels["v"][first])))
-        settings["speed"] = (_rounded(speed, 3), "recorded u and v before the first rudder")
-    elif {"x", "y"} <= set(channels):
+        return {"speed": (_rounded(speed, 3), f"recorded u and v, {when}")}
+    if {"x", "y"} <= set(channels):
         steps = [np.diff(channels[name][first]) for name in ("x", "y")]
-        span = float(t[first][-1] - t[0])
-        speed = float(np.sum(np.hypot(*steps))) / span if span > 0 else math.nan
-        if math.isfinite(speed):
-            settings["speed"] = (_rounded(speed, 3), "recorded x and y before the first rudder")
-    return Moved(test=test, settings=settings)
-
-
-def _switch(psi: Array, delta: Array, held: float, begun: int) -> dict[str, tuple[float, str]]:
-    """Heading at which a zigzag leaves its rudder."""
-    heading = np.unwrap(psi) - float(np.median(np.unwrap(psi)[: max(1, begun)]))
-    on = np.where(np.abs(delta) > 0.95 * held, np.sign(delta), 0.0)
-    left = np.flatnonzero((on[:-1] != 0) & (on[1:] == 0))
-    orders = np.abs(heading[left])
-    if not len(orders):
-        return {}
-    value = math.degrees(float(np.median(orders)))
-    return {"switch_deg": (_tidy(value, 0), "recorded psi where the rudder leaves its stop")}
+        speed = float(np.sum(np.hypot(*steps)) / np.ptp(t[first]))
+        return {"speed": (_rounded(speed, 3), f"recorded x and y, {when}")}
+    return {}
 
 
 def _rounded(value: float, digits: int) -> float:

@@ -6,6 +6,7 @@ Only what cannot mean anything else becomes a setting; the rest is a hint for a 
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -128,11 +129,11 @@ def facts_of(name: str) -> Named:
 
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
-    pieces = [piece for piece in re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)]
-    pieces = [piece for piece in pieces if piece]
+    parts = re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)
+    pieces = [piece for piece in parts if piece]
     joined = [
         first + second
-        for first, second in zip(pieces, pieces[1:], strict=False)
+        for first, second in itertools.pairwise(pieces)
         if re.fullmatch(r"[A-Za-zβδψφ]{2,}", first) and re.fullmatch(_NUMBER + r"\w*", second)
     ]
     return [*pieces, *joined]

@@ -182,7 +182,8 @@ def _by_name(
         return Suggestion(name=exact, certainty="surely", reason="its exact name")
     part = _HARMONIC.fullmatch(plain) if table else None
     if part is not None:
-        name = f"{part['channel']}_{part['part']}{part['order'] or ('' if part['mean'] else '1')}"
+        channel = _RUDDER_FORCES.get(part["channel"].upper(), part["channel"])
+        name = f"{channel}_{part['part']}{part['order'] or ('' if part['mean'] else '1')}"
         if harmonic_part(name):
             return Suggestion(name=name, certainty="probably", reason=f"{plain!r} by its form")
     words = re.findall(r"[^\W_]+", re.sub(r"(?<=[a-z])(?=[A-Z][a-z])", " ", plain))
@@ -365,5 +366,6 @@ _TABLE_NAMES: Final = tuple(
 )
 
 _HARMONIC: Final = re.compile(
-    r"(?P<channel>[XYNKTQ])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
+    r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"
 )
+_RUDDER_FORCES: Final = {"RX": "FX_rudder", "RY": "FY_rudder"}
