@@ -15,7 +15,7 @@ from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import DataError, Problem
 from pmmkit.files import write_text
 from pmmkit.runs.look_file import FORMAT_WORDS, Clock, ColumnLook, FileLook, values_of
-from pmmkit.runs.looking import CampaignLook, Group, Look, look
+from pmmkit.runs.looking import MOST_COUNTED, CampaignLook, Group, Look, look
 from pmmkit.runs.sampling import sample_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
@@ -192,9 +192,13 @@ def _others_lines(found: Look) -> list[str]:
         lines.append(f"Other files, without measurements that are recognised: {counted}.")
     if found.passed_over:
         lines.append(
-            f"{found.passed_over} more files were not looked at: name a folder with fewer."
+            f"{_many(found.passed_over)} more files were not looked at: name a folder with fewer."
         )
     return lines
+
+
+def _many(count: int) -> str:
+    return str(count) if count < MOST_COUNTED else f"more than {count}"
 
 
 def _quoted(path: Path) -> str:

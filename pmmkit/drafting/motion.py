@@ -70,10 +70,10 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     late = t >= t[0] + _SETTLING * (t[-1] - t[0])
     time, seen = t[late], {name: numbers[late] for name, numbers in channels.items()}
     swings = _oscillations(time, seen)
-    omega = _frequency(time, seen, swings, test)
-    if omega is None:
+    found = _frequency(time, seen, swings, test)
+    if found is None:
         return _steady(seen, test)
-    return _oscillating(time, seen, swings, omega, test)
+    return _oscillating(time, seen, swings, found, test)
 
 
 def _oscillations(time: Array, seen: Mapping[str, Array]) -> dict[str, float]:
@@ -121,8 +121,8 @@ def rough_frequency(time: Array, values: Array) -> float | None:
 
 def _frequency(
     time: Array, seen: Mapping[str, Array], swings: Mapping[str, float], test: str | None
-) -> float | None:
-    """The frequency of the motion, of the forces where no motion is recorded [rad/s]."""
+) -> tuple[float, float] | None:
+    """Frequency of the motion, of the forces where no motion is recorded, and its std [rad/s]."""
     if swings:
         omega = next(swings[name] for name in ("r", "v", "psi", "y", "u") if name in swings)
         rows = [seen[name] for name, rough in swings.items() if abs(rough / omega - 1) < 0.1]
@@ -140,21 +140,24 @@ def _frequency(
     else:
         return None
     try:
-        found, std = estimate_frequency(time, np.stack(rows), omega)
+        return estimate_frequency(time, np.stack(rows), omega)
     except DataError:
-        return omega
-    return found if math.isfinite(std) else omega
+        return omega, math.inf
 
 
 def _oscillating(
     time: Array,
     seen: Mapping[str, Array],
     swings: Mapping[str, float],
-    omega: float,
+    frequency: tuple[float, float],
     test: str | None,
 ) -> Moved:
-    source = ", ".join(swings) or "the forces"
-    settings = {"period": (_rounded(2 * math.pi / omega, 6), f"recorded {source}")}
+    omega, std = frequency
+    period = 2 * math.pi / omega
+    source = ", ".join(swings) or "forces"
+    if std > 1e-4 * omega:
+        source += f", ± {period * min(std / omega, 0.05):.2g} s"
+    settings = {"period": (_rounded(period, 6 if swings else 4), f"recorded {source}")}
     first = {name: _harmonic(time, seen[name], omega) for name in swings}
     turning = any(name in first for name in ("r", "psi"))
     swaying = "v" in first or ("y" in first and not turning)
@@ -286,7 +289,8 @@ def _free(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
     if "delta" in channels:
         delta = channels["delta"]
         held = _most_held(delta)
-        on = np.where(np.abs(np.abs(delta) - held) < math.radians(0.6), np.sign(delta), 0.0)
+        near = max(0.08 * held, math.radians(0.6))
+        on = np.where(np.abs(np.abs(delta) - held) < near, np.sign(delta), 0.0)
         long = _stretches(on, t, least=0.01 * float(t[-1] - t[0]))
         swaps = sum(one[0] != two[0] for one, two in itertools.pairwise(long))
         if held > math.radians(0.7) and long:

@@ -17,7 +17,11 @@ from pmmkit.runs.readers import FORMATS, recognise
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
+MOST_COUNTED: Final = 20_000
+"""Further files that are counted."""
 _DEEPEST: Final = 8
+_FILE_FORMATS: Final = ("csv", "excel", "pmmkit")
+"""Formats that are never folders."""
 _PASSED: Final = frozenset(
     {".toml", ".py", ".m", ".md", ".ipynb", ".html", ".png", ".jpg", ".jpeg", ".gif", ".svg",
      ".pdf", ".doc", ".docx", ".ppt", ".pptx", ".mp4", ".avi", ".mov", ".zip", ".7z", ".gz"}
@@ -136,6 +140,8 @@ def look(path: str | Path) -> Look:
         raise CampaignError(Problem(message="there is no such file or folder.", file=str(place)))
     if place.is_dir() and recognise(place) is None:
         return _look_folder(place)
+    if not (place.is_file() or place.is_dir()):
+        raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
     if place.suffix == ".toml":
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     looks = look_at(place, place.name)
@@ -156,6 +162,9 @@ def _look_folder(folder: Path) -> Look:
     groups: dict[object, list[FileLook]] = {}
     for path in files:
         shown = path.relative_to(folder).as_posix()
+        if not _is_text(shown):
+            problems.append(_ODD_NAME)
+            continue
         if path.suffix.lower() in _PASSED and not path.is_dir():
             others[path.suffix.lower()] += 1
             continue
@@ -185,6 +194,20 @@ def _look_folder(folder: Path) -> Look:
     )
 
 
+def _is_text(name: str) -> bool:
+    """Whether a name can be written as UTF-8."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+_ODD_NAME: Final = Problem(
+    message="the name of a file is not Unicode text: it was passed over.", remedy="Rename it."
+)
+
+
 def _refused(item: FileLook) -> bool:
     return any("cannot be read" in problem.message for problem in item.problems)
 
@@ -210,22 +233,29 @@ def _files(folder: Path) -> tuple[list[Path], int]:
     for path in _walk(folder, 0):
         if len(found) < MOST_FILES:
             found.append(path)
-        else:
+        elif more < MOST_COUNTED:
             more += 1
+        else:
+            break
     return found, more
 
 
 def _walk(folder: Path, depth: int) -> Iterator[Path]:
+    """Regular files and folders of a format; links to folders are not followed."""
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: (entry.is_dir(), entry.name))
     except OSError:
         return
-    folders = tuple(name for name in FORMATS if name not in ("csv", "excel", "pmmkit"))
+    folders = tuple(name for name in FORMATS if name not in _FILE_FORMATS)
     for entry in entries:
         if entry.name.startswith((".", "~$")):
             continue
         path = Path(entry.path)
-        if not entry.is_dir(follow_symlinks=False) or recognise(path, folders) is not None:
+        if entry.is_file():
+            yield path
+        elif not entry.is_dir(follow_symlinks=False):
+            continue
+        elif recognise(path, folders) is not None:
             yield path
         elif depth < _DEEPEST:
             yield from _walk(path, depth + 1)
