@@ -151,9 +151,10 @@ def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
 
 
 def _numbers(cells: Sequence[str], decimal: str) -> bool:
-    """Whether a column holds numbers and nothing else but empty cells."""
+    """Whether most cells of a column are numbers, and not all are empty."""
     found = [to_number(cell, decimal) for cell in cells]
-    return None not in found and any(number == number for number in found)
+    numbers = [number for number in found if number is not None]
+    return len(numbers) > len(found) / 2 and any(number == number for number in numbers)
 
 
 def _dialect(sample: Sequence[bytes]) -> tuple[str, str, int] | None:
@@ -199,14 +200,15 @@ def _names(
         line = above[number - 1]
         if not line.strip(" \t#;,"):
             continue
+        cells = fields_of(line.encode(), delimiter)
+        if not units and number > 1 and len(cells) == width and all(map(_is_unit, cells)):
+            units = tuple(cell.strip("[]() ") for cell in cells)
+            continue
         names = headers_of(line.encode(), delimiter)
         if len(names) != width and delimiter != BLANKS:
             names = tuple(name for name in names if name)
         if len(names) != width:
             return None, (), ()
-        if not units and number > 1 and all(map(_is_unit, names)):
-            units = tuple(name.strip("[]() ") for name in names)
-            continue
         return number, names, units
     return None, (), ()
 
