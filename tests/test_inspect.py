@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shutil
@@ -19,9 +20,10 @@ from pmmkit.cli import main
 from pmmkit.errors import CampaignError, PmmkitError
 from pmmkit.figures.inspecting import envelope
 from pmmkit.runs import readers
-from pmmkit.runs.guessing import bare_header, rates_of, suggest
-from pmmkit.runs.look_file import clock_of, look_at
 from pmmkit.runs.looking import look
+from pmmkit.runs.looking.columns import clock_of
+from pmmkit.runs.looking.file import look_at
+from pmmkit.runs.looking.guessing import bare_header, rates_of, suggest
 from pmmkit.runs.readers import Options, Request, format_of, reader_for, recognise
 from pmmkit.runs.readers.layout import layout_of
 
@@ -110,10 +112,8 @@ def test_lines_above_never_hide_the_numbers(between, above, rows, width, header)
 def test_no_bytes_are_too_much(data, tmp_path_factory):
     path = tmp_path_factory.mktemp("odd") / "file.dat"
     path.write_bytes(data)
-    try:
+    with contextlib.suppress(PmmkitError):
         look(path)
-    except PmmkitError as error:
-        assert str(error)
     shutil.rmtree(path.parent)
 
 
@@ -354,8 +354,8 @@ def test_a_workbook_sheet_by_sheet(tmp_path, capsys):
 
 def test_a_large_file_is_sampled(tmp_path, capsys, monkeypatch):
     """Beginning, middle and end: about the number of rows, spikes there, gaps only real ones."""
-    monkeypatch.setattr("pmmkit.runs.sampling.LARGE", 100_000)
-    monkeypatch.setattr("pmmkit.runs.sampling._PARTS", (20_000, 10_000, 10_000))
+    monkeypatch.setattr("pmmkit.runs.looking.sampling.LARGE", 100_000)
+    monkeypatch.setattr("pmmkit.runs.looking.sampling._PARTS", (20_000, 10_000, 10_000))
     table = record(20_000)
     table[-3, 2] = 777.0
     (tmp_path / "long.csv").write_text(text_of(table, head="t,X,Y,N\n"), encoding="utf-8")
@@ -454,7 +454,7 @@ def test_pipes_and_circles_of_links_do_not_hang(tmp_path, capsys):
 
 
 def test_thousands_of_files_are_looked_at_in_part(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("pmmkit.runs.looking.MOST_FILES", 20)
+    monkeypatch.setattr("pmmkit.runs.looking.folder.MOST_FILES", 20)
     for number in range(50):
         (tmp_path / f"run_{number}.csv").write_text("t,X\n0,1\n1,2\n2,3\n", encoding="utf-8")
     _, content, words = inspected(capsys, tmp_path)
@@ -481,7 +481,7 @@ def test_a_damaged_file_alone_is_shown_with_what_is_wrong(tmp_path, capsys):
 
 def test_the_zigzags_of_hsva(shared_data, capsys):
     """Thirteen records without header: the velocities are the rates of positions and heading."""
-    status, content, words = inspected(capsys, shared_data / "kvlcc2_hsva_free")
+    status, content, _ = inspected(capsys, shared_data / "kvlcc2_hsva_free")
     assert status == 0
     group = content["groups"][0]
     assert len(group["files"]) == 13

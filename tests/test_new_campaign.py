@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import shutil
 import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from pmmkit.cli import main
 from pmmkit.drafting.motion import motion_facts
@@ -240,8 +243,56 @@ def test_name_and_record_that_disagree_are_shown(tmp_path, capsys):
     assert content["complete"] == 0
 
 
+def test_a_table_with_a_line_of_units(tmp_path, capsys):
+    """Rows are runs; the line of units is none of them, and its units count."""
+    (tmp_path / "oblique towing.txt").write_text(
+        "Run;Speed;Beta;Fx;Fy;Mz\n-;mm/s;deg;N;N;kNm\n"
+        "7;1200;-4;-3,1;-9,5;-0,02\n8;1200;0;-2,9;0,1;0\n9;1200;4;-3,1;9,4;0,021\n",
+        encoding="utf-8",
+    )
+    status, content, _ = drafted(capsys, tmp_path)
+    assert (status, content["complete"]) == (0, 1)
+    filled_in(tmp_path)
+    campaign = open_campaign(tmp_path)
+    assert [run.id for run in campaign] == [f"oblique towing_{n}" for n in (7, 8, 9)]
+    last = campaign["oblique towing_9"]
+    assert (last.test, last.settings.speed) == ("static_drift", pytest.approx(1.2))
+    assert last.settings.drift == pytest.approx(math.radians(4))
+    assert float(last.data["N"]) == pytest.approx(21.0)
+
+
+def test_a_saved_campaign_beside_new_files(datasets, s175, tmp_path, capsys):
+    """Runs of both are read, each by its own columns."""
+    exported(s175.select("static_drift"), tmp_path / "again", motion=False)
+    shutil.copy(datasets / "s175" / "runs.h5", tmp_path)
+    _, content, _ = drafted(capsys, tmp_path)
+    assert content["complete"] == 63 + 27
+    campaign = open_campaign(tmp_path)
+    one, two = campaign["again_SD_U1.0_b-12"].data, campaign["SD_U1.0_b-12"].data
+    np.testing.assert_allclose(one["Y"], two["Y"], rtol=1e-5, atol=1e-4)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names that Windows does not allow")
+@settings(max_examples=40)
+@given(
+    name=st.text(
+        alphabet=st.characters(exclude_characters="/\0\\", exclude_categories=("Cs",)),
+        min_size=1,
+        max_size=40,
+    )
+)
+def test_any_name_of_a_file_gives_a_file_that_opens(name, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("names")
+    file = folder / f"x{name}.csv"
+    file.write_text("t,X,Y,N\n" + "".join(f"{n / 10},1,2,{n % 3}\n" for n in range(40)), "utf-8")
+    assert main(["new-campaign", str(folder)]) == 0
+    (run,) = tomllib.loads((folder / "campaign.toml").read_text("utf-8"))["runs"]
+    assert (folder / run["file"]).samefile(file)
+    shutil.rmtree(folder)
+
+
 @pytest.mark.parametrize(
-    ("name", "test", "settings"),
+    ("name", "test", "stated"),
     [
         ("SD_U1.5_b+08", "static_drift", {"speed": 1.5, "drift_deg": 8.0}),
         ("static drift/U1.0/beta12deg", "static_drift", {"speed": 1.0, "drift_deg": 12.0}),
@@ -261,10 +312,10 @@ def test_name_and_record_that_disagree_are_shown(tmp_path, capsys):
         ("KVLCC2_2012", None, {}),
     ],
 )
-def test_what_names_say(name, test, settings):
+def test_what_names_say(name, test, stated):
     found = facts_of(name)
     assert found.test == test
-    assert {key: value for key, (value, _) in found.settings.items()} == pytest.approx(settings)
+    assert {key: value for key, (value, _) in found.settings.items()} == pytest.approx(stated)
 
 
 @pytest.mark.parametrize("phase", [0.0, 90.0, -120.0])

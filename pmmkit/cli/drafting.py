@@ -53,7 +53,7 @@ def new_campaign(
         raise FileExists(
             f"{target} cannot be written: {error.strerror}. Choose another place with --out."
         ) from error
-    saved = sum(len(runs) for _, runs in draft.saved)
+    saved = sum(len(campaign) for _, campaign in draft.saved)
     count = saved + len(draft.runs) + len(draft.tables)
     lines = [f"{target}: {_counted(draft)}; {text.complete} of {count} entries need nothing more."]
     if draft.look.passed_over:
@@ -72,7 +72,7 @@ def new_campaign(
         ],
         "tables": [{"id": entry.id, "file": entry.file, "test": entry.test}
                    for entry in draft.tables],
-        "saved": {file: len(runs) for file, runs in draft.saved},
+        "saved": {file: len(campaign) for file, campaign in draft.saved},
         "complete": text.complete,
         "todo": list(text.todo),
         "next": command,
@@ -83,7 +83,7 @@ def new_campaign(
 def _counted(draft: Draft) -> str:
     parts = [f"{len(draft.runs)} histories"] if draft.runs else []
     parts += [f"{len(draft.tables)} tables"] if draft.tables else []
-    parts += [f"{len(runs)} runs of {file}" for file, runs in draft.saved]
+    parts += [f"{len(campaign)} runs of {file}" for file, campaign in draft.saved]
     return f"a {draft.kind} campaign of {', '.join(parts)}"
 
 

@@ -14,9 +14,11 @@ from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import DataError, Problem
 from pmmkit.files import write_text
-from pmmkit.runs.look_file import FORMAT_WORDS, Clock, ColumnLook, FileLook, values_of
-from pmmkit.runs.looking import MOST_COUNTED, CampaignLook, Group, Look, look
-from pmmkit.runs.sampling import sample_of
+from pmmkit.runs.looking import CampaignLook, Clock, ColumnLook, FileLook, Group, Look, look
+from pmmkit.runs.looking.folder import MOST_COUNTED
+from pmmkit.runs.looking.sampling import sample_of
+from pmmkit.runs.looking.seen import FORMAT_WORDS
+from pmmkit.runs.looking.values import values_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 from typing import Final
@@ -13,17 +13,17 @@ import numpy as np
 
 from pmmkit.conventions import unit_factor
 from pmmkit.drafting.motion import Moved, motion_facts
-from pmmkit.drafting.names import Named, facts_of
+from pmmkit.drafting.names import facts_of
 from pmmkit.drafting.settle import Setting, settled
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.runs.channels import CHANNEL_UNITS, DEGREE_CHANNELS, factor_to
-from pmmkit.runs.look_file import ColumnLook, FileLook, Values, values_of
-from pmmkit.runs.looking import Group, Look, look
+from pmmkit.runs.looking import ColumnLook, FileLook, Group, Look, look
+from pmmkit.runs.looking.sampling import LARGE
+from pmmkit.runs.looking.values import values_of
 from pmmkit.runs.readers.base import Array
-from pmmkit.runs.run import FREE_TESTS, Run
-from pmmkit.runs.sampling import LARGE
-from pmmkit.ship import Ship, Water
+from pmmkit.runs.run import FREE_TESTS, Campaign
+from pmmkit.ship import Ship
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +42,8 @@ class RunDraft:
         Its keys.
     problems : tuple of str
         What is wrong with its file.
+    skip : tuple of int
+        Lines of a table that are no runs: that of the units.
     """
 
     id: str
@@ -50,6 +52,7 @@ class RunDraft:
     test: str | None
     settings: tuple[Setting, ...]
     problems: tuple[str, ...] = ()
+    skip: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,11 +67,9 @@ class Draft:
         Of the campaign.
     ship_name : str or None
         Ship of the library.
-    particulars : Ship and Water, or None
-        Of a saved campaign.
     runs, tables : tuple of RunDraft
         Histories; tables whose rows are runs.
-    saved : tuple of (str, tuple of Run)
+    saved : tuple of (str, Campaign)
         Saved campaigns by their files.
     unused : tuple of str
         Files with numbers that are none of these, and why.
@@ -79,10 +80,9 @@ class Draft:
     title: str
     kind: str
     ship_name: str | None
-    particulars: tuple[Ship, Water] | None
     runs: tuple[RunDraft, ...]
     tables: tuple[RunDraft, ...]
-    saved: tuple[tuple[str, tuple[Run, ...]], ...]
+    saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
 
@@ -147,12 +147,15 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
             )
         )
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
-    kept = [run for run in runs if (run.test in FREE_TESTS) == (kind == "free-running")
-            or run.test is None]  # fmt: skip
+    apart = [
+        run.test is not None and (run.test in FREE_TESTS) != (kind == "free-running")
+        for run in runs
+    ]
+    kept = [run for run, other in zip(runs, apart, strict=True) if not other]
     unused = [
         f"{run.file}: a {run.test} test does not belong to a {kind} campaign"
-        for run in runs
-        if run not in kept
+        for run, other in zip(runs, apart, strict=True)
+        if other
     ]
     unused += [
         f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
@@ -160,15 +163,14 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         if group.first.kind in _NOT_RUNS
         for item in group.files
     ]
-    first = saved[0][1] if saved and known is None else None
+    taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
         title=folder.resolve().name,
         kind=kind,
         ship_name=ship,
-        particulars=None if first is None else (first.ship, first.water),
-        runs=_named_apart(_steady_runs(kept)),
+        runs=_named_apart(_steady_runs(kept), taken),
         tables=_named_apart(tables),
-        saved=tuple((file, opened.runs) for file, opened in saved),
+        saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
     )
@@ -237,7 +239,7 @@ def _channels(
     """Channels in SI without the rows that are damaged, and what is wrong with the file."""
     if item.path.is_file() and item.path.stat().st_size > LARGE:
         return {}, ("too large to be read for a draft: its motion was not looked at",)
-    values: Values = values_of(item, [column.position for column in columns.values()])
+    values = values_of(item, [column.position for column in columns.values()])
     problems = tuple(str(problem) for problem in values.problems)
     if any(column.position not in values.numbers for column in columns.values()):
         return {}, problems
@@ -251,7 +253,8 @@ def _channels(
 def _factor(column: ColumnLook) -> float:
     """From the numbers of a column to SI; 1 where its unit is not known."""
     item = column.suggestion
-    assert item is not None
+    if item is None:
+        return 1.0
     unit = item.unit or column.unit or ("deg" if item.name in DEGREE_CHANNELS else None)
     if unit is None:
         return item.scale
@@ -280,6 +283,11 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"yaw_amplitude_deg"}
     test = named.test or _test_of_table(known)
     settings = settled(test, named, Moved(), length=length)
+    first = item.options.skip_rows
+    units_below = item.options.header is False and first > 1 and any(item.titles)
+    if units_below:
+        named_rows = replace(item.options, skip_rows=first - 2, header=True)
+        item = replace(item, options=named_rows)
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
         file=base + file,
@@ -287,6 +295,7 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         test=test,
         settings=tuple(setting for setting in settings if setting.key not in known),
         problems=tuple(str(problem) for problem in item.problems),
+        skip=(first,) if units_below else (),
     )
 
 
@@ -331,33 +340,27 @@ def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
         return list(runs)
     return [
         replace(run, test="static_drift", settings=(*run.settings, _NO_DRIFT))
-        if run.test == "resistance" and not _said(run, "drift_deg")
-        else replace(run, test="static_drift")
-        if run.test == "resistance" and not facts_of(_stem(run.file)).test
+        if run.test == "resistance" and facts_of(_stem(run.file)).test is None
         else run
         for run in runs
     ]
 
 
-_NO_DRIFT = Setting(key="drift_deg", value=0.0, reason="no drift is recorded")
+_NO_DRIFT: Final = Setting(key="drift_deg", value=0.0, reason="no drift is recorded")
 
 
-def _said(run: RunDraft, key: str) -> bool:
-    return any(setting.key == key for setting in run.settings)
-
-
-def _named_apart(runs: Sequence[RunDraft]) -> tuple[RunDraft, ...]:
+def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple[RunDraft, ...]:
     """Ids of their own: with the folders, where files of several folders have the same name."""
-    counted = Counter(run.id for run in runs)
-    twice = [
+    counted = Counter([run.id for run in runs] + list(taken))
+    apart = [
         replace(run, id=_stem(run.file).replace("../", "").replace("/", "_"))
         if counted[run.id] > 1
         else run
         for run in runs
     ]
-    seen: Counter[str] = Counter()
+    seen = Counter(taken)
     out = []
-    for run in twice:
+    for run in apart:
         seen[run.id] += 1
         out.append(run if seen[run.id] == 1 else replace(run, id=f"{run.id}_{seen[run.id]}"))
     return tuple(out)
@@ -366,6 +369,3 @@ def _named_apart(runs: Sequence[RunDraft]) -> tuple[RunDraft, ...]:
 def _stem(shown: str) -> str:
     path = PurePosixPath(shown.partition(", sheet ")[0])
     return str(path.with_suffix("")) if path.suffix and not path.suffix[1:].isdigit() else str(path)
-
-
-__all__ = ["Draft", "Named", "RunDraft", "draft_of"]

@@ -11,7 +11,7 @@ from pmmkit.drafting.motion import Moved
 from pmmkit.drafting.names import Named
 from pmmkit.runs.run import FREE_TESTS
 
-_NEEDED: Final[dict[str, tuple[str, ...]]] = {
+NEEDED: Final[dict[str, tuple[str, ...]]] = {
     "static_drift": ("drift_deg",), "static_heel": ("heel_deg",),
     "static_rudder": ("rudder_deg",), "drift_rudder": ("drift_deg", "rudder_deg"),
     "circular_motion": ("drift_deg", "yaw_rate"), "pure_surge": ("period", "amplitude_m"),
@@ -78,7 +78,7 @@ def settled(
         Gravity [m/s²].
     """
     said = _with_speed(named.settings, length, g)
-    wanted = ("speed", *_NEEDED.get(test or "", ()))
+    wanted = ("speed", *NEEDED.get(test or "", ()))
     free = test in FREE_TESTS
     out = [
         _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted

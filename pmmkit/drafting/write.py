@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from pmmkit.drafting.draft import Draft, RunDraft
-from pmmkit.drafting.settle import WORDS, Setting
-from pmmkit.runs.look_file import ColumnLook, FileLook
+from pmmkit.drafting.settle import NEEDED, WORDS, Setting
+from pmmkit.runs.channels import split_unit
+from pmmkit.runs.looking import ColumnLook, FileLook
+from pmmkit.runs.looking.guessing import Suggestion
 from pmmkit.runs.picking import required_channels
 from pmmkit.runs.readers.base import Options
-from pmmkit.runs.run import FREE_TESTS, TESTS, Run
+from pmmkit.runs.run import FREE_TESTS, TESTS, Campaign, Run
 
 _MEANS: Final[dict[str, str]] = {
     "t": "time [s]", "X": "the surge force [N]", "Y": "the sway force [N]",
@@ -49,7 +52,7 @@ def written(draft: Draft) -> Written:
     draft : Draft
         From `draft_of`.
     """
-    base = _largest(draft)
+    base = None if draft.saved else _largest(draft)
     todo = _Todo()
     lines = [
         "# A draft made from the files that lie here. Check every line; TODO marks what the files",
@@ -65,15 +68,17 @@ def written(draft: Draft) -> Written:
         lines += _columns(base, draft.kind, todo, table=False)
     elif draft.saved:
         lines += ["", "[source]", 'format = "pmmkit"']
-    for file, runs in draft.saved:
-        for run in runs:
-            lines += ["", *_saved_run(file, run, explicit=base is not None)]
+    for file, campaign in draft.saved:
+        for run in campaign:
+            lines += ["", *_saved_run(file, run)]
     for entry in draft.runs:
         lines += ["", *_entry(entry, "runs", base, draft.kind, todo)]
     for entry in draft.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
     lines += _unused(draft)
-    entries = sum(len(runs) for _, runs in draft.saved) + len(draft.runs) + len(draft.tables)
+    entries = (
+        sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
+    )
     return Written(
         text="\n".join(lines) + "\n",
         todo=tuple(todo.all()),
@@ -113,44 +118,45 @@ class _Todo:
 
 def _campaign(draft: Draft, todo: _Todo) -> list[str]:
     lines = ["[campaign]", f"title = {toml(draft.title)}", f"kind = {toml(draft.kind)}"]
-    if draft.kind == "captive":
-        lines += [
-            'forces = "hydrodynamic"          # TODO "balance" if the model\'s inertia is in them',
-            'drift_positive = "starboard-bow" # TODO "port-bow" if they count drift the other way',
-        ]
-        todo.add(
-            "[campaign] forces: is the inertia of the model removed from the forces of oscillating "
-            "tests?"
-        )
-    lines.append(
-        'rudder_positive = "starboard"    # TODO "port" if + rudder turns the ship to port'
+    if draft.saved:
+        return [*lines, *_as_saved(draft.saved[0][1], todo)]
+    turns = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
+    if draft.kind == "free-running":
+        todo.add("[campaign] rudder_positive, and [axes] if x, y or z point the other way.")
+        return [*lines, turns]
+    todo.add(
+        "[campaign] forces: is the inertia of the model removed from the forces of oscillating "
+        "tests?"
     )
-    if draft.kind == "captive":
-        lines += [
-            "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of "
-            "midship [m]",
-            '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
-        ]
     todo.add(
         "[campaign] signs: which way drift and rudder are positive, and to which point the moments "
         "refer ([axes] if x, y or z point the other way)."
-        if draft.kind == "captive"
-        else "[campaign] rudder_positive, and [axes] if x, y or z point the other way."
     )
-    return lines
+    return [
+        *lines,
+        'forces = "hydrodynamic"          # TODO "balance" if the model\'s inertia is in them',
+        'drift_positive = "starboard-bow" # TODO "port-bow" if they count drift the other way',
+        turns,
+        "# moment_reference_x = 0.0       # TODO point to which moments refer, forward of midship",
+        '# free = ["heave", "pitch"]      # TODO what the mount leaves free',
+    ]
+
+
+def _as_saved(saved: Campaign, todo: _Todo) -> list[str]:
+    """What a saved campaign says of all of its runs."""
+    todo.add(
+        "[uncertainty], [propeller], [rudder], [cfd] of the saved campaign are not repeated. Open "
+        "the saved file itself if nothing is to be changed."
+    )
+    keys = ("moment_reference_x", "moment_reference_z", "motion_reference_x")
+    stated = [f"{key} = {toml(getattr(saved, key))}" for key in keys if getattr(saved, key)]
+    free = [f"free = {toml(saved.free)}"] if saved.free else []
+    return [f"forces = {toml(saved.forces)}", *stated, *free]
 
 
 def _ship(draft: Draft, todo: _Todo) -> list[str]:
-    if draft.particulars is not None:
-        ship, water = draft.particulars
-        known = {
-            name: value
-            for name in ("name", "L", "B", "d", "volume", "mass", "Izz", "xG", "zG", "GM")
-            if (value := getattr(ship, name)) is not None
-        }
-        lines = ["[ship]                           # as in the saved campaign"]
-        lines += [f"{name} = {toml(value)}" for name, value in known.items()]
-        return [*lines, "", "[water]", f"rho = {toml(water.rho)}", f"g = {toml(water.g)}"]
+    if draft.saved and draft.ship_name is None:
+        return _particulars(draft.saved[0][1])
     if draft.ship_name is not None:
         todo.add(
             f"[ship] the library holds {draft.ship_name!r} at one scale: give the particulars of "
@@ -179,6 +185,20 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     todo.add("[water] rho: the density of the water [kg/m³].")
     rho = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
     return [*lines, "", "[water]", rho]
+
+
+def _particulars(saved: Campaign) -> list[str]:
+    """Ship and water of a saved campaign."""
+    ship, water = asdict(saved.ship), asdict(saved.water)
+    ours = {_SHIP_KEYS.get(key, key): value for key, value in ship.items() if value is not None}
+    lines = ["[ship]                           # as in the saved campaign"]
+    lines += [f"{key} = {toml(value)}" for key, value in ours.items()]
+    lines += ["", "[water]"]
+    return lines + [f"{key} = {toml(value)}" for key, value in water.items() if value is not None]
+
+
+_SHIP_KEYS: Final = {"Ixx": "Ix", "block_stated": "CB"}
+"""Keys of ``[ship]`` that differ from the fields of a Ship."""
 
 
 def _largest(draft: Draft) -> FileLook | None:
@@ -217,7 +237,7 @@ def _columns(look: FileLook, kind: str, todo: _Todo, *, table: bool) -> list[str
         if mark:
             note = f"TODO {note}"
             todo.add(f"{look.shown}, column {column.label!r}: {item.certainty} {item.name}?")
-        lines.append(_aligned(f"{mark}{item.name} = {_theirs(column, look)}", note))
+        lines.append(_aligned(f"{mark}{item.name} = {_theirs(column, item, look)}", note))
     unused = [
         f"{column.label}{' (' + column.remark + ')' if column.remark else ''}"
         for column in look.columns
@@ -233,16 +253,13 @@ def _columns(look: FileLook, kind: str, todo: _Todo, *, table: bool) -> list[str
     return lines
 
 
-def _theirs(column: ColumnLook, look: FileLook) -> str:
+def _theirs(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
     """The right side of a line of ``[columns]``."""
-    item = column.suggestion
-    assert item is not None
-    header = look.options.header is not False
     titles = [other.title for other in look.columns]
-    named = header and column.title and titles.count(column.title) == 1
+    named = look.options.header is not False and titles.count(column.title) == 1 and column.title
     parts: dict[str, Any] = {"name": column.title} if named else {"column": column.position + 1}
-    unit = item.unit or (column.unit if not named or look.layout is None else None)
-    if unit:
+    unit = item.unit or column.unit
+    if unit and (item.unit or not named or split_unit(column.title)[1] is None):
         parts["unit"] = unit
     if item.scale != 1.0:
         parts["scale"] = item.scale
@@ -253,7 +270,8 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     lines = [f"[[{table}]]"]
     identity = entry.id
     if table == "tables":
-        identity = f"{entry.id}_{{{_id_column(entry.look)}}}"
+        plain = entry.id.replace("{", "(").replace("}", ")")
+        identity = f"{plain}_{{{_id_column(entry.look)}}}"
     lines += [f"id = {toml(identity)}"]
     if entry.test is None:
         usual = FREE_TESTS if kind == "free-running" else TESTS[: -len(FREE_TESTS)]
@@ -262,13 +280,14 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     else:
         lines.append(f"test = {toml(entry.test)}")
     lines.append(f"file = {toml(entry.file)}")
+    lines += [_aligned(f"skip = {toml(entry.skip)}", "the line of the units")] if entry.skip else []
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# TODO {_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if entry.look is not base:
-        every = base is not None
-        lines += [f"[{table}.source]", *_source(entry.look, entry.look.options, every=every)]
+        source = _source(entry.look, entry.look.options, every=base is not None)
+        lines += [f"[{table}.source]", *source]
         if table == "tables":
             lines += _conventions(entry, todo)
         lines.append(f"[{table}.columns]")
@@ -326,10 +345,8 @@ def _question(setting: Setting) -> str:
     return f"{setting.key}, to be checked"
 
 
-def _saved_run(file: str, run: Run, *, explicit: bool) -> list[str]:
+def _saved_run(file: str, run: Run) -> list[str]:
     """A run of a saved campaign, SI and our signs."""
-    import math
-
     found = run.settings
     degrees = {"drift_deg": found.drift, "heel_deg": found.heel, "rudder_deg": found.rudder,
                "yaw_amplitude_deg": found.yaw_amplitude, "phase_deg": found.phase,
@@ -339,13 +356,11 @@ def _saved_run(file: str, run: Run, *, explicit: bool) -> list[str]:
     values = {"speed": found.speed}
     values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
     values |= {key: value for key, value in plain.items() if value is not None}
-    if run.test in ("static_drift", "drift_rudder", "yaw_drift"):
-        values.setdefault("drift_deg", 0.0)
+    for key in NEEDED.get(run.test, ()):
+        if key.endswith("_deg"):
+            values.setdefault(key, 0.0)
     lines = ["[[runs]]", f"id = {toml(run.id)}", f"test = {toml(run.test)}", f"file = {toml(file)}"]
-    lines += [f"{key} = {toml(value)}" for key, value in values.items()]
-    if explicit:
-        lines += ["[runs.source]", 'format = "pmmkit"']
-    return lines
+    return lines + [f"{key} = {toml(value)}" for key, value in values.items()]
 
 
 def _unused(draft: Draft) -> list[str]:

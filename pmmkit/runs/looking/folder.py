@@ -12,7 +12,8 @@ from typing import Final
 
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.runs.campaign_file import FILE_NAME, open_campaign
-from pmmkit.runs.look_file import FileLook, look_at
+from pmmkit.runs.looking.file import look_at
+from pmmkit.runs.looking.seen import FileLook
 from pmmkit.runs.readers import FORMATS, recognise
 
 MOST_FILES: Final = 2000
