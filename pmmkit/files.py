@@ -98,6 +98,25 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
+def matching(pattern: str | Path) -> tuple[Path, ...]:
+    """The files whose names fit a pattern with ``*`` in its last part, sorted by name.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> for name in ("b.csv", "a.csv", "c.txt"):
+    ...     _ = (folder / name).write_text("1")
+    >>> [file.name for file in matching(folder / "*.csv")], matching(folder / "c.txt")
+    (['a.csv', 'b.csv'], ())
+    """
+    place = Path(pattern)
+    if "*" not in place.name:
+        return ()
+    found = place.parent.glob(place.name.replace("[", "[[]"))
+    return tuple(sorted(file for file in found if file.is_file()))
+
+
 def datasets_folder() -> Path:
     """The folder of the data that come with pmmkit (in the wheel, or beside the package)."""
     inside = Path(__file__).parent / "datasets"

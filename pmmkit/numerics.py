@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
 WELL = 1e-6
 """Reciprocal condition of the normal equations from which they lose nothing that matters."""
+
+
+def rms(values: ArrayLike) -> float:
+    """Root mean square of what is known; NaN where nothing is.
+
+    Examples
+    --------
+    >>> rms([1.0, -7.0, float("nan")])
+    5.0
+    """
+    known = np.asarray(values, dtype=float)
+    known = known[np.isfinite(known)]
+    return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
 
 
 def projector(basis: Array) -> Array:

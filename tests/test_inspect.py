@@ -343,9 +343,7 @@ def test_a_workbook_sheet_by_sheet(tmp_path, capsys):
     status, content, words = inspected(capsys, tmp_path / "tests.xlsx")
     assert status == 0
     drift, sway = content["groups"]
-    assert drift["source"] == {
-        "format": "excel", "skip_rows": 4, "header": False, "sheet": "Drift"
-    }  # fmt: skip
+    assert drift["source"] == {"format": "excel", "skip_rows": 0, "sheet": "Drift"}
     assert [column["unit"] for column in drift["columns"]] == ["s", "N", "N"]
     assert set(suggestions(content, 1)) == {"t", "X"}, "a moment is not measured in N"
     assert (drift["rows"], sway["rows"]) == (200, 200)

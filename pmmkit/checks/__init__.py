@@ -8,6 +8,7 @@ from typing import Final
 from pmmkit.checks import (
     clock,
     copies,
+    density,
     free_running,
     frequency,
     inertia,
@@ -31,7 +32,7 @@ __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "s
 CHECKS: Final[tuple[Check, ...]] = (
     *inertia.CHECKS, *signs.CHECKS, *reference.CHECKS, *scales.CHECKS, *copies.CHECKS,
     *motion.CHECKS, *clock.CHECKS, *record.CHECKS, *particulars.CHECKS, *frequency.CHECKS,
-    *static.CHECKS, *positions.CHECKS, *free_running.CHECKS,
+    *static.CHECKS, *positions.CHECKS, *free_running.CHECKS, *density.CHECKS,
 )  # fmt: skip
 """All checks, each with its name and a line on what it looks for."""
 

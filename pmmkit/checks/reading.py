@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.checks.clock import clock_facts
+from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
 from pmmkit.checks.record import flat_facts
 from pmmkit.checks.summary import EMPTY, Array, Summary
@@ -87,7 +88,7 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
 
 def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     raw = np.asarray(data["t"].values, float)
-    facts = dict(clock_facts(raw))
+    facts = {**clock_facts(raw), **density_facts(data)}
     columns = {
         name: np.asarray(data[name].values, float)
         for name in (*FORCES, *(("x", "y") if campaign.kind == "free-running" else ()))

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
-
-import numpy as np
 
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned, json_text
@@ -19,6 +17,7 @@ from pmmkit.diagnosis.misfit import words_of_test
 from pmmkit.diagnosis.validation import COVERAGE
 from pmmkit.files import atomic_folder
 from pmmkit.model import load_model
+from pmmkit.numerics import rms
 from pmmkit.progress import shown
 from pmmkit.runs.campaign_file import open_campaign
 
@@ -137,7 +136,7 @@ def _table(table: pd.DataFrame) -> str:
     for key, group in table.groupby(["channel", "unit", "test"], sort=False):
         channel, unit, test = map(str, key)
         error, measured, doubt = (
-            _rms(group[name].to_list()) for name in ("error", "measured", "uncertainty")
+            rms(group[name].to_list()) for name in ("error", "measured", "uncertainty")
         )
         rows.append(
             [
@@ -161,7 +160,3 @@ def _measures(found: Comparison) -> str:
         if row["measure"] in TOLD
     ]  # fmt: skip
     return aligned(["measure", "measured", "simulated", "error", "uncertainty"], rows)
-
-
-def _rms(values: Sequence[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))

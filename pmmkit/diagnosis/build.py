@@ -28,7 +28,7 @@ from pmmkit.diagnosis.system import (
     transient_columns,
 )
 from pmmkit.diagnosis.views import View
-from pmmkit.diagnosis.whitening import Piece, Projection, estimated_scatter, whitened
+from pmmkit.diagnosis.whitening import FLOOR, Piece, Projection, estimated_scatter, whitened
 
 Array = NDArray[np.float64]
 ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
@@ -36,7 +36,7 @@ ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
 
 
 def build(
-    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float = 0.005,
+    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float = FLOOR,
     scatter: Scatter | None = None,
 ) -> System:  # fmt: skip
     """The system of a campaign.

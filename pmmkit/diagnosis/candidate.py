@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Literal
@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from pmmkit.diagnosis.base import Base
 from pmmkit.diagnosis.views import View
+from pmmkit.errors import UnknownNameError
+from pmmkit.runs.channels import did_you_mean
 
 Array = NDArray[np.float64]
 Columns = Callable[[View, Base, float], Mapping[str, Array]]
@@ -138,3 +140,10 @@ def spread_over(
             if channel in view.force and len(own) == count
         }
     )
+
+
+def no_such_effect(name: str, known: Iterable[str]) -> UnknownNameError:
+    """The error that names the effects that take part, the nearest one first."""
+    listed = list(dict.fromkeys(known))
+    guess = did_you_mean(name, listed) or "."
+    return UnknownNameError(f"No effect {name!r} takes part{guess} These do: {', '.join(listed)}.")

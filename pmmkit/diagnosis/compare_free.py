@@ -24,6 +24,7 @@ from pmmkit.kernel import CALM
 from pmmkit.kernel.histories import water_forces
 from pmmkit.kernel.program import packed, values_at
 from pmmkit.model import Model
+from pmmkit.numerics import rms
 from pmmkit.progress import Progress
 from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.run import Campaign, Run
@@ -93,20 +94,20 @@ class FreeRun:
         speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
         return {
             "position": (
-                _rms(np.hypot(p["x"] - m["x"], p["y"] - m["y"])),
-                _rms(np.hypot(m["x"] - m["x"][0], m["y"] - m["y"][0])),
-                COVERAGE * _rms(np.hypot(s["x"], s["y"])),
+                rms(np.hypot(p["x"] - m["x"], p["y"] - m["y"])),
+                rms(np.hypot(m["x"] - m["x"][0], m["y"] - m["y"][0])),
+                COVERAGE * rms(np.hypot(s["x"], s["y"])),
             ),
             "heading": (
-                degrees * _rms(p["psi"] - m["psi"]), degrees * _rms(m["psi"] - m["psi"][0]),
-                degrees * COVERAGE * _rms(s["psi"]),
+                degrees * rms(p["psi"] - m["psi"]), degrees * rms(m["psi"] - m["psi"][0]),
+                degrees * COVERAGE * rms(s["psi"]),
             ),
             "speed": (
-                _rms(simulated - speed), _rms(speed), COVERAGE * _rms(np.hypot(s["u"], s["v"])),
+                rms(simulated - speed), rms(speed), COVERAGE * rms(np.hypot(s["u"], s["v"])),
             ),
             "yaw_rate": (
-                degrees * _rms(p["r"] - m["r"]), degrees * _rms(m["r"]),
-                degrees * COVERAGE * _rms(s["r"]),
+                degrees * rms(p["r"] - m["r"]), degrees * rms(m["r"]),
+                degrees * COVERAGE * rms(s["r"]),
             ),
         }  # fmt: skip
 
@@ -120,8 +121,8 @@ class FreeRun:
         """
         return {
             name: (
-                _rms(self.force_predicted[name] - force), _rms(force),
-                COVERAGE * math.hypot(_rms(self.force_std[name]), floor * _rms(force)),
+                rms(self.force_predicted[name] - force), rms(force),
+                COVERAGE * math.hypot(rms(self.force_std[name]), floor * rms(force)),
             )
             for name, force in self.force.items()
         }  # fmt: skip
@@ -162,10 +163,6 @@ class Manoeuvre:
                  "ratio": abs(error) / doubt if doubt else math.nan}
             )  # fmt: skip
         return found
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.nanmean(np.square(values))))
 
 
 def compare_free(

@@ -28,9 +28,11 @@ from pmmkit.diagnosis.misfit import (
     standouts_of,
     words_of_test,
 )
-from pmmkit.diagnosis.validation import SHARES, rms
+from pmmkit.diagnosis.validation import SHARES, rms_of
+from pmmkit.diagnosis.whitening import FLOOR
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.model import Model, load_model
+from pmmkit.numerics import rms
 from pmmkit.progress import Progress
 from pmmkit.reduction.inertia import Rig, rig_of
 from pmmkit.runs.run import Campaign
@@ -40,8 +42,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Array = NDArray[np.float64]
-FLOOR: Final = 0.005
-"""Share of the rms force of a channel that counts as uncertain whatever else is known."""
 TOLD: Final = (
     "advance", "transfer", "tactical_diameter", "steady_diameter", "steady_drift_deg",
     "speed_ratio", "overshoot_1_deg", "overshoot_2_deg", "head_reach", "track_reach",
@@ -150,9 +150,9 @@ class Comparison:
         table = self.to_pandas()
         keys = ["channel", "test", "speed", "Fn"]
         grouped = table.groupby(keys, sort=False)
-        squares = {name: grouped[name].agg(_rms) for name in ("error", "uncertainty", "ratio")}
+        squares = {name: grouped[name].agg(rms) for name in ("error", "uncertainty", "ratio")}
         found = pd.DataFrame({"runs": grouped.size(), **squares}).reset_index()
-        found["relative"] = (grouped["error"].agg(_rms) / grouped["measured"].agg(_rms)).to_numpy()
+        found["relative"] = (grouped["error"].agg(rms) / grouped["measured"].agg(rms)).to_numpy()
         found.insert(4, "harmonic", -1)
         found.insert(5, "what", "record")
         return found
@@ -293,10 +293,6 @@ def compare(
     )  # fmt: skip
 
 
-def _rms(values: Any) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
 def _row(
     run: str, test: str, speed: float, Fn: float, channel: str, unit: str,
     numbers: tuple[float, float, float],
@@ -313,13 +309,13 @@ def _row(
 def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
     labels, own = run.view.labels, run.view.run
     numbers = (
-        rms(run.error(channel), labels), rms(run.view.force[channel], labels),
-        rms(run.uncertainty(channel), labels),
+        rms_of(run.error(channel), labels), rms_of(run.view.force[channel], labels),
+        rms_of(run.uncertainty(channel), labels),
     )  # fmt: skip
     return {
         **_row(own.id, own.test, run.view.speed, run.Fn, channel, FORCE_UNITS[channel], numbers),
         "known": run.view.known(channel),
-        **{name: rms(run.shares[name][channel], labels) for name in SHARES},
+        **{name: rms_of(run.shares[name][channel], labels) for name in SHARES},
     }
 
 

@@ -22,6 +22,7 @@ from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.physics import PHYSICS
 from pmmkit.diagnosis.system import LEAST, System
 from pmmkit.diagnosis.views import View, views_of
+from pmmkit.diagnosis.whitening import FLOOR
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem
 from pmmkit.model import Model, load_model
@@ -29,8 +30,6 @@ from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
 from pmmkit.structures import STRUCTURES, Structure, structure_of
 
-FLOOR: Final = 0.005
-"""What is too small to matter in measured forces, over the rms force of a channel."""
 FLOOR_LEAST: Final = 0.001
 
 

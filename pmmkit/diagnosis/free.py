@@ -30,7 +30,14 @@ from pmmkit.diagnosis.free_contest import (
     widened,
 )
 from pmmkit.diagnosis.free_scores import Judge, courses_of
-from pmmkit.diagnosis.free_system import FreeSystem, build_free, held, log_likelihood, sized
+from pmmkit.diagnosis.free_system import (
+    FreeSystem,
+    agile,
+    build_free,
+    held,
+    log_likelihood,
+    sized,
+)
 from pmmkit.diagnosis.free_told import (
     BEYOND,
     LEFT,
@@ -63,6 +70,8 @@ REFITTED: Final = 6
 """Best sets that are fitted through the equations."""
 FAR: Final = 2.0 * RIVALS
 """A set so far behind the best by the linear problem is not fitted."""
+TURNS: Final = 8
+"""Most turns in which the sizes of unknown forces and the values of the largest model are found."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
 BASE: Final = {
@@ -216,8 +225,9 @@ def diagnose_free(
     )
     basis = basis_of(system, prior, every)
     tell("Size of what nothing explains")
-    system, wider = _weighed(system, basis, [item.name for item in every])
-    null = fitted(system, basis, (), wider=wider)
+    system, largest = _weighed(system, basis, [item.name for item in every])
+    wider = widened(largest)
+    null = fitted(system, basis, (), wider=wider, begin=largest.z)
     here = point_at(system, basis, null.z)
     seen = screen(here, basis, wider)
     courses = courses_of(system, window or WINDOW * model.ship.L / speed, extrapolate=extrapolate)
@@ -305,13 +315,26 @@ def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
     return found
 
 
-def _weighed(system: FreeSystem, basis: Basis, every: Sequence[str]) -> tuple[FreeSystem, float]:
-    """Unknown forces of their most likely size under the largest model, and what is left of it."""
-    first = held(system, system.start)
-    largest = fitted(first, basis, every, most=3)
-    found = sized(first, first.start + basis.T @ largest.z)
-    again = fitted(found, basis, every, begin=largest.z, most=2)
-    return held(found, found.start + basis.T @ again.z), widened(again)
+def _weighed(
+    system: FreeSystem, basis: Basis, every: Sequence[str]
+) -> tuple[FreeSystem, Fit]:  # fmt: skip
+    """Unknown forces of their most likely size under the largest model, and its fit.
+
+    It begins with large unknown forces: the filter then follows the ship whatever the values are,
+    and what is left is almost linear in them. With small ones a fit hangs on where it begins. The
+    sizes and the values are found in turns for as long as the records become more probable.
+    """
+    largest = fitted(agile(system), basis, every)
+    best, known = (system, largest), -math.inf
+    for _ in range(TURNS):
+        found = sized(best[0], system.start + basis.T @ best[1].z)
+        largest = fitted(found, basis, every, begin=best[1].z)
+        values = system.start + basis.T @ largest.z
+        new = log_likelihood(found, values) + largest.log_width
+        if new < known + LEAST:
+            break
+        best, known = (held(found, values), largest), new
+    return best
 
 
 def _sets(

@@ -13,7 +13,9 @@ from pmmkit.diagnosis.free_candidates import FreeCandidate
 from pmmkit.diagnosis.free_system import (
     FreeSystem,
     Linear,
+    held,
     linearised,
+    log_likelihood,
     misfit,
 )
 from pmmkit.identification.prior import Prior
@@ -22,9 +24,13 @@ Array = NDArray[np.float64]
 Names = tuple[str, ...]
 WIDER: Final = 1.5
 """Standard deviation of a coefficient before, over its usual size."""
-STEPS: Final = 12
-SETTLED: Final = 0.05
-"""A fit ends when nothing moves by more than this share of its standard deviation."""
+STEPS: Final = 30
+SETTLED: Final = 0.01
+"""A fit ends when it promises to become no more probable than by this, in ln."""
+LEAST: Final = 1e-3
+"""A step is taken if it keeps so much of what it promises."""
+STIFF: Final = 1e3
+"""A fit ends where no step helps that is damped by so much: at a bend of the forces."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -124,8 +130,8 @@ class Fit:
         Of those that do.
     used : array (j,) of int
         Which.
-    log_evidence : float
-        ln of the marginal likelihood by Laplace's approximation, not less anything.
+    log_width : float
+        ln of the prior at these numbers times the volume that the records leave (Laplace).
     here : Point
         The linear problem there.
     """
@@ -134,59 +140,71 @@ class Fit:
     z: Array
     covariance: Array
     used: NDArray[np.intp]
-    log_evidence: float
+    log_width: float
     here: Point
 
 
 def fitted(
     system: FreeSystem, basis: Basis, names: Sequence[str], *, wider: float = 1.0,
-    begin: Array | None = None, most: int = STEPS,
+    begin: Array | None = None,
 ) -> Fit:  # fmt: skip
-    """Gauss-Newton through the equations, the prior among the residuals.
+    """Damped Gauss-Newton (Levenberg-Marquardt) through the equations, the prior in the sum.
 
     Parameters
     ----------
     system, basis
-        Records and what may move.
+        Records and what may move. A system that holds variances is fitted by the squares of its
+        residuals, another one by its likelihood.
     names : sequence of str
         Candidates of the set.
     wider : float
         Variance of the residuals over that of white ones.
     begin : array (k,), optional
         Numbers to begin at.
-    most : int
-        Steps.
     """
     used = basis.of(names)
     z = np.zeros(basis.T.shape[1])
     if begin is not None:
         z[used] = begin[used]
 
-    def value(numbers: Array) -> float:
-        away = misfit(system, system.start + basis.T @ numbers)
-        return -away / wider - 0.5 * float(numbers @ numbers)
+    free = not system.variances
 
-    now = value(z)
-    for _ in range(most):
-        here = point_at(system, basis, z, used=used)
-        H = np.eye(len(used)) + here.G[:, used].T @ here.G[:, used] / wider
-        step = np.zeros(len(z))
-        step[used] = np.linalg.solve(H, here.G[:, used].T @ here.linear.e / wider - z[used])
-        spread = np.sqrt(np.diagonal(np.linalg.inv(H)))
-        share, new = 1.0, value(z + step)
-        while new < now - 1e-9 * abs(now) and share > 1e-3:
-            share *= 0.4
-            new = value(z + share * step)
-        if new < now:
+    def value(numbers: Array) -> float:
+        at = system.start + basis.T @ numbers
+        likely = log_likelihood(system, at) if free else -misfit(system, at)
+        return likely / wider - 0.5 * float(numbers @ numbers)
+
+    def point(numbers: Array) -> Point:
+        fixed = held(system, system.start + basis.T @ numbers) if free else system
+        return point_at(fixed, basis, numbers, used=used)
+
+    now, damping = value(z), 1e-3
+    here = point(z)
+    for _ in range(STEPS):
+        G = here.G[:, used]
+        H = np.eye(len(used)) + G.T @ G / wider
+        slope = G.T @ here.linear.e / wider - z[used]
+        if 0.5 * float(slope @ np.linalg.solve(H, slope)) < SETTLED:
             break
-        z, now = z + share * step, new
-        if np.max(np.abs(share * step[used]) / spread) < SETTLED:
+        while damping < STIFF:
+            move = np.linalg.solve(H + damping * np.diag(np.diagonal(H)), slope)
+            promised = float(slope @ move) - 0.5 * float(move @ H @ move)
+            there = z.copy()
+            there[used] += move
+            new = value(there)
+            kept = (new - now) / promised
+            if kept > LEAST:
+                break
+            damping *= 4.0
+        else:
             break
-    here = point_at(system, basis, z, used=used)
+        z, now = there, new
+        damping *= 0.1 if kept > 0.75 else 0.3 if kept > 0.25 else 2.0
+        here = point(z)
     H = np.eye(len(used)) + here.G[:, used].T @ here.G[:, used] / wider
     return Fit(
         names=tuple(names), z=z, covariance=np.array(np.linalg.inv(H), float), used=used, here=here,
-        log_evidence=now - 0.5 * float(np.linalg.slogdet(H)[1]),
+        log_width=-0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(H)[1]),
     )  # fmt: skip
 
 

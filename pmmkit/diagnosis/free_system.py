@@ -30,7 +30,7 @@ MEMORIES: Final = ((0.1, 0.5), (0.3, 3.0))
 """Times over which unknown forces hang together, in ship lengths over the speed: each channel has
 a fast one and a slow one. The pair that makes the records more likely is taken."""
 AGILE: Final = 0.1
-"""Size of the unknown forces by which outliers are told, over ½ρLdU² and ½ρL²dU²."""
+"""Size of the unknown forces that follow any ship and tell outliers, over ½ρLdU² and ½ρL²dU²."""
 BLOCK: Final = 4.0
 """Length of the blocks whose scores are compared, in ship lengths over the speed."""
 FACTORS: Final = (4.0, 4.0, 4.0, 2.0, 1.4)
@@ -227,12 +227,17 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
     return out, totals
 
 
+def agile(system: FreeSystem) -> FreeSystem:
+    """The system with unknown forces so large that the filter follows any ship."""
+    return system.with_shares(np.full(len(system.shares), AGILE))
+
+
 def _without_outliers(system: FreeSystem) -> FreeSystem:
     """What no motion of the ship can explain is left out, once for all."""
-    agile = system.with_shares(np.full(len(system.shares), AGILE))
+    easy = agile(system)
     cleaned = []
     for piece in system.pieces:
-        out, totals = _passed(agile, piece, system.start, GATE)
+        out, totals = _passed(easy, piece, system.start, GATE)
         wild = out**2 > GATE**2 * totals
         measured = {
             name: np.where(wild[:, i], np.nan, x)
@@ -373,7 +378,7 @@ def _places(system: FreeSystem) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 def sized(system: FreeSystem, values: Array, factors: Sequence[float] = FACTORS) -> FreeSystem:
     """Unknown forces of the size and memory that the records make most likely."""
     options = [_sized(replace(system, memories=memories), values, factors) for memories in MEMORIES]
-    return held(max(options, key=lambda item: log_likelihood(item, values)), values)
+    return max(options, key=lambda item: log_likelihood(item, values))
 
 
 def _sized(system: FreeSystem, values: Array, factors: Sequence[float]) -> FreeSystem:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from pmmkit.diagnosis.candidate import no_such_effect
 from pmmkit.diagnosis.contest import evidence_at
 from pmmkit.diagnosis.system import Block, System
-from pmmkit.errors import UnknownNameError
 
 
 def best_blocks(system: System, name: str, count: int = 1) -> list[Block]:
@@ -17,6 +17,5 @@ def best_blocks(system: System, name: str, count: int = 1) -> list[Block]:
     """
     own = [block for block in system.blocks if block.candidate.name == name]
     if not own:
-        known = ", ".join(dict.fromkeys(block.candidate.name for block in system.blocks))
-        raise UnknownNameError(f"No effect {name!r} takes part; these do: {known}.")
+        raise no_such_effect(name, (block.candidate.name for block in system.blocks))
     return sorted(own, key=lambda b: -evidence_at(system, b.places))[:count]

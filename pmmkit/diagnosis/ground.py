@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.diagnosis.base import Base
-from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.diagnose import captive_system, contestants, derivatives_of
 from pmmkit.diagnosis.given import best_blocks
 from pmmkit.diagnosis.information import FADING, Known, Rows, known, rows_of
@@ -25,7 +25,8 @@ from pmmkit.diagnosis.planned import (
 from pmmkit.diagnosis.rows import Scatter
 from pmmkit.diagnosis.system import System, channels_of
 from pmmkit.diagnosis.views import View
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.diagnosis.whitening import FLOOR
+from pmmkit.errors import DataError
 from pmmkit.model import Model
 from pmmkit.reduction.columns import columns_of
 from pmmkit.runs.run import Campaign
@@ -68,17 +69,14 @@ class Ground:
 
     def check(self, effects: Sequence[str]) -> None:
         """Raise an UnknownNameError if effects do not take part."""
-        unknown = [name for name in effects if name not in self.candidates]
-        if unknown:
-            raise UnknownNameError(
-                f"{', '.join(unknown)}: no effect that takes part; these do: "
-                f"{', '.join(sorted(self.candidates))}."
-            )
+        for name in effects:
+            if name not in self.candidates:
+                raise no_such_effect(name, sorted(self.candidates))
 
 
 def ground_of(
     model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
-    options: Sequence[Option] | None = None, floor: float = 0.005, noise: float | None = None,
+    options: Sequence[Option] | None = None, floor: float = FLOOR, noise: float | None = None,
     record_noise: float = 0.015, candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
 ) -> Ground:  # fmt: skip

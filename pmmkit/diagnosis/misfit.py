@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.diagnosis.compare_captive import CaptiveRun
+from pmmkit.numerics import rms
 
 Array = NDArray[np.float64]
 STANDS_OUT: Final = 2.0
@@ -235,10 +236,6 @@ def _sortable(key: tuple[Any, ...]) -> tuple[Any, ...]:
     return ("XYNK".index(key[0]), *key[1:])
 
 
-def _rms(values: Sequence[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
-
-
 def _cell(parts: Sequence[_Part]) -> Cell:
     first = parts[0]
     phases = [math.nan, math.nan]
@@ -246,14 +243,14 @@ def _cell(parts: Sequence[_Part]) -> Cell:
         ratios = [part.error / part.uncertainty for part in parts if len(part.error) == 2]
         if ratios:
             phases = np.sqrt(np.mean(np.square(ratios), axis=0)).tolist()
-    error = _rms([part.size for part in parts])
+    error = rms([part.size for part in parts])
     measured = [float(np.linalg.norm(part.run.view.force[part.channel])) for part in parts]
     return Cell(
         channel=first.channel, test=first.run.view.run.test, speed=first.run.view.speed,
         Fn=first.run.Fn, harmonic=first.harmonic, runs=len(parts), error=error,
-        uncertainty=_rms([part.doubt for part in parts]),
-        ratio=_rms([part.ratio for part in parts]), with_velocity=phases[0],
-        with_displacement=phases[1], relative=error / max(_rms(measured), 1e-300),
+        uncertainty=rms([part.doubt for part in parts]),
+        ratio=rms([part.ratio for part in parts]), with_velocity=phases[0],
+        with_displacement=phases[1], relative=error / max(rms(measured), 1e-300),
         known=all(part.run.view.known(part.channel) for part in parts),
     )  # fmt: skip
 
@@ -285,7 +282,7 @@ def standouts_of(
         loud = [
             speed
             for speed in speeds
-            if _rms([p.ratio for p in parts if round(p.run.view.speed, 4) == speed]) >= least
+            if rms([p.ratio for p in parts if round(p.run.view.speed, 4) == speed]) >= least
         ]
         if not loud:
             continue
@@ -295,7 +292,7 @@ def standouts_of(
             Standout(
                 channel=first.channel, test=first.run.view.run.test, harmonic=first.harmonic,
                 speeds=tuple(loud), tested=tuple(speeds),
-                ratio=_rms([part.ratio for part in own]), growth=_growth(own, lengths),
+                ratio=rms([part.ratio for part in own]), growth=_growth(own, lengths),
                 known=all(part.run.view.known(part.channel) for part in own),
             )
         )  # fmt: skip

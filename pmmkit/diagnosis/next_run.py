@@ -19,6 +19,7 @@ from pmmkit.diagnosis.ground import Asked, Ground, ground_of
 from pmmkit.diagnosis.information import Reduced
 from pmmkit.diagnosis.options import Limits, Option
 from pmmkit.diagnosis.separation import expected_odds, likely, usual
+from pmmkit.diagnosis.whitening import FLOOR
 from pmmkit.runs.run import Campaign
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ class Advice:
 def next_runs(
     model: Asked, campaign: Campaign, found: Diagnosis | None = None, *,
     effects: Sequence[str] = (), limits: Limits | None = None,
-    options: Sequence[Option] | None = None, most: int = 10, floor: float = 0.005,
+    options: Sequence[Option] | None = None, most: int = 10, floor: float = FLOOR,
     **settings: Any,
 ) -> Advice:  # fmt: skip
     """Which run, or which check, to make next.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.diagnosis.adding import without_effect
 from pmmkit.diagnosis.answering import answer, taken_as_given
-from pmmkit.diagnosis.candidate import Candidate
+from pmmkit.diagnosis.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.fitting import ADDED, is_fault, name_of_step, refitted
@@ -18,7 +18,7 @@ from pmmkit.diagnosis.heldout import HeldOut, held_out
 from pmmkit.diagnosis.joint import joint_fit, refined
 from pmmkit.diagnosis.own import OwnEffect
 from pmmkit.diagnosis.system import Block, System
-from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.errors import ModelError
 from pmmkit.files import write_text
 from pmmkit.model import Model, load_model
 from pmmkit.model.text import toml_text
@@ -104,11 +104,9 @@ class Session:
         """
         if effect in self.given:
             raise ModelError(f"The model has {effect} already.")
-        known = dict.fromkeys(block.candidate.name for block in self.system.blocks)
+        known = [block.candidate.name for block in self.system.blocks]
         if effect not in known:
-            raise UnknownNameError(
-                f"No effect {effect!r} takes part; these do: {', '.join(known)}."
-            )
+            raise no_such_effect(effect, known)
         return replace(self, steps=(*self.steps, Step(effect=effect, why=why)))
 
     def undo(self) -> Session:

@@ -192,16 +192,16 @@ def scales(views: Sequence[View]) -> dict[str, float]:
     found: dict[str, list[float]] = {}
     for view in views:
         for name, force in view.force.items():
-            found.setdefault(name, []).append(rms(force, view.labels) / view.speed**2)
+            found.setdefault(name, []).append(rms_of(force, view.labels) / view.speed**2)
     return {name: float(np.sqrt(np.mean(np.square(sizes)))) for name, sizes in found.items()}
 
 
-def rms(harmonics: Array, labels: Sequence[str]) -> float:
+def rms_of(harmonics: Array, labels: Sequence[str]) -> float:
     """Root mean square over time of what harmonics describe.
 
     Examples
     --------
-    >>> round(rms(np.array([2.0, 4.0, 4.0]), ("C0", "C1", "S1")), 4) == round(20**0.5, 4)
+    >>> round(rms_of(np.array([2.0, 4.0, 4.0]), ("C0", "C1", "S1")), 4) == round(20**0.5, 4)
     True
     """
     weights = np.array([1.0 if label == "C0" else 0.5 for label in labels])

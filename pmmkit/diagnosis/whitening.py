@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.rows import Channel, Places, Scatter
 
 Array = NDArray[np.float64]
+FLOOR: Final = 0.005
+"""What is too small to matter in measured forces, over the rms force of a channel."""
 OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03, 0.05)
 GAINS: Final = (0.0, 0.002, 0.004, 0.006, 0.01, 0.02)
 SETTINGS: Final = (0.0, 0.015, 0.03, 0.06)

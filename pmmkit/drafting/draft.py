@@ -42,8 +42,6 @@ class RunDraft:
         Its keys.
     problems : tuple of str
         What is wrong with its file.
-    skip : tuple of int
-        Lines of a table that are no runs: that of the units.
     """
 
     id: str
@@ -52,7 +50,6 @@ class RunDraft:
     test: str | None
     settings: tuple[Setting, ...]
     problems: tuple[str, ...] = ()
-    skip: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -283,11 +280,6 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"yaw_amplitude_deg"}
     test = named.test or _test_of_table(known)
     settings = settled(test, named, Moved(), length=length)
-    first = item.options.skip_rows
-    units_below = item.options.header is False and first > 1 and any(item.titles)
-    if units_below:
-        named_rows = replace(item.options, skip_rows=first - 2, header=True)
-        item = replace(item, options=named_rows)
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
         file=base + file,
@@ -295,7 +287,6 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         test=test,
         settings=tuple(setting for setting in settings if setting.key not in known),
         problems=tuple(str(problem) for problem in item.problems),
-        skip=(first,) if units_below else (),
     )
 
 

@@ -219,6 +219,7 @@ def _source(look: FileLook, options: Options, *, every: bool = False) -> list[st
             values |= {"encoding": options.encoding or "utf-8"} if options.encoding or every else {}
             values |= {"delimiter": options.delimiter, "decimal": options.decimal}
         values |= {"header": options.header} if options.header is False or every else {}
+        values |= {"units_row": True} if options.units_row else {}
         values |= {"sheet": options.sheet} if options.sheet else {}
     return [f"{key} = {toml(value)}" for key, value in values.items()]
 
@@ -280,7 +281,6 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     else:
         lines.append(f"test = {toml(entry.test)}")
     lines.append(f"file = {toml(entry.file)}")
-    lines += [_aligned(f"skip = {toml(entry.skip)}", "the line of the units")] if entry.skip else []
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# TODO {_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:

@@ -6,14 +6,14 @@ import hashlib
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.files import datasets_folder
+from pmmkit.files import datasets_folder, matching
 from pmmkit.runs.channels import did_you_mean
 from pmmkit.runs.run import Campaign
 
@@ -118,15 +118,14 @@ class _Search:
         return [*found, self.own]
 
     def find(self, file: str) -> Path | None:
-        """Path of a file, or None."""
-        for name in (file, file.replace("\\", "/")):
-            for folder in self.folders():
-                try:
-                    if (folder / name).is_file():
-                        return folder / name
-                except (OSError, ValueError):
-                    return None
-        return None
+        """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
+        names = (file, file.replace("\\", "/"))
+        places = [folder / name for name in names for folder in self.folders()]
+        kinds: tuple[Callable[[Path], object], ...] = (Path.is_file, Path.is_dir, matching)
+        try:
+            return next((place for there in kinds for place in places if there(place)), None)
+        except (OSError, ValueError):
+            return None
 
     def missing(self, file: str, entry: str, toml: str) -> Problem:
         """The problem of a file that is nowhere."""

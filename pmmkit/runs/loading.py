@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -16,14 +16,20 @@ from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
+from pmmkit.runs.hull_path import PLACE
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
-from pmmkit.runs.readers import reader_for
-from pmmkit.runs.readers.base import Array, Request
-from pmmkit.runs.run import Campaign, Correction, Kind
+from pmmkit.runs.readers import files_of, reader_for, usual_of
+from pmmkit.runs.readers.base import Array, Columns, Request
+from pmmkit.runs.run import Campaign, Correction, Kind, Settings
+from pmmkit.runs.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+DOUBTFUL: Final = "doubtful: "
+"""How a note begins that somebody should look at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +50,12 @@ class Context:
         Conversions of the settings, in words.
     antenna : tuple of float
         Place of the antenna of a free-running record, forward of midship and to starboard [m].
+    solver : Solver
+        What the forces of a CFD refer to.
+    test : str
+        Kind of test.
+    settings : Settings or None
+        What it was set to.
     """
 
     ship: Ship
@@ -53,6 +65,9 @@ class Context:
     corrections: tuple[Correction, ...] = ()
     notes: tuple[str, ...] = ()
     antenna: tuple[float, float] = (0.0, 0.0)
+    solver: Solver = field(default_factory=Solver)
+    test: str = ""
+    settings: Settings | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +86,8 @@ class HistoryLoader:
         Kind of campaign: says which channels must be there.
     rows : int or None
         Number of rows that the campaign file says the file has.
+    motion : Request or None
+        A further file with the path of the hull.
     """
 
     request: Request
@@ -78,6 +95,7 @@ class HistoryLoader:
     context: Context
     kind: str = "captive"
     rows: int | None = None
+    motion: Request | None = None
 
     @property
     def path(self) -> Path:
@@ -85,31 +103,31 @@ class HistoryLoader:
         return self.request.path
 
     def __call__(self) -> xr.Dataset:
-        picked: list[Picked] = []
-
-        def choose(headers: Sequence[str], width: int) -> list[int]:
-            found, problems = pick(
-                headers,
-                width,
-                self.columns,
-                self.request,
-                required=required_channels(self.kind),
-            )
-            if problems:
-                raise self.request.error(*problems)
-            picked.extend(found)
-            return [column.position for column in found]
-
-        read = reader_for(self.request).columns(self.request, choose)
+        rate = self.request.options.sample_rate
+        required = [x for x in required_channels(self.kind) if x != "t" or rate is None]
+        read, picked, usual = _read(self.request, self.columns, required)
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
+        notes += [
+            f"{column.name} from column {column.title!r}, its usual name"
+            for column in picked
+            if column.name in usual and column.name not in self.columns
+        ]
+        notes += [
+            f"{DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
+            for key, doubt in read.unsettled.items()
+            if key not in self.context.solver.stated
+        ]
         if read.dropped:
             notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
         values = {
             column.name: column.apply(numbers)
             for column, numbers in zip(picked, read.values, strict=True)
         }
+        if rate is not None:
+            values["t"] = _counted_time(read, rate, self.request)
+            notes.append(f"t counted from 0 at {rate:g} samples a second")
         return dataset(
             "history",
             values,
@@ -117,7 +135,45 @@ class HistoryLoader:
             notes,
             request=self.request,
             dimensional=frozenset(column.name for column in picked if column.unit is not None),
+            motion=None if self.motion is None else _motion_of(self.motion, self.context),
         )
+
+
+def _read(
+    request: Request, specs: Mapping[str, ColumnSpec], required: Sequence[str]
+) -> tuple[Columns, list[Picked], Mapping[str, str]]:
+    """The columns of a file that are used, what each of them is, and usual names of the format."""
+    picked: list[Picked] = []
+    usual: dict[str, str] = {}
+
+    def choose(headers: Sequence[str], width: int) -> list[int]:
+        usual.update(usual_of(request, headers))
+        found, problems = pick(headers, width, specs, request, required=required, usual=usual)
+        if request.options.sample_rate is not None:
+            problems += _two_times(found, request)
+        if problems:
+            raise request.error(*problems)
+        picked.extend(found)
+        return [column.position for column in found]
+
+    return reader_for(request).columns(request, choose), picked, usual
+
+
+def _motion_of(request: Request, context: Context) -> dict[str, Array]:
+    """The path of the hull from a file of its own, SI, our axes and signs."""
+    read, picked, _ = _read(request, {}, ("t",))
+    values = {
+        column.name: column.apply(numbers)
+        for column, numbers in zip(picked, read.values, strict=True)
+        if column.name in ("t", *PLACE, "u", "v", "r")
+    }
+    return to_ours(
+        values,
+        frame=context.frame,
+        ship=context.ship,
+        water=context.water,
+        speed=context.speed,
+    )[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +232,7 @@ def dataset(
     request: Request,
     dimensional: frozenset[str] = frozenset(),
     turned: bool = False,
+    motion: Mapping[str, Array] | None = None,
 ) -> xr.Dataset:
     """Channels in SI, ship axes and our signs as a Dataset, with every conversion in ``attrs``.
 
@@ -195,6 +252,8 @@ def dataset(
         Names whose unit was stated.
     turned : bool
         For harmonics: whether the motion changes sign with the axes.
+    motion : mapping of str to array, optional
+        Path of the hull from a file of its own.
     """
     import xarray as xr
 
@@ -217,13 +276,14 @@ def dataset(
     )
     converted, moved = placed({**converted, **compass}, context.antenna)
     said += moved
+    converted, seen = _seen(kind, converted, context, request, motion)
     if kind == "harmonics":
         others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
         converted = {**others, **stacked_harmonics(converted)}
     converted, corrections = correct(
         converted, context.corrections, file=request.shown, run=request.run or ""
     )
-    said += [*more, *corrections]
+    said += [*more, *seen, *corrections]
     variables: dict[str, tuple[object, ...]] = {}
     for name, numbers in converted.items():
         unit = {"units": CHANNEL_UNITS[_channel(name)]}
@@ -250,10 +310,62 @@ def dataset(
     )
 
 
+def _seen(
+    kind: Kind,
+    values: Mapping[str, Array],
+    context: Context,
+    request: Request,
+    motion: Mapping[str, Array] | None,
+) -> tuple[dict[str, Array], list[str]]:
+    """Forces of a CFD as the hull feels them, without the start-up of the computation."""
+    run = request.run or ""
+    notes: list[str] = []
+    if kind == "history":
+        values, notes = without_ramp(values, context.solver.ramp, file=request.shown, run=run)
+    if context.settings is None:
+        return dict(values), notes
+    turned, more = seen_from_hull(
+        values,
+        context.solver,
+        kind=kind,
+        test=context.test,
+        settings=context.settings,
+        run=run,
+        motion=motion,
+    )
+    return turned, [*notes, *more]
+
+
 def _channel(name: str) -> str:
     for suffix in ("_std", "_cos", "_sin"):
         name = name.removesuffix(suffix)
     return name
+
+
+def _two_times(picked: Sequence[Picked], request: Request) -> list[Problem]:
+    """The problem of a column of time beside a stated sample rate."""
+    return [
+        request.problem(
+            f"sample_rate = {request.options.sample_rate:g} is stated, and the file has a column "
+            "of time.",
+            column=column.title,
+            remedy="Leave sample_rate out, or write t = false under [columns].",
+        )
+        for column in picked
+        if column.name == "t"
+    ]
+
+
+def _counted_time(read: Columns, rate: float, request: Request) -> Array:
+    """Time of each row from its place in the file."""
+    if read.dropped:
+        raise request.error(
+            request.problem(
+                f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
+                remedy="Fill the gaps, or give the file a column of time.",
+            )
+        )
+    return np.arange(len(read.values[0])) / rate
 
 
 def check_rows(found: int, stated: int | None, request: Request) -> None:
@@ -294,6 +406,8 @@ def validate(campaign: Campaign) -> list[Problem]:
 def file_hashes(campaign: Campaign) -> dict[str, str]:
     """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
 
+    Of a folder these are the files in it that are read.
+
     Parameters
     ----------
     campaign : Campaign
@@ -304,12 +418,20 @@ def file_hashes(campaign: Campaign) -> dict[str, str]:
     CampaignError
         If a file cannot be read.
     """
-    files: dict[str, Path] = {}
+    requests: dict[str, Request] = {}
     for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
         if isinstance(run.loader, (HistoryLoader, RowLoader)):
-            files.setdefault(run.loader.request.shown, run.loader.path)
+            requests.setdefault(run.loader.request.shown, run.loader.request)
+        if isinstance(run.loader, HistoryLoader) and run.loader.motion is not None:
+            requests.setdefault(run.loader.motion.shown, run.loader.motion)
     hashes: dict[str, str] = {}
     problems: list[Problem] = []
+    files: dict[str, Path] = {}
+    for request in requests.values():
+        try:
+            files |= files_of(request)
+        except DataError as error:
+            problems += error.problems
     for shown, path in files.items():
         try:
             hashes[shown] = sha256(path)

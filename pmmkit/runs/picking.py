@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 from pmmkit.errors import DataError, Problem
@@ -20,6 +22,8 @@ from pmmkit.runs.channels import (
     unit_of,
 )
 from pmmkit.runs.readers.base import Array, Request
+
+_NONE: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +98,7 @@ def pick(
     *,
     table: bool = False,
     required: Iterable[str] = (),
+    usual: Mapping[str, str] = _NONE,
 ) -> tuple[tuple[Picked, ...], list[Problem]]:
     """The columns of a file that are used, and what is wrong with them.
 
@@ -112,10 +117,14 @@ def pick(
         Whether the rows are runs.
     required : iterable of str
         Channels that must be there.
+    usual : mapping of str to str
+        Headers under which channels usually stand in this format; used where `specs` says nothing
+        of the channel and the header is there.
     """
     problems: list[Problem] = []
     picked: dict[str, Picked] = {}
     bare = [split_unit(header) for header in headers]
+    specs = {**_usual_specs(usual, specs, bare), **specs}
     for name, spec in specs.items():
         if not spec.absent and (unit_of(name, table=table) is not None):
             position = _position(name, spec, headers, bare, width, request, problems)
@@ -140,6 +149,21 @@ def pick(
         if name not in picked and (name not in specs or (name == "t" and specs[name].absent)):
             problems.append(_not_there(name, headers, request))
     return tuple(picked.values()), problems
+
+
+def _usual_specs(
+    usual: Mapping[str, str],
+    specs: Mapping[str, ColumnSpec],
+    bare: Sequence[tuple[str, str | None]],
+) -> dict[str, ColumnSpec]:
+    """Where channels usually stand, of those that nothing is said of and that are there."""
+    titles = [title for title, _ in bare]
+    asked = {DEGREE_CHANNELS.get(name, name) for name in specs} | set(titles)
+    return {
+        name: ColumnSpec(name=header)
+        for name, header in usual.items()
+        if name not in asked and header in titles
+    }
 
 
 def _add(
@@ -267,9 +291,9 @@ def _position(
 
 _ALSO: Final[dict[str, tuple[str, ...]]] = {
     "t": ("time", "time_s", "zeit", "temps"),
-    "X": ("fx", "x", "force x", "surge force"),
-    "Y": ("fy", "y", "force y", "sway force"),
-    "N": ("mz", "n", "moment z", "yaw moment"),
+    "X": ("fx", "x", "force x", "surge force", "drag", "surge"),
+    "Y": ("fy", "y", "force y", "sway force", "sway"),
+    "N": ("mz", "n", "moment z", "yaw moment", "yaw"),
     "psi": ("heading", "yaw"),
     "x": ("x0", "north", "x_position"),
     "y": ("y0", "east", "y_position"),
@@ -293,12 +317,19 @@ def _not_there(name: str, headers: Sequence[str], request: Request) -> Problem:
                 f"there is no column {name}, nor {turned}. {_list(headers)}",
                 remedy=f'Say under [columns] which it is: {turned} = "{found[0]}".',
             )
-    likely = [header for header, word in bare if word in _ALSO.get(name, ())]
+    also = _ALSO.get(name, ())
+    likely = [header for header, word in bare if word in also] or [
+        header for header, word in bare if set(re.split(r"[\W_]+", word)) & set(also)
+    ]
     example = likely[0] if likely else "their name"
+    without = (
+        "or where there is none state sample_rate = 200.0 [Hz] under [source]"
+        if name == "t"
+        else f"or {name} = false if it was not measured"
+    )
     return request.problem(
         f"there is no column {name}. {_list(headers)}",
-        remedy=f'Say under [columns] which it is: {name} = "{example}" (or {name} = false if it '
-        "was not measured).",
+        remedy=f'Say under [columns] which it is: {name} = "{example}" ({without}).',
     )
 
 

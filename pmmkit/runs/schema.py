@@ -32,12 +32,22 @@ from pmmkit.runs.channels import (
 from pmmkit.runs.readers import FORMATS
 from pmmkit.runs.run import TESTS
 
+
+def _as_tuple(value: Any) -> Any:
+    """A list as a tuple, which can be hashed."""
+    return tuple(value) if isinstance(value, list) else value
+
+
 Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=0)]
 Degrees = Annotated[float, Field(ge=-180, le=180)]
 Steep = Annotated[float, Field(gt=-90, lt=90)]
 Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
 Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
+Widths = Annotated[
+    tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
+]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
 Plain = str | float | int | bool
 
 ACTIONS: Final = (
@@ -138,8 +148,13 @@ class SourceEntry(Entry):
     delimiter: Literal[",", ";", "\t", " ", "|"] | None = None
     decimal: Literal[".", ","] | None = None
     header: bool | None = None
-    sheet: str | None = None
+    units_row: bool | None = None
+    comment: Annotated[str, Field(min_length=1)] | None = None
+    widths: Widths | None = None
+    order: Names = ()
+    sheet: str | Annotated[int, Field(ge=1)] | None = None
     group: str | None = None
+    sample_rate: Positive | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: Literal[SYSTEMS] | None = None  # type: ignore[valid-type]
     in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = None
@@ -212,6 +227,8 @@ class CfdEntry(Entry):
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
     moment_centre: float | None = None
+    moment_centre_moves: bool | None = None
+    forces_in: Literal["body", "earth"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
     U_SN: NumericalEntry | None = None
 
@@ -291,6 +308,7 @@ class RunEntry(FileEntry):
     """``[[runs]]``."""
 
     row: dict[str, Plain] | None = None
+    motion: Annotated[str, Field(min_length=1)] | None = None
 
     @field_validator("row")
     @classmethod
@@ -298,6 +316,12 @@ class RunEntry(FileEntry):
         if value is not None and not value:
             raise ValueError('must name a column, e.g. { "Run No." = 376 }')
         return value
+
+    @model_validator(mode="after")
+    def _motion_of_a_history(self) -> RunEntry:
+        if self.row is not None and self.motion is not None:
+            raise ValueError("a row of a table has no motion: take row or motion away")
+        return self
 
 
 class TableEntry(FileEntry):

@@ -123,15 +123,6 @@ def load_campaign(path: str | Path) -> Campaign:
         return _build(Campaign, entry, _CAMPAIGN)
 
 
-def is_campaign(path: Path) -> bool:
-    """Whether an HDF5 file says that it is a campaign saved by pmmkit; False if it is damaged."""
-    try:
-        with _opened(path) as file:
-            return text_of(file.attrs, "format") == FORMAT
-    except CampaignError:
-        return False
-
-
 def read_run(path: str | Path, run_id: str) -> xr.Dataset:
     """The data of one run of a saved campaign, without opening the campaign.
 

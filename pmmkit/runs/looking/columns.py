@@ -9,7 +9,7 @@ import numpy as np
 
 from pmmkit.runs.looking.guessing import Suggestion, rates_of, suggest
 from pmmkit.runs.looking.seen import Clock, ColumnLook, FileLook
-from pmmkit.runs.looking.values import reader_of
+from pmmkit.runs.readers import usual_of
 from pmmkit.runs.readers.base import Array
 
 
@@ -27,7 +27,7 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     """
     headers = [column.header for column in look.columns]
     units = [column.unit for column in look.columns]
-    usual = getattr(reader_of(look.format), "USUAL", {})
+    usual = usual_of(look.request, headers)
     found = suggest(headers, units, values, usual=usual)
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):

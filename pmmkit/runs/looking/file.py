@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.runs.looking.columns import judged
@@ -14,7 +15,10 @@ from pmmkit.runs.looking.seen import ColumnLook, FileLook
 from pmmkit.runs.looking.values import reader_of, values_of
 from pmmkit.runs.readers import FORMATS, head_of, recognise
 from pmmkit.runs.readers.base import HEAD, Options, Request
-from pmmkit.runs.readers.layout import Layout, layout_of, text_of
+from pmmkit.runs.readers.layout import Layout, layout_of, mostly_numbers, text_of
+
+_TOP: Final = 200
+"""Rows of a sheet by which columns of numbers are told."""
 
 
 def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, ...]:
@@ -133,36 +137,24 @@ def _sheets(look: FileLook, numbers: bool) -> tuple[FileLook, ...]:
 
 
 def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
-    """A sheet, its header looked for as in a text file."""
-    options = look.options
-    shown = look.shown if count == 1 else f"{look.shown}, sheet {options.sheet}"
-    look = replace(look, shown=shown)
+    """A sheet as its reader finds the table in it."""
+    shown = look.shown if count == 1 else f"{look.shown}, sheet {look.options.sheet}"
+    options = replace(look.options, sheet=None if count == 1 else look.options.sheet)
+    look = replace(look, shown=shown, options=options)
     try:
-        cells = reader_of("excel").cells(
-            replace(look.request, options=replace(options, header=False))
-        )
+        cells = reader_of("excel").cells(look.request)
     except CampaignError as error:
         return replace(look, problems=error.problems)
-    lines = dict(zip(cells.lines, cells.rows, strict=True))
-    top = [
-        "\t".join("" if cell is None else str(cell).replace("\n", " ").replace("\t", " ")
-                  for cell in lines.get(number, ()))
-        for number in range(1, min(max(lines, default=0), 200) + 1)
-    ]  # fmt: skip
-    layout = layout_of("\n".join(top).encode(), whole=True)
-    if layout is None:
+    numeric = [
+        mostly_numbers([row[place] for row in cells.rows[:_TOP]], cells.decimal)
+        for place in range(len(cells.headers))
+    ]
+    if sum(numeric) < 2:
         return _with_problem(look, "the sheet has no rows of numbers in columns.")
-    taken = replace(
-        options,
-        skip_rows=layout.options.skip_rows,
-        header=layout.readable_header,
-        sheet=None if count == 1 else options.sheet,
-    )
-    units = layout.units or ("",) * len(layout.headers)
-    look = replace(look, options=taken, columns=_columns(layout.headers, units, layout.numeric))
+    look = replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric))
     if not numbers:
         return judged(look, {})
-    values = values_of(look, [place for place, is_number in enumerate(layout.numeric) if is_number])
+    values = values_of(look)
     rows = max((len(column) for column in values.numbers.values()), default=0)
     return judged(replace(look, rows=rows, problems=values.problems), values.numbers)
 

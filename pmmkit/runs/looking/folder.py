@@ -14,15 +14,13 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.runs.campaign_file import FILE_NAME, open_campaign
 from pmmkit.runs.looking.file import look_at
 from pmmkit.runs.looking.seen import FileLook
-from pmmkit.runs.readers import FORMATS, recognise
+from pmmkit.runs.readers import FORMATS, head_of, recognise
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
 MOST_COUNTED: Final = 20_000
 """Further files that are counted."""
 _DEEPEST: Final = 8
-_FILE_FORMATS: Final = ("csv", "excel", "pmmkit")
-"""Formats that are never folders."""
 _PASSED: Final = frozenset(
     {".toml", ".py", ".m", ".md", ".ipynb", ".html", ".png", ".jpg", ".jpeg", ".gif", ".svg",
      ".pdf", ".doc", ".docx", ".ppt", ".pptx", ".mp4", ".avi", ".mov", ".zip", ".7z", ".gz"}
@@ -139,7 +137,7 @@ def look(path: str | Path) -> Look:
     place = Path(path).expanduser()
     if not place.exists():
         raise CampaignError(Problem(message="there is no such file or folder.", file=str(place)))
-    if place.is_dir() and recognise(place) is None:
+    if place.is_dir() and not _is_one_run(place):
         return _look_folder(place)
     if not (place.is_file() or place.is_dir()):
         raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
@@ -247,7 +245,6 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
         entries = sorted(os.scandir(folder), key=lambda entry: (entry.is_dir(), entry.name))
     except OSError:
         return
-    folders = tuple(name for name in FORMATS if name not in _FILE_FORMATS)
     for entry in entries:
         if entry.name.startswith((".", "~$")):
             continue
@@ -256,10 +253,22 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
             yield path
         elif not entry.is_dir(follow_symlinks=False):
             continue
-        elif recognise(path, folders) is not None:
+        elif _is_one_run(path):
             yield path
         elif depth < _DEEPEST:
             yield from _walk(path, depth + 1)
+
+
+def _is_one_run(folder: Path) -> bool:
+    """Whether a folder is one measurement: of a format of folders, its files parts of one run.
+
+    Exports of STAR-CCM+ with the same columns are different runs.
+    """
+    name = recognise(folder)
+    if name is None or name != "star-ccm+":
+        return name is not None
+    tops = [head_of(file).split(b"\n", 1)[0] for file in sorted(folder.glob("*.csv"))]
+    return len(set(tops)) == len(tops) > 1
 
 
 def _campaign(path: Path, shown: str) -> CampaignLook:

@@ -9,8 +9,15 @@ A reader is a module with three functions:
 ``cells(request)``
     A small file whole, as text and numbers: tables whose rows are runs.
 
-It may have a fourth, ``recognises(path, head)``: whether a file (or folder, whose `head` is empty)
-is of its format, told by content and never raising.
+and, where the format asks for it,
+
+``USUAL``, or ``usual(headers)``
+    Our channels and the headers (without unit) that they usually stand under.
+``files(request)``
+    The files that a folder or a pattern stands for.
+``recognises(path, head)``
+    Whether a file is of the format, or a folder, whose `head` is empty: told by content, cheap,
+    never raising.
 
 To add a format, write the module and put its name below.
 """
@@ -18,7 +25,7 @@ To add a format, write the module and put its name below.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Final, Protocol, cast
 
@@ -26,31 +33,33 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.runs.readers.base import HEAD, Cells, Choose, Columns, Options, Request
 
 __all__ = [
-    "FORMATS",
-    "Cells",
-    "Columns",
-    "Options",
-    "Reader",
-    "Request",
-    "format_of",
-    "head_of",
-    "reader_for",
-    "recognise",
-]
+    "FORMATS", "Cells", "Columns", "Options", "Reader", "Request", "files_of", "format_of",
+    "head_of", "reader_for", "recognise", "usual_of",
+]  # fmt: skip
 
 FORMATS: Final[dict[str, str]] = {
     "csv": "pmmkit.runs.readers.csv",
     "excel": "pmmkit.runs.readers.excel",
+    "hdf5": "pmmkit.runs.readers.hdf5",
+    "matlab": "pmmkit.runs.readers.matlab",
+    "openfoam": "pmmkit.runs.readers.openfoam",
     "pmmkit": "pmmkit.runs.readers.saved",
+    "star-ccm+": "pmmkit.runs.readers.starccm",
+    "tdms": "pmmkit.runs.readers.tdms",
 }
 """Formats by name, and the module that reads each."""
 
 _SUFFIXES: Final[dict[str, str]] = {
     ".xls": "excel", ".xlsx": "excel", ".xlsm": "excel", ".xlsb": "excel", ".ods": "excel",
-    ".h5": "pmmkit", ".hdf5": "pmmkit", ".nc": "pmmkit",
+    ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "hdf5", ".nc4": "hdf5",
+    ".mat": "matlab", ".tdms": "tdms", ".csv": "csv",
 }  # fmt: skip
-_CONTAINERS: Final = (".h5", ".hdf5", ".nc")
-"""Suffixes that say how a file is packed, not what its layout is."""
+_CONTAINERS: Final = (".h5", ".hdf5", ".nc", ".nc4")
+"""Suffixes that say how a file is packed and not what its layout is."""
+_GENERAL: Final = ("hdf5", "csv")
+"""Formats of which others are special cases: they are tried last."""
+OF_FOLDERS: Final = "openfoam"
+"""Format of a folder that no reader recognises."""
 
 
 class Reader(Protocol):
@@ -88,27 +97,31 @@ def format_of(file: str, options: Options, path: Path | None = None) -> str:
         return options.format
     suffix = PurePath(file).suffix.lower()
     named = _SUFFIXES.get(suffix)
-    if path is None or (named is not None and suffix not in _CONTAINERS):
+    if path is None:
         return named or "csv"
-    found = recognise(path, (name for name in FORMATS if name != "csv"))
-    return found or named or "csv"
+    if path.is_dir():
+        return recognise(path) or OF_FOLDERS
+    if named is not None and suffix not in _CONTAINERS:
+        return named
+    return recognise(path, [name for name in _ordered() if name != "csv"]) or named or "csv"
 
 
 def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
-    """The format of a file or folder by its content; None if no reader knows it.
+    r"""The format of a file or folder by its content; None if no reader knows it.
 
     Parameters
     ----------
     path : Path
         File or folder.
     formats : iterable of str, optional
-        Formats that are tried, in this order; by default all, plain text last.
+        Formats that are tried, in this order; by default all, those of which others are special
+        cases last.
 
     Examples
     --------
     >>> import tempfile
     >>> file = Path(tempfile.mkdtemp()) / "run.out"
-    >>> _ = file.write_text("t X\\n0.0 1.5\\n0.1 1.6\\n")
+    >>> _ = file.write_text("t X\n0.0 1.5\n0.1 1.6\n")
     >>> recognise(file)
     'csv'
     """
@@ -116,12 +129,16 @@ def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
         head = head_of(path)
     except OSError:
         return None
-    names = formats or (*(name for name in FORMATS if name != "csv"), "csv")
-    for name in names:
+    for name in _ordered() if formats is None else formats:
         recognises = getattr(importlib.import_module(FORMATS[name]), "recognises", None)
         if recognises is not None and recognises(path, head):
             return name
     return None
+
+
+def _ordered() -> list[str]:
+    """All formats, special ones first."""
+    return [*(name for name in FORMATS if name not in _GENERAL), *_GENERAL]
 
 
 def head_of(path: Path) -> bytes:
@@ -150,3 +167,31 @@ def reader_for(request: Request) -> Reader:
     if name not in FORMATS:
         raise UnknownNameError(f"Format {name!r} is not known: {', '.join(FORMATS)}.")
     return cast(Reader, importlib.import_module(FORMATS[name]))
+
+
+def usual_of(request: Request, headers: Sequence[str]) -> Mapping[str, str]:
+    """Channels and the headers that they usually stand under in the format of a file."""
+    reader = reader_for(request)
+    find: Callable[[Sequence[str]], Mapping[str, str]] | None = getattr(reader, "usual", None)
+    usual: Mapping[str, str] = getattr(reader, "USUAL", {})
+    return usual if find is None else find(headers)
+
+
+def files_of(request: Request) -> dict[str, Path]:
+    """The files that are read for a request, by the names that messages give them.
+
+    Raises
+    ------
+    CampaignError
+        If the request means a folder that holds nothing of its format.
+    """
+    files: Callable[[Request], Sequence[Path]] | None = getattr(reader_for(request), "files", None)
+    if files is None:
+        return {request.shown: request.path}
+    folder = request.path if request.path.is_dir() else request.path.parent
+    shown = request.shown if request.path.is_dir() else request.shown.rpartition("/")[0]
+    return {
+        f"{shown.rstrip('/')}/{name}" if shown else name: path
+        for path in files(request)
+        for name in [path.relative_to(folder).as_posix()]
+    }

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
@@ -40,8 +42,20 @@ class Options:
         Text files; None means UTF-8, and found from the first lines.
     header : bool or None
         Whether there is a line of names; None finds out.
-    sheet, group : str or None
-        Sheet of a workbook; group (run) of an HDF5 file.
+    units_row : bool or None
+        Whether a line of units follows the names; None finds out.
+    comment : str or None
+        What lines begin with that hold no numbers; None goes by the usual signs.
+    widths : tuple of int or None
+        Widths of the columns of a text file without delimiters [characters].
+    order : tuple of str
+        Files of one run in the order in which they were computed: the later one counts.
+    sheet : str, int or None
+        Sheet of a workbook by name, or by its place counted from 1.
+    group : str or None
+        Group (struct, run) of an HDF5, MATLAB or TDMS file.
+    sample_rate : float or None
+        Samples a second [Hz] of files without a column of time.
     missing : {"error", "drop"}
         What to do with rows that lack a value in a column that is used.
     nondimensional : str or None
@@ -56,8 +70,13 @@ class Options:
     delimiter: str | None = None
     decimal: str | None = None
     header: bool | None = None
-    sheet: str | None = None
+    units_row: bool | None = None
+    comment: str | None = None
+    widths: tuple[int, ...] | None = None
+    order: tuple[str, ...] = ()
+    sheet: str | int | None = None
     group: str | None = None
+    sample_rate: float | None = None
     missing: Literal["error", "drop"] = "error"
     nondimensional: str | None = None
     in_phase_with: str | None = None
@@ -119,6 +138,8 @@ class Columns:
         Rows left out because a value was missing and the campaign file says ``missing = "drop"``.
     notes : tuple of str
         Conversions that the file itself reports.
+    unsettled : mapping of str to str
+        What is doubtful, by the key of ``[cfd]`` that settles it.
     """
 
     headers: tuple[str, ...]
@@ -126,6 +147,7 @@ class Columns:
     values: tuple[Array, ...]
     dropped: int = 0
     notes: tuple[str, ...] = ()
+    unsettled: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,6 +166,8 @@ class Cells:
         Decimal sign of numbers written as text.
     problems : tuple of Problem
         Rows that are not well formed; they are not among `rows`.
+    notes : tuple of str
+        What was left out or found out.
     """
 
     headers: tuple[str, ...]
@@ -151,6 +175,7 @@ class Cells:
     lines: tuple[int, ...]
     decimal: str = "."
     problems: tuple[Problem, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def to_number(cell: Cell, decimal: str = ".") -> float | None:
@@ -182,6 +207,12 @@ _NO_VALUE: Final = frozenset(
     {"", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "#na", "null", "none", "<na>", "-1.#ind",
      "1.#ind", "-1.#qnan", "1.#qnan", "#n/a n/a"}
 )  # fmt: skip
+
+
+_GROUPED: Final = re.compile(
+    r"[+-]?\d{1,3}(?:([,.'’ \u00a0\u2009\u202f_])\d{3})(?:\1\d{3})*(?:[.,]\d*)?"
+)
+"""A number whose thousands are grouped."""
 
 
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
@@ -219,11 +250,14 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
         positions=tuple(positions),
         values=tuple(np.ascontiguousarray(table[:, place]) for place in range(len(positions))),
         dropped=dropped,
+        notes=cells.notes,
     )
 
 
 def fault(number: float | None, cell: Cell) -> str | None:
     """What is wrong with a cell, or None."""
+    if number is None and _GROUPED.fullmatch(str(cell).strip()):
+        return f"{_clip(cell)} seems to have thousands separators: export it without them."
     if number is None:
         return f"{_clip(cell)} is not a number."
     if math.isnan(number):

@@ -51,13 +51,27 @@ def columns(request: Request, choose: Choose) -> Columns:
         number, infinite or absurdly large; or because the text cannot be decoded.
     """
     text = take_apart(request)
-    width = text.width
-    headers = text.headers or ("",) * width
-    positions = tuple(choose(headers, width))
+    headers = text.headers or ("",) * text.width
+    return numbers(text, choose(headers, text.width), request)
+
+
+def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
+    """Some columns of a text that is taken apart.
+
+    Raises
+    ------
+    CampaignError
+        As `columns`.
+    """
     if not cut_off(text):
         values = _fast(text, positions)
         if values is not None:
-            return Columns(headers=headers, positions=positions, values=values)
+            return Columns(
+                headers=text.headers or ("",) * text.width,
+                positions=tuple(positions),
+                values=values,
+                notes=text.notes,
+            )
     return columns_of(_careful(text, request), positions, request)
 
 
@@ -151,7 +165,8 @@ def _careful(text: Text, request: Request) -> Cells:
     rows: list[tuple[str, ...]] = []
     lines: list[int] = []
     problems: list[Problem] = []
-    for line, raw in enumerate(text.lines, start=text.first_line):
+    places = text.numbers_of_lines
+    for line, raw in zip(places, text.lines, strict=True):
         try:
             fields = _strict_fields(raw, text.delimiter)
         except csv.Error as error:
@@ -175,7 +190,7 @@ def _careful(text: Text, request: Request) -> Cells:
             request.problem(
                 "the last line has no line end and its last number fewer digits than the others: "
                 "the file looks cut off.",
-                row=text.first_line + text.data.count(b"\n", text.start, text.stop),
+                row=places[-1],
                 remedy="Copy it again; if it is complete, end the last line with a line end.",
             )
         )
@@ -185,6 +200,7 @@ def _careful(text: Text, request: Request) -> Cells:
         lines=tuple(lines),
         decimal=text.decimal,
         problems=tuple(problems),
+        notes=text.notes,
     )
 
 

@@ -14,7 +14,7 @@ from typing import Final
 
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError
-from pmmkit.runs.readers.base import Options, to_number
+from pmmkit.runs.readers.base import Cell, Options, to_number
 from pmmkit.runs.readers.text import BLANKS, CANDIDATES, fields_of, headers_of
 
 _SAMPLE: Final = 24
@@ -53,21 +53,16 @@ class Layout:
     numeric: tuple[bool, ...]
 
     @property
-    def readable_header(self) -> bool:
-        """Whether the header stands right above the numbers, where the reader takes it."""
-        return self.header_line is not None and not self.units
-
-    @property
     def options(self) -> Options:
         """How the reader of text files is told to read it."""
-        top = self.header_line if self.readable_header else self.first_row
         return Options(
             format="csv",
-            skip_rows=(top or 1) - 1,
+            skip_rows=(self.header_line or self.first_row) - 1,
             encoding=None if self.encoding == "utf-8" else self.encoding,
             delimiter=self.delimiter,
             decimal=self.decimal,
-            header=self.readable_header,
+            header=self.header_line is not None,
+            units_row=True if self.units else None,
         )
 
 
@@ -124,7 +119,7 @@ def layout_of(head: bytes, *, whole: bool) -> Layout | None:
         headers=headers or ("",) * width,
         units=units,
         numeric=tuple(
-            _numbers([fields[place] for fields in body], decimal) for place in range(width)
+            mostly_numbers([fields[place] for fields in body], decimal) for place in range(width)
         ),
     )
 
@@ -150,7 +145,7 @@ def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
     return text, encoding
 
 
-def _numbers(cells: Sequence[str], decimal: str) -> bool:
+def mostly_numbers(cells: Sequence[Cell], decimal: str) -> bool:
     """Whether most cells of a column are numbers, and not all are empty."""
     found = [to_number(cell, decimal) for cell in cells]
     numbers = [number for number in found if number is not None]

@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from pmmkit.runs.hdf5_guard import is_hdf5, is_saved_campaign
 from pmmkit.runs.readers.base import Cells, Choose, Columns, Request
-from pmmkit.runs.store import is_campaign, read_run
+from pmmkit.runs.store import read_run
 
 
 def recognises(path: Path, head: bytes) -> bool:
-    """Whether the file is a campaign that pmmkit saved."""
-    return head.startswith(b"\x89HDF\r\n\x1a\n") and is_campaign(path)
+    """Whether a file is a campaign that pmmkit saved, by its attributes."""
+    return is_hdf5(head) and is_saved_campaign(path)
 
 
 def names(request: Request) -> tuple[str, ...]:

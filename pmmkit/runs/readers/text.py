@@ -1,32 +1,40 @@
-"""Taking a text file apart: encoding, header, delimiter, decimal sign, where the numbers stand."""
+"""Taking a text file apart: encoding, comments, header, where and how the numbers stand."""
 
 from __future__ import annotations
 
-import codecs
-import csv
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.runs.readers.base import Request, to_number
+import numpy as np
 
-BLANKS: Final = " "
-CANDIDATES: Final = (
-    (";", "."),
-    (";", ","),
-    ("\t", "."),
-    ("\t", ","),
-    (",", "."),
-    (BLANKS, "."),
-    (BLANKS, ","),
+from pmmkit.runs.readers.base import Request
+from pmmkit.runs.readers.decoding import cut_apart, decoded, unix_ends
+from pmmkit.runs.readers.heading import (
+    BLANKS,
+    CANDIDATES,
+    Heading,
+    comment_marks,
+    fields_of,
+    find_heading,
+    headers_of,
+    line_end,
+    looks_like_row,
 )
-"""Delimiters and decimal signs that are tried, in this order."""
+
+__all__ = [
+    "BLANKS",
+    "CANDIDATES",
+    "Text",
+    "cut_off",
+    "fields_of",
+    "headers_of",
+    "line_end",
+    "surely_whole",
+    "take_apart",
+]
+
 _SAMPLE: Final = 20
-_BLANK_HEADER: Final = re.compile(
-    r"(?:[^\s\[(]|\[[^\]]*\]|\([^)]*\))+(?:\s+(?:\[[^\]]*\]|\([^)]*\)))?"
-)
-"""A header among blanks, with the unit in brackets that may stand apart from it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,13 +46,17 @@ class Text:
     headers : tuple of str or None
         Names in the header; None where there is none.
     data : bytes
-        The whole file as UTF-8.
+        The whole file as UTF-8, without comments among the rows.
     start, stop : int
         Where in `data` the rows of numbers begin and end, line ends after them left out.
     first_line : int
         Line of the file, counted from 1, in which the rows begin.
     delimiter, decimal : str
         What stands between fields (a blank for any number of blanks or tabs); decimal sign.
+    comments : tuple of int
+        Lines of the file, counted from 1, below the first of the rows that held comments.
+    notes : tuple of str
+        What was left out or found out.
     """
 
     headers: tuple[str, ...] | None
@@ -54,11 +66,20 @@ class Text:
     first_line: int
     delimiter: str
     decimal: str
+    comments: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
 
     @property
     def lines(self) -> list[bytes]:
         """The rows of numbers."""
         return self.data[self.start : self.stop].split(b"\n")
+
+    @property
+    def numbers_of_lines(self) -> list[int]:
+        """Line of the file, counted from 1, of each of the rows."""
+        count = self.data.count(b"\n", self.start, self.stop) + 1 + len(self.comments)
+        every = np.arange(self.first_line, self.first_line + count)
+        return [int(line) for line in np.setdiff1d(every, self.comments)]
 
     @property
     def width(self) -> int:
@@ -78,94 +99,81 @@ def take_apart(request: Request) -> Text:
         If it is empty, has no rows of numbers, cannot be decoded or holds zero bytes.
     """
     options = request.options
+    if options.widths is not None and options.delimiter is not None:
+        raise request.error(
+            request.problem("widths and delimiter are both stated; a file has one or the other.")
+        )
     try:
         data = request.path.read_bytes()
     except OSError as error:
         raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
-    data = _as_utf8(data, request)
-    if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
-        if b"\n" in data:
-            stray = re.search(rb"\r(?!\n)", data)
-            row = data.count(b"\n", 0, stray.start()) + 1 if stray else None
-            if stray is None or stray.end() != len(data):
-                raise request.error(
-                    request.problem("there is a carriage return inside the line.", row=row)
-                )
-        else:
-            data = data.replace(b"\r", b"\n")
+    text = decoded(data, request)
+    data = unix_ends(text.data, request)
     start, line = 0, 1
     while start < len(data) and (
         line <= options.skip_rows or not data[start : line_end(data, start)].strip()
     ):
         start, line = line_end(data, start) + 1, line + 1
+    if options.widths is not None:
+        data, start = cut_apart(data[start:], options.widths), 0
     stop = _last(data)
     if start >= stop:
         skipped = f" below the {options.skip_rows} rows skipped" if options.skip_rows else ""
         raise request.error(request.problem(f"the file is empty{skipped}."))
-    delimiter, decimal = _dialect(data[start : min(stop, start + 65536)], request)
-    first = data[start : line_end(data, start)]
-    headers = None
-    if _is_header(fields_of(first, delimiter), decimal, request):
-        headers = headers_of(first, delimiter)
-        start, line = line_end(data, start) + 1, line + 1
-        if start >= stop:
-            raise request.error(
-                request.problem("the file has a header and no rows of numbers below it.")
-            )
+    heading = find_heading(data, start, stop, line, request)
+    notes = heading.notes
+    if text.doubt is not None:
+        if not data[heading.start :].isascii():
+            raise request.error(text.doubt)
+        notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
+    data, comments = _without_comments(data, stop, heading, request)
+    if comments:
+        notes = (*notes, f"{len(comments)} lines of comments among the rows left out")
     return Text(
-        headers=headers,
+        headers=heading.headers,
         data=data,
-        start=start,
-        stop=stop,
-        first_line=line,
-        delimiter=delimiter,
-        decimal=decimal,
+        start=heading.start,
+        stop=_last(data),
+        first_line=heading.line,
+        delimiter=heading.delimiter,
+        decimal=heading.decimal,
+        comments=comments,
+        notes=notes,
     )
 
 
-def _as_utf8(data: bytes, request: Request) -> bytes:
-    """The text as UTF-8 without a byte order mark; refuses what is not text."""
-    encoding = request.options.encoding or "utf-8"
-    if not data:
-        raise request.error(request.problem("the file is empty (0 bytes)."))
-    if request.options.encoding is None and data.startswith(
-        (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
-    ):
-        raise request.error(
-            request.problem("the text is UTF-16.", remedy='Write encoding = "utf-16" in [source].')
-        )
-    plain = "az09,\n".encode(encoding) == b"az09,\n"
-    if not (plain and data.isascii()):
-        try:
-            decoded = data.decode(encoding)
-        except UnicodeError as error:
-            place = error.start if isinstance(error, UnicodeDecodeError) else None
-            raise request.error(
-                request.problem(
-                    f"the text is not {encoding}."
-                    if place is None
-                    else f"byte {data[place]:#04x} is not {encoding} text.",
-                    row=data.count(b"\n", 0, place) + 1 if plain and place is not None else None,
-                    remedy='State the right one in [source], e.g. encoding = "cp1252".',
-                )
-            ) from error
-        data = data if codecs.lookup(encoding).name == "utf-8" else decoded.encode()
-    data = data.removeprefix(codecs.BOM_UTF8)
-    nul = data.find(b"\0")
-    if nul >= 0:
-        raise request.error(
-            request.problem(
-                "there are zero bytes: the file is damaged or not plain text.",
-                row=data.count(b"\n", 0, nul) + 1,
+def _without_comments(
+    data: bytes, stop: int, heading: Heading, request: Request
+) -> tuple[bytes, tuple[int, ...]]:
+    """The text without comments among its rows, and the lines of the file where they stood.
+
+    Where the campaign file does not say what comments begin with, a line that looks like a row
+    behind the sign stays: it is more likely a damaged row.
+    """
+    marks = [mark.encode() for mark in comment_marks(request)]
+    if all(data.find(mark[:1], heading.start, stop) < 0 for mark in marks):
+        return data, ()
+    top = data[heading.start : line_end(data, heading.start)]
+    width = len(heading.headers or fields_of(top, heading.delimiter))
+    code = np.frombuffer(data, np.uint8, count=stop - heading.start, offset=heading.start)
+    begins = np.append(0, np.flatnonzero(code == 10) + 1)
+    likely = np.flatnonzero(np.isin(code[begins], [mark[0] for mark in marks]))
+    kept, numbers, place = [], [], 0
+    for index in likely.tolist():
+        begin = heading.start + int(begins[index])
+        end = line_end(data, begin)
+        mark = next((mark for mark in marks if data.startswith(mark, begin)), None)
+        if mark is None or (
+            request.options.comment is None
+            and looks_like_row(
+                data[begin + len(mark) : end], width, heading.delimiter, heading.decimal
             )
-        )
-    return data
-
-
-def line_end(data: bytes, start: int) -> int:
-    """Where the line that begins at `start` ends."""
-    found = data.find(b"\n", start)
-    return len(data) if found < 0 else found
+        ):
+            continue
+        numbers.append(heading.line + index)
+        kept.append(data[place:begin])
+        place = min(end + 1, len(data))
+    return b"".join([*kept, data[place:]]), tuple(numbers)
 
 
 def _last(data: bytes) -> int:
@@ -176,77 +184,35 @@ def _last(data: bytes) -> int:
     return stop
 
 
-def fields_of(line: bytes, delimiter: str) -> list[str]:
-    """The fields of a line, without the blanks around them."""
-    text = line.decode("utf-8", "replace").rstrip("\r\n")
-    if delimiter == BLANKS:
-        return text.removeprefix("#").split()
-    if '"' not in text:
-        return [cell.strip() for cell in text.split(delimiter)]
-    return [cell.strip() for cell in next(csv.reader([text], delimiter=delimiter), [""])]
-
-
-def headers_of(line: bytes, delimiter: str) -> tuple[str, ...]:
-    """The names in a header line."""
-    around = " \r\n" if delimiter == "\t" else None
-    text = line.decode("utf-8").strip(around).removeprefix("#").strip(around)
-    if delimiter == BLANKS:
-        return tuple(found[0] for found in _BLANK_HEADER.finditer(text))
-    return tuple(fields_of(text.encode(), delimiter))
-
-
-def _dialect(text: bytes, request: Request) -> tuple[str, str]:
-    """Delimiter and decimal sign: as stated, else what makes most cells of the top numbers."""
-    options = request.options
-    sample = [line for line in text.split(b"\n")[1 : _SAMPLE + 1] if line.strip()]
-    sample = sample or text.split(b"\n")[:1]
-    best, chosen = -1.0, (options.delimiter or ",", options.decimal or ".")
-    for delimiter, decimal in CANDIDATES:
-        if options.delimiter not in (None, delimiter) or options.decimal not in (None, decimal):
-            continue
-        rows = [fields_of(line, delimiter) for line in sample]
-        counts = sorted(len(row) for row in rows)
-        width = counts[len(counts) // 2]
-        if width < 2:
-            continue
-        listed = [cell for row in rows for cell in row]
-        numbers = sum(to_number(cell, decimal) is not None for cell in listed)
-        score = counts.count(width) / len(counts) * numbers / len(listed)
-        if score > best:
-            best, chosen = score, (delimiter, decimal)
-        if score == 1.0:
-            break
-    return chosen
-
-
-def _is_header(top: Sequence[str], decimal: str, request: Request) -> bool:
-    if request.options.header is not None:
-        return request.options.header
-    numbers = sum(bool(cell) and to_number(cell, decimal) is not None for cell in top)
-    if numbers == 0:
-        return True
-    if numbers == len([cell for cell in top if cell]):
-        return False
-    if numbers * 2 < len(top):
-        return True
-    raise request.error(
-        request.problem(
-            "the first line mixes numbers and text: it is a header or a damaged row.",
-            row=request.options.skip_rows + 1,
-            remedy="Say which in [source]: header = true or header = false.",
-        )
-    )
-
-
 def cut_off(text: Text) -> bool:
     """Whether a last line without line end looks shorter in its last number than the others."""
-    if any(end in text.data[text.stop :] for end in (b"\n", b"\r")):
+    if _ended(text):
         return False
+    tails = _digits(text)
+    if len(tails) < 3:
+        return False
+    return any(tails[-1][part] < min(tail[part] for tail in tails[1:-1]) for part in (0, 1))
+
+
+def surely_whole(text: Text) -> bool:
+    """Whether the last line has a line end, or decimals as many as those above it have."""
+    if _ended(text):
+        return True
+    tails = _digits(text)
+    return len(tails) > 2 and any(tails[-1]) and len(set(tails[1:])) == 1
+
+
+def _ended(text: Text) -> bool:
+    return any(end in text.data[text.stop :] for end in (b"\n", b"\r"))
+
+
+def _digits(text: Text) -> list[tuple[int, int]]:
+    """Decimals and digits of the exponent in the last number of each of the last lines."""
     pattern = re.compile(
         rb"[^" + re.escape(text.decimal.encode()) + rb"eE]*(?:"
         + re.escape(text.decimal.encode()) + rb"(\d*))?(?:[eE][+-]?(\d*))?"
     )  # fmt: skip
-    tails = [
+    return [
         (len(found[1] or b""), len(found[2] or b""))
         for line in text.data[max(text.start, text.stop - 65536) : text.stop].split(b"\n")[
             -_SAMPLE:
@@ -254,6 +220,3 @@ def cut_off(text: Text) -> bool:
         if (fields := fields_of(line, text.delimiter))
         and (found := pattern.fullmatch(fields[-1].encode()))
     ]
-    if len(tails) < 3:
-        return False
-    return any(tails[-1][part] < min(tail[part] for tail in tails[1:-1]) for part in (0, 1))
