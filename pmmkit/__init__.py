@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pmmkit.effects.catalogue import catalogue
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
+    from pmmkit.exports import export
     from pmmkit.identification import fit_to_forces, free_records, identify
     from pmmkit.model import (
         Model,
@@ -83,6 +84,7 @@ __all__ = [
     "estimated_model",
     "evaluate_trials",
     "examine",
+    "export",
     "fit",
     "fit_to_forces",
     "free_records",
@@ -138,6 +140,7 @@ _HOMES: Final = {
     "diagnosis.programme": ("plan",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
+    "exports": ("export",),
     "identification": ("fit_to_forces", "free_records", "identify"),
     "trials": ("evaluate_trials",),
     "empirical": ("estimate",),

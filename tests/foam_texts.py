@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from pmmkit.runs.readers import openfoam
+from pmmkit.runs.readers.base import Options, Request
+
 COFR = (0.35, 0.0, 0.02)
 AXES = "xyz"
 
@@ -148,3 +151,22 @@ LAYOUTS: dict[str, tuple[Callable[..., dict[str, str]], tuple[str, ...]]] = {
     ),
 }
 HALVES = ("force", "moment")
+
+
+def request(path: Path, **options) -> Request:
+    return Request(path=path, shown=path.name, run="R", options=Options(**options))
+
+
+def every(path: Path, **options) -> dict[str, np.ndarray]:
+    """All columns that a file or folder offers, by header."""
+    found = openfoam.columns(request(path, **options), lambda headers, count: range(count))
+    return dict(zip(found.headers, found.values, strict=True))
+
+
+def notes(path: Path) -> str:
+    return "\n".join(openfoam.columns(request(path), lambda headers, count: range(count)).notes)
+
+
+def total(letter: str, axis: int, groups, parts=None) -> np.ndarray:
+    held = numbers()[1] if parts is None else parts
+    return sum(held[f"{letter}_{group}"][:, axis] for group in groups)

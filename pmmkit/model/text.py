@@ -18,8 +18,9 @@ def toml_text(data: Mapping[str, Any]) -> str:
     Parameters
     ----------
     data : mapping
-        Texts, booleans, integers, floats, flat lists of them, lists of such lists, mappings.
-        Floats are written with the fewest digits that give the same float again.
+        Texts, booleans, integers, floats, flat lists of them, lists of such lists, mappings, and
+        lists of mappings, which become arrays of tables. Floats are written with the fewest
+        digits that give the same float again.
 
     Returns
     -------
@@ -33,21 +34,43 @@ def toml_text(data: Mapping[str, Any]) -> str:
     [values]
     "Yv|v|" = -0.1
     Yv = [1.0, 2.0]
+    >>> print(toml_text({"runs": [{"id": "a", "row": {"n": 1}}, {"id": "b"}]}), end="")
+    [[runs]]
+    id = "a"
+    <BLANKLINE>
+    [runs.row]
+    n = 1
+    <BLANKLINE>
+    [[runs]]
+    id = "b"
     """
     return "\n".join(_table(data, ())).lstrip("\n") + "\n"
 
 
 def _table(data: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
-    plain = {key: value for key, value in data.items() if not isinstance(value, Mapping)}
-    nested = {key: value for key, value in data.items() if isinstance(value, Mapping)}
-    lines = []
-    if path and (plain or not nested):
-        lines += ["", f"[{'.'.join(map(_key, path))}]"]
-    for key, value in plain.items():
-        lines += f"{_key(key)} = {_value(value)}".split("\n")
-    for key, value in nested.items():
-        lines += _table(value, (*path, key))
+    """The lines of a table without its own heading; tables inside follow behind its values."""
+    plain = {key: value for key, value in data.items() if not _is_table(value)}
+    lines = [
+        line
+        for key, value in plain.items()
+        for line in f"{_key(key)} = {_value(value)}".split("\n")
+    ]
+    for key in (key for key in data if key not in plain):
+        value, inner = data[key], (*path, key)
+        name = ".".join(map(_key, inner))
+        if isinstance(value, Mapping):
+            inside = _table(value, inner)
+            lines += inside if inside[:1] == [""] else ["", f"[{name}]", *inside]
+        else:
+            for item in value:
+                lines += ["", f"[[{name}]]", *_table(item, inner)]
     return lines
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and all(isinstance(x, Mapping) for x in value)
+    )
 
 
 def _key(name: str) -> str:

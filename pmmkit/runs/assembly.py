@@ -337,7 +337,8 @@ def _motion(
         return None
     path = setup.find(entry.motion)
     if path is None:
-        out.problems.append(setup.missing_file(entry.motion, label))
+        if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
+            out.problems.append(setup.missing_file(entry.motion, label))
         return None
     foam = path.is_dir() or openfoam.recognises(path, _head(path))
     options = Options(format="openfoam" if foam else None)

@@ -1,0 +1,8 @@
+"""Models, tables, campaigns and tracks for other programs."""
+
+from pmmkit.exports.mss import model_to_mss
+from pmmkit.exports.mss_table import table_to_mss
+from pmmkit.exports.shipmmg import model_to_shipmmg
+from pmmkit.exports.write import ENDINGS, FORMATS, export
+
+__all__ = ["ENDINGS", "FORMATS", "export", "model_to_mss", "model_to_shipmmg", "table_to_mss"]

@@ -1,0 +1,224 @@
+"""The campaign file that reads an exported campaign back: settings, particulars, uncertainties."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from pmmkit.errors import CampaignError, Problem
+from pmmkit.exports.text import comment, written_by
+from pmmkit.model.text import toml_text
+from pmmkit.runs.corrections import OF_SAMPLES
+from pmmkit.runs.run import Campaign, Run, TypeB
+
+_DEGREES: Final = {
+    "drift": "drift_deg", "heel": "heel_deg", "rudder": "rudder_deg", "phase": "phase_deg",
+}  # fmt: skip
+"""Settings that are zero where nothing is stated."""
+_OPTIONAL: Final = {
+    "yaw_amplitude": ("yaw_amplitude_deg", True), "switch": ("switch_deg", True),
+    "amplitude": ("amplitude_m", False), "period": ("period", False),
+    "propeller_rps": ("propeller_rps", False), "yaw_rate": ("yaw_rate", False),
+    "radius": ("radius", False), "repeat_of": ("repeat_of", False),
+}  # fmt: skip
+"""Settings that may be absent: their keys, and whether those are in degrees."""
+_SHIP: Final = {
+    "name": "name", "L": "L", "B": "B", "d": "d", "volume": "volume", "mass": "mass",
+    "Izz": "Izz", "xG": "xG", "zG": "zG", "GM": "GM", "Ixx": "Ix", "balance_mass": "balance_mass",
+    "balance_Izz": "balance_Izz", "balance_xG": "balance_xG", "block_stated": "CB",
+}  # fmt: skip
+_WATER: Final = ("rho", "g", "nu", "depth", "tank_width", "tank_depth")
+_SUFFIXES: Final = {
+    "drift": "_deg", "heel": "_deg", "rudder": "_deg", "yaw_amplitude": "_deg", "phase": "_deg",
+    "amplitude": "_m",
+}  # fmt: skip
+
+
+def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) -> str:
+    """The text of ``campaign.toml`` for runs whose data are SI, in ship axes, corrected.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The campaign.
+    entries : mapping
+        By run what ``[[runs]]`` says of its file: ``file``, ``columns``, ``row``.
+
+    Returns
+    -------
+    str
+        Corrections of samples, axes and factors of a CFD have been applied already and are told in
+        comments; what the corrections say of runs (left out, inertia inside, means) stands.
+
+    Raises
+    ------
+    CampaignError
+        If a particular is of a kind that TOML does not hold.
+    """
+    every = [*campaign.runs, *(run for run, _ in campaign.excluded)]
+    kept = [run for run in every if run.id in entries]
+    data: dict[str, Any] = {
+        "campaign": {
+            "title": campaign.title,
+            "kind": campaign.kind,
+            "forces": campaign.forces,
+            "moment_reference_x": campaign.moment_reference_x,
+            "moment_reference_z": campaign.moment_reference_z,
+            "motion_reference_x": campaign.motion_reference_x,
+            "free": list(campaign.free),
+        },
+        "ship": _given({key: getattr(campaign.ship, name) for name, key in _SHIP.items()}),
+        "water": _given({name: getattr(campaign.water, name) for name in _WATER}),
+        "cfd": _cfd(campaign),
+        "propeller": campaign.propeller,
+        "rudder": campaign.rudder,
+        "trial": _trial(campaign),
+        "uncertainty": _uncertainty(campaign.uncertainty),
+        "corrections": _corrections(campaign, kept),
+        "runs": [
+            {"id": run.id, "test": run.test, **settings_of(run), **entries[run.id]} for run in kept
+        ],
+    }
+    lines = [
+        *written_by("#"),
+        *comment(
+            "Data are SI, in ship axes and signs of pmmkit; conversions and corrections of samples "
+            "have been applied.",
+            "#",
+        ),
+        *(
+            line
+            for key, value in campaign.provenance.items()
+            for line in comment(f"Source, {key}: {value}", "#")
+        ),
+        *(line for told in _applied(kept) for line in comment(told, "#")),
+        *(
+            line
+            for run, reason in campaign.excluded
+            if run.id not in entries
+            for line in comment(f"Run {run.id} is not here: {reason}; it cannot be read.", "#")
+        ),
+    ]
+    try:
+        text = toml_text({key: _listed(value) for key, value in data.items() if value})
+    except TypeError as error:
+        raise CampaignError(
+            Problem(message=f"{error}.", remedy="Export the campaign as netcdf, which keeps it.")
+        ) from error
+    return "\n".join(lines) + "\n\n" + text
+
+
+def settings_of(run: Run) -> dict[str, Any]:
+    """The settings of a run as a campaign file states them.
+
+    Parameters
+    ----------
+    run : Run
+        The run. Angles become degrees such that reading them gives the same radians, wherever
+        there are such degrees.
+    """
+    given, stated = run.settings, run.stated
+    found: dict[str, Any] = {"speed": given.speed}
+    for name, key in _DEGREES.items():
+        value = getattr(given, name)
+        if value or key in stated or (not stated and name != "phase"):
+            found[key] = _before(math.radians, value, math.degrees(value))
+    for name, (key, angle) in _OPTIONAL.items():
+        value = getattr(given, name)
+        if value is not None:
+            found[key] = _before(math.radians, value, math.degrees(value)) if angle else value
+    return found
+
+
+def _before(forward: Callable[[float], float], value: float, guess: float) -> float:
+    """A number near a guess that becomes a value; the guess itself where there is none."""
+    near = [round(guess, 12), guess]
+    for toward in (math.inf, -math.inf):
+        step = guess
+        for _ in range(4):
+            step = math.nextafter(step, toward)
+            near.append(step)
+    return next((item for item in near if forward(item) == value), guess)
+
+
+def _applied(runs: list[Run]) -> list[str]:
+    """Corrections that changed samples, each once."""
+    every = (item for run in runs for item in run.corrections if item.action in OF_SAMPLES)
+    return list(
+        dict.fromkeys(
+            f"Correction applied to {', '.join(item.runs)}: {item.action} ({item.reason})"
+            for item in every
+        )
+    )
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def _listed(value: Any) -> Any:
+    """Tuples as lists, so that only what TOML knows is left."""
+    if isinstance(value, Mapping):
+        return {str(key): _listed(item) for key, item in value.items() if item is not None}
+    return [_listed(item) for item in value] if isinstance(value, list | tuple) else value
+
+
+def _cfd(campaign: Campaign) -> dict[str, Any]:
+    """``[cfd]`` with factors of one: they have been applied."""
+    found = {key: value for key, value in campaign.cfd.items() if key != "U_SN"}
+    if "rho_inf" in found:
+        found["rho_inf"] = campaign.water.rho
+    if "symmetry_factor" in found:
+        found["symmetry_factor"] = 1.0
+    return found | ({"U_SN": dict(campaign.numerical)} if campaign.numerical else {})
+
+
+def _trial(campaign: Campaign) -> dict[str, Any]:
+    """``[trial]`` with the antenna at midship, to which the positions have been moved."""
+    if campaign.kind == "captive":
+        return {}
+    return {
+        key: value for key, value in campaign.trial.items() if key not in ("antenna_x", "antenna_y")
+    }
+
+
+def _uncertainty(stated: tuple[TypeB, ...]) -> dict[str, Any]:
+    found: dict[str, list[dict[str, Any]]] = {}
+    for item in stated:
+        suffix = _SUFFIXES.get(item.name, "")
+        std: float = item.std
+        if item.relative:
+            std = _before(lambda percent: percent / 100, std, 100 * std)
+        elif suffix == "_deg":
+            std = _before(lambda degrees: degrees * (math.pi / 180), std, math.degrees(std))
+        unit = {"unit": "%"} if item.relative else {}
+        entry = {"std": std, **unit, "shared": item.shared}
+        found.setdefault(item.name + suffix, []).append(entry)
+    return {name: items[0] if len(items) == 1 else items for name, items in found.items()}
+
+
+def _corrections(campaign: Campaign, kept: list[Run]) -> list[dict[str, Any]]:
+    """What is said of runs and not done to their samples."""
+    written = {run.id for run in kept}
+    found = [
+        {"runs": [run.id], "action": "exclude", "reason": reason or "left out"}
+        for run, reason in campaign.excluded
+        if run.id in written
+    ]
+    says = {"hydrodynamic": "inertia already removed", "balance": "inertia still inside"}
+    for forces, action in says.items():
+        other = [run.id for run in kept if run.forces == forces != campaign.forces]
+        if other:
+            reason = "as in the campaign that was exported"
+            found.append({"runs": other, "action": action, "reason": reason})
+    wrong = [run.id for run in kept if not run.use_means]
+    if wrong:
+        reason = "as in the campaign that was exported"
+        found.append({"runs": wrong, "action": "drop means", "reason": reason})
+    return [{**item, "runs": [_literal(name) for name in item["runs"]]} for item in found]
+
+
+def _literal(run_id: str) -> str:
+    """An id as a pattern that means only itself."""
+    return "".join(f"[{letter}]" if letter in "*?[" else letter for letter in run_id)

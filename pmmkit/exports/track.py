@@ -1,0 +1,145 @@
+"""Tracks of manoeuvres as files: CSV with units in the headers, NetCDF with what belongs to it."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.errors import CampaignError, Problem
+from pmmkit.files import atomic_path
+from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.runs.picking import pick, required_channels
+from pmmkit.runs.readers.base import Request
+from pmmkit.runs.readers.csv import columns
+from pmmkit.simulation.track import CHANNELS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import xarray as xr
+
+
+def read_track(path: str | Path) -> xr.Dataset:
+    """A ``track.csv`` that a simulation wrote, with the metrics beside it.
+
+    Parameters
+    ----------
+    path : path
+        The CSV file; headers may carry units. ``metrics.json`` (``metrics_x.json`` beside
+        ``track_x.csv``) gives the attributes where it is there.
+
+    Returns
+    -------
+    Dataset
+        The channels over t, SI and radians. Columns that are no channels are named by the
+        attribute ``left_out``.
+
+    Raises
+    ------
+    CampaignError
+        With everything that is wrong with the file.
+    """
+    file = Path(path)
+    request = Request(path=file, shown=file.name)
+    picked: list[Any] = []
+
+    def choose(headers: Sequence[str], width: int) -> list[int]:
+        found, problems = pick(
+            headers, width, {}, request, required=required_channels("free-running")
+        )
+        if problems:
+            raise request.error(*problems)
+        picked.extend(found)
+        return [column.position for column in found]
+
+    read = columns(request, choose)
+    values = {
+        column.name: column.apply(numbers)
+        for column, numbers in zip(picked, read.values, strict=True)
+    }
+    taken = {column.position for column in picked}
+    left = [title for place, title in enumerate(read.headers) if place not in taken]
+    beside = file.with_name(file.name.replace("track", "metrics", 1)).with_suffix(".json")
+    attributes = _metrics(beside) if beside != file else {}
+    return _dataset(values, attributes | ({"left_out": "; ".join(left)} if left else {}))
+
+
+def write_track_csv(track: xr.Dataset, path: str | Path) -> None:
+    """Write a track as CSV with ``name [unit]`` headers, all or nothing.
+
+    Parameters
+    ----------
+    track : Dataset
+        As `Track.to_xarray` or `read_track` gives it.
+    path : path
+        The file.
+    """
+    import pandas as pd
+
+    names = ["t", *(str(name) for name in track.data_vars)]
+    frame = pd.DataFrame({f"{name} [{CHANNEL_UNITS[name]}]": track[name].values for name in names})
+    with atomic_path(path) as part:
+        frame.to_csv(part, index=False, encoding="utf-8", lineterminator="\n")
+
+
+def write_track_netcdf(track: xr.Dataset, path: str | Path) -> None:
+    """Write a track as NetCDF4, all or nothing; metrics are attributes.
+
+    Parameters
+    ----------
+    track : Dataset
+        As for `write_track_csv`.
+    path : path
+        The file.
+    """
+    from pmmkit import __version__
+
+    named = track.assign_attrs(Conventions="CF-1.8", pmmkit=__version__)
+    with atomic_path(path) as part:
+        named.to_netcdf(part, engine="h5netcdf")
+
+
+def _dataset(values: dict[str, Any], attributes: dict[str, Any]) -> xr.Dataset:
+    import xarray as xr
+
+    def described(name: str) -> dict[str, str]:
+        unit, text = CHANNELS.get(name, (CHANNEL_UNITS[name], name))
+        return {"units": unit, "long_name": text}
+
+    times = values.pop("t")
+    return xr.Dataset(
+        {name: ("t", numbers, described(name)) for name, numbers in values.items()},
+        coords={"t": ("t", times, {"units": "s", "long_name": "time from the rudder order"})},
+        attrs=attributes,
+    )
+
+
+def _metrics(path: Path) -> dict[str, Any]:
+    """Numbers and texts of the metrics file; none where it is not there."""
+    if not path.is_file():
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise CampaignError(
+            Problem(
+                message=f"cannot be read as JSON: {error}.",
+                file=path.name,
+                remedy="Simulate again, or take it away to export the track without metrics.",
+            )
+        ) from error
+    if not isinstance(content, dict):
+        return {}
+    texts = {
+        name: "; ".join(value)
+        for name, value in content.items()
+        if isinstance(value, list) and value and all(isinstance(item, str) for item in value)
+    }
+    numbers = {
+        name: math.nan if value is None else value
+        for name, value in content.items()
+        if value is None or (isinstance(value, str | int | float) and not isinstance(value, bool))
+    }
+    return numbers | texts

@@ -1,0 +1,223 @@
+"""One word for all exports: what it is and in which format decide who writes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.errors import DataError, FileExists, Problem, UnknownNameError
+from pmmkit.exports.campaign_csv import write_campaign_csv
+from pmmkit.exports.mss import model_to_mss
+from pmmkit.exports.mss_table import table_to_mss
+from pmmkit.exports.shipmmg import model_to_shipmmg
+from pmmkit.exports.subject import read_subject
+from pmmkit.exports.text import matlab_name
+from pmmkit.exports.track import write_track_csv, write_track_netcdf
+from pmmkit.files import write_text
+from pmmkit.model import Model
+from pmmkit.runs.run import Campaign
+from pmmkit.runs.store import save_campaign
+from pmmkit.simulation.track import Track
+from pmmkit.tables import DerivativeTable, write
+from pmmkit.tables.io import sidecar_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FORMATS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "model": ("mss", "shipmmg"),
+        "table": ("mss", "csv", "excel", "latex", "netcdf"),
+        "campaign": ("csv", "netcdf"),
+        "track": ("csv", "netcdf"),
+    }
+)
+"""What can be exported, and to which formats."""
+ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "mss": ".m", "shipmmg": ".py", "csv": ".csv", "excel": ".xlsx", "latex": ".tex",
+        "netcdf": ".nc",
+    }
+)  # fmt: skip
+"""Ending of the files of each format."""
+
+
+def export(
+    obj: Model | DerivativeTable | Campaign | Track | xr.Dataset | str | Path,
+    path: str | Path,
+    to: str | None = None,
+    *,
+    speed: float | None = None,
+    data: str | Path | None = None,
+) -> list[Path]:
+    """Write a model, a table, a campaign or a track for other programs.
+
+    Parameters
+    ----------
+    obj : Model, DerivativeTable, Campaign, Track, Dataset, str or path
+        What to write, or where it is: a library ship, a model file, a table, a campaign, the
+        ``track.csv`` of a simulation.
+    path : path
+        File to write; for a campaign as ``csv`` a folder. A file that is there is replaced, all or
+        nothing.
+    to : str, optional
+        ``mss`` (function file for MATLAB and Octave), ``shipmmg`` (Python), ``csv``, ``excel``,
+        ``latex``, ``netcdf``; by default the one that the ending of `path` names.
+    speed : float, optional
+        For models: speed [m/s] at whose Froude number the values are taken.
+    data : path, optional
+        For a campaign that is named by its path: folder of its measurements.
+
+    Returns
+    -------
+    list of Path
+        The files written.
+
+    Raises
+    ------
+    DataError
+        If the format does not suit, or cannot say all that there is; with every reason.
+    FileExists
+        If `path` is the very file or folder that is to be exported, or cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> [file.name for file in export("kvlcc2-l7", folder / "kvlcc2.m", speed=1.179)]
+    ['kvlcc2.m']
+    """
+    target = Path(path)
+    if isinstance(obj, str | Path) and _meets(Path(obj), target):
+        raise FileExists(f"{path} is what is to be exported. Choose another file.")
+    subject = read_subject(obj, data=data) if isinstance(obj, str | Path) else obj
+    kind = kind_of(subject)
+    chosen = _format(kind, target, to)
+    try:
+        return _written(subject, kind, chosen, target, speed)
+    except OSError as error:
+        if isinstance(error, FileExists):
+            raise
+        raise FileExists(f"{path} cannot be written: {error.strerror or error}.") from error
+
+
+def _written(subject: Any, kind: str, to: str, target: Path, speed: float | None) -> list[Path]:
+    """Write by whom the kind and the format name."""
+    if kind == "campaign" and to == "csv":
+        return [target / name for name in write_campaign_csv(subject, target)]
+    writers: dict[tuple[str, str], Any] = {
+        ("model", "mss"): partial(_model_as_mss, speed=speed),
+        ("model", "shipmmg"): partial(_model_as_shipmmg, speed=speed),
+        ("table", "mss"): _table_as_mss,
+        ("campaign", "netcdf"): save_campaign,
+        ("track", "csv"): write_track_csv,
+        ("track", "netcdf"): write_track_netcdf,
+    }
+    if isinstance(subject, Track):
+        subject = subject.to_xarray()
+    writers.get((kind, to), partial(_table_as, to))(subject, target)
+    return [target, sidecar_of(target)] if (kind, to) == ("table", "csv") else [target]
+
+
+def kind_of(subject: object) -> str:
+    """What something is in words: ``model``, ``table``, ``campaign``, ``track``.
+
+    Parameters
+    ----------
+    subject : object
+        What is to be exported.
+
+    Raises
+    ------
+    UnknownNameError
+        If it is nothing of these.
+    """
+    kinds: tuple[tuple[type, str], ...] = (
+        (Model, "model"), (DerivativeTable, "table"), (Campaign, "campaign"), (Track, "track"),
+    )  # fmt: skip
+    for kind, word in kinds:
+        if isinstance(subject, kind):
+            return word
+    if {"t", "x", "y", "psi"} <= set(getattr(subject, "variables", ())):
+        return "track"
+    raise UnknownNameError(
+        f"A {type(subject).__name__} cannot be exported: give a model, a derivative table, a "
+        f"campaign or a track."
+    )
+
+
+def file_name(subject: Any, stem: str, to: str) -> str:
+    """Name of a file or folder where none is chosen.
+
+    Parameters
+    ----------
+    subject : Model, DerivativeTable, Campaign or Dataset
+        What is to be exported.
+    stem : str
+        Name of its file or folder without the ending.
+    to : str
+        The format.
+
+    Examples
+    --------
+    >>> from pmmkit.model import load_model
+    >>> file_name(load_model("kvlcc2-l7"), "kvlcc2-l7", "mss")
+    'kvlcc2_l7.m'
+    """
+    if isinstance(subject, Campaign) and to == "csv":
+        return f"{stem}-csv"
+    return (matlab_name(stem) if to in ("mss", "shipmmg") else stem) + ENDINGS[to]
+
+
+def _format(kind: str, target: Path, to: str | None) -> str:
+    """The format that is asked for, checked against what there is."""
+    by_ending = {ending: name for name, ending in ENDINGS.items()} | {".h5": "netcdf"}
+    chosen = to if to is not None else by_ending.get(target.suffix.lower())
+    if chosen is None and kind == "campaign" and not target.suffix:
+        chosen = "csv"
+    if chosen is None or chosen not in ENDINGS:
+        raise UnknownNameError(
+            f"Which format? {target.name!r} has no ending that says it: {', '.join(ENDINGS)}."
+            if to is None
+            else f"Format {to!r} is not known: {', '.join(ENDINGS)}."
+        )
+    if chosen not in FORMATS[kind]:
+        raise DataError(
+            Problem(
+                message=f"A {kind} is not written as {chosen}: {', '.join(FORMATS[kind])}.",
+                remedy="A model's derivatives as a table: pmmkit.hull_table."
+                if kind == "model"
+                else None,
+            )
+        )
+    return chosen
+
+
+def _meets(source: Path, target: Path) -> bool:
+    """Whether a path to be written is one to be read."""
+    if not source.exists():
+        return False
+    places = {source.resolve()} | ({source.resolve().parent} if source.suffix == ".toml" else set())
+    return target.resolve() in places
+
+
+def _model_as_mss(model: Model, path: Path, *, speed: float | None) -> None:
+    write_text(path, model_to_mss(model, name=path.stem, speed=speed))
+
+
+def _model_as_shipmmg(model: Model, path: Path, *, speed: float | None) -> None:
+    write_text(path, model_to_shipmmg(model, speed=speed))
+
+
+def _table_as_mss(table: DerivativeTable, path: Path) -> None:
+    write_text(path, table_to_mss(table, name=path.stem))
+
+
+def _table_as(to: str, table: DerivativeTable, path: Path) -> None:
+    """By the room of the tables, which goes by the ending."""
+    if path.suffix.lower() not in (ENDINGS[to], *((".h5",) if to == "netcdf" else ())):
+        raise DataError(f"{path}: a table as {to} needs the ending {ENDINGS[to]}.")
+    write(table, path)
