@@ -15,6 +15,9 @@ and, where the format asks for it,
     Our channels and the headers (without unit) that they usually stand under.
 ``files(request)``
     The files that a folder or a pattern stands for.
+``recognises(path, head)``
+    Whether a file is of the format, or a folder, whose `head` is empty: told by content, cheap,
+    never raising.
 
 To add a format, write the module and put its name below.
 """
@@ -22,17 +25,16 @@ To add a format, write the module and put its name below.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Final, Protocol, cast
 
 from pmmkit.errors import UnknownNameError
-from pmmkit.runs.hdf5_guard import is_saved_campaign
-from pmmkit.runs.readers.base import Cells, Choose, Columns, Options, Request
+from pmmkit.runs.readers.base import HEAD, Cells, Choose, Columns, Options, Request
 
 __all__ = [
     "FORMATS", "Cells", "Columns", "Options", "Reader", "Request", "files_of", "format_of",
-    "reader_for", "usual_of",
+    "head_of", "reader_for", "recognise", "usual_of",
 ]  # fmt: skip
 
 FORMATS: Final[dict[str, str]] = {
@@ -50,12 +52,14 @@ FORMATS: Final[dict[str, str]] = {
 _SUFFIXES: Final[dict[str, str]] = {
     ".xls": "excel", ".xlsx": "excel", ".xlsm": "excel", ".xlsb": "excel", ".ods": "excel",
     ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "hdf5", ".nc4": "hdf5",
-    ".mat": "matlab", ".tdms": "tdms",
+    ".mat": "matlab", ".tdms": "tdms", ".csv": "csv",
 }  # fmt: skip
-
-
+_CONTAINERS: Final = (".h5", ".hdf5", ".nc", ".nc4")
+"""Suffixes that say how a file is packed and not what its layout is."""
+_GENERAL: Final = ("hdf5", "csv")
+"""Formats of which others are special cases: they are tried last."""
 OF_FOLDERS: Final = "openfoam"
-"""Format of a folder where none is stated."""
+"""Format of a folder that no reader recognises."""
 
 
 class Reader(Protocol):
@@ -71,15 +75,84 @@ class Reader(Protocol):
         """The whole of a small file."""
 
 
-def format_of(file: str, options: Options) -> str:
-    """Format of a file: as stated, else by its suffix, else ``csv``.
+def format_of(file: str, options: Options, path: Path | None = None) -> str:
+    """Format of a file: as stated, else by its suffix, else by its content, else ``csv``.
+
+    Parameters
+    ----------
+    file : str
+        Its name.
+    options : Options
+        What the campaign file states.
+    path : Path, optional
+        Where it lies; without it the content is not looked at. Where the suffix is that of a
+        container of several formats (HDF5), the content counts before it.
 
     Examples
     --------
     >>> format_of("tests.xls", Options()), format_of("run.dat", Options())
     ('excel', 'csv')
     """
-    return options.format or _SUFFIXES.get(PurePath(file).suffix.lower(), "csv")
+    if options.format:
+        return options.format
+    suffix = PurePath(file).suffix.lower()
+    named = _SUFFIXES.get(suffix)
+    if path is None:
+        return named or "csv"
+    if path.is_dir():
+        return recognise(path) or OF_FOLDERS
+    if named is not None and suffix not in _CONTAINERS:
+        return named
+    return recognise(path, [name for name in _ordered() if name != "csv"]) or named or "csv"
+
+
+def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
+    r"""The format of a file or folder by its content; None if no reader knows it.
+
+    Parameters
+    ----------
+    path : Path
+        File or folder.
+    formats : iterable of str, optional
+        Formats that are tried, in this order; by default all, those of which others are special
+        cases last.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "run.out"
+    >>> _ = file.write_text("t X\n0.0 1.5\n0.1 1.6\n")
+    >>> recognise(file)
+    'csv'
+    """
+    try:
+        head = head_of(path)
+    except OSError:
+        return None
+    for name in _ordered() if formats is None else formats:
+        recognises = getattr(importlib.import_module(FORMATS[name]), "recognises", None)
+        if recognises is not None and recognises(path, head):
+            return name
+    return None
+
+
+def _ordered() -> list[str]:
+    """All formats, special ones first."""
+    return [*(name for name in FORMATS if name not in _GENERAL), *_GENERAL]
+
+
+def head_of(path: Path) -> bytes:
+    """The first bytes of a file, none of a folder.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    if path.is_dir():
+        return b""
+    with path.open("rb") as stream:
+        return stream.read(HEAD)
 
 
 def reader_for(request: Request) -> Reader:
@@ -90,11 +163,7 @@ def reader_for(request: Request) -> Reader:
     UnknownNameError
         If the format is not known.
     """
-    name = format_of(request.shown, request.options)
-    if request.options.format is None and request.path.is_dir():
-        name = OF_FOLDERS
-    if name == "hdf5" and request.options.format is None and is_saved_campaign(request.path):
-        name = "pmmkit"
+    name = format_of(request.shown, request.options, request.path)
     if name not in FORMATS:
         raise UnknownNameError(f"Format {name!r} is not known: {', '.join(FORMATS)}.")
     return cast(Reader, importlib.import_module(FORMATS[name]))

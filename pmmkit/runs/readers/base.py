@@ -20,6 +20,8 @@ Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
 """Given the headers (empty where the file has none) and the number of columns: positions wanted."""
 
+HEAD: Final = 65536
+"""Bytes at the beginning of a file by which its format is recognised."""
 ABSURD: Final = 1e30
 """Numbers beyond this are taken for damage."""
 LISTED: Final = 10

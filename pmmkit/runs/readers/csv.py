@@ -11,12 +11,14 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.runs.readers.base import (
     ABSURD,
+    HEAD,
     Array,
     Cells,
     Choose,
@@ -24,7 +26,13 @@ from pmmkit.runs.readers.base import (
     Request,
     columns_of,
 )
+from pmmkit.runs.readers.layout import layout_of
 from pmmkit.runs.readers.text import BLANKS, Text, cut_off, line_end, take_apart
+
+
+def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
+    """Whether the text holds rows of numbers in columns."""
+    return layout_of(head, whole=len(head) < HEAD) is not None
 
 
 def names(request: Request) -> tuple[str, ...]:

@@ -29,6 +29,17 @@ def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
     return head.startswith(CFB)
 
 
+def sheets(request: Request) -> tuple[str, ...]:
+    """Names of the sheets.
+
+    Raises
+    ------
+    CampaignError
+        If the workbook cannot be read.
+    """
+    return tuple(_workbook(request).sheet_names)
+
+
 def names(request: Request) -> tuple[str, ...]:
     """Headers of the sheet."""
     return cells(request).headers
@@ -94,8 +105,7 @@ def _table(grid: Grid, request: Request) -> Cells:
     )
 
 
-def _grid(request: Request) -> Grid:
-    """All values of the sheet that is asked for."""
+def _workbook(request: Request) -> Any:
     import python_calamine as calamine
 
     try:
@@ -103,11 +113,15 @@ def _grid(request: Request) -> Grid:
     except OSError as error:
         raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
     try:
-        workbook = calamine.CalamineWorkbook.from_path(str(request.path))
-        sheets = list(workbook.sheet_names)
+        return calamine.CalamineWorkbook.from_path(str(request.path))
     except BaseException as error:
         raise _unreadable(request, error) from error
-    wanted = _wanted(sheets, request)
+
+
+def _grid(request: Request) -> Grid:
+    """All values of the sheet that is asked for."""
+    workbook = _workbook(request)
+    wanted = _wanted(list(workbook.sheet_names), request)
     try:
         sheet = workbook.get_sheet_by_name(wanted)
         rows = sheet.to_python(skip_empty_area=False)

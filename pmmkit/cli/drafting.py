@@ -1,0 +1,92 @@
+"""The work behind ``pmmkit new-campaign``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pmmkit.cli.console import Outcome
+from pmmkit.drafting.draft import Draft, draft_of
+from pmmkit.drafting.write import written
+from pmmkit.errors import FileExists
+from pmmkit.files import write_text
+from pmmkit.runs.campaign_file import FILE_NAME
+
+
+def new_campaign(
+    folder: Path, *, out: Path | None = None, ship: str | None = None, force: bool = False
+) -> Outcome:
+    """Draft a campaign file from the files of a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie.
+    out : Path, optional
+        The campaign file; ``campaign.toml`` in the folder by default.
+    ship : str, optional
+        A ship of the library.
+    force : bool
+        Whether a file that is there is replaced.
+
+    Returns
+    -------
+    Outcome
+        With what a person must still say.
+
+    Raises
+    ------
+    FileExists
+        If the file is there and `force` is not given.
+    CampaignError
+        If the folder holds no measurements.
+    """
+    target = folder / FILE_NAME if out is None else out
+    if target.is_dir():
+        target = target / FILE_NAME
+    if target.exists() and not force:
+        raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
+    draft = draft_of(folder, target, ship=ship)
+    text = written(draft)
+    try:
+        write_text(target, text.text)
+    except OSError as error:
+        raise FileExists(
+            f"{target} cannot be written: {error.strerror}. Choose another place with --out."
+        ) from error
+    saved = sum(len(campaign) for _, campaign in draft.saved)
+    count = saved + len(draft.runs) + len(draft.tables)
+    lines = [f"{target}: {_counted(draft)}; {text.complete} of {count} entries need nothing more."]
+    if draft.look.passed_over:
+        lines.append(f"{draft.look.passed_over} more files were not looked at.")
+    lines += ["", "For you to say or to check (TODO in the file):"]
+    lines += [f"  {number}. {item}" for number, item in enumerate(text.todo, start=1)]
+    command = f"pmmkit check {_quoted(target.parent if target.name == FILE_NAME else target)}"
+    lines += ["", f"Next: {command}"]
+    content = {
+        "file": str(target),
+        "kind": draft.kind,
+        "runs": [
+            {"id": run.id, "file": run.file, "test": run.test,
+             "settings": {item.key: item.value for item in run.settings if item.active}}
+            for run in draft.runs
+        ],
+        "tables": [{"id": entry.id, "file": entry.file, "test": entry.test}
+                   for entry in draft.tables],
+        "saved": {file: len(campaign) for file, campaign in draft.saved},
+        "complete": text.complete,
+        "todo": list(text.todo),
+        "next": command,
+    }  # fmt: skip
+    return Outcome(content=content, lines=lines)
+
+
+def _counted(draft: Draft) -> str:
+    parts = [f"{len(draft.runs)} histories"] if draft.runs else []
+    parts += [f"{len(draft.tables)} tables"] if draft.tables else []
+    parts += [f"{len(campaign)} runs of {file}" for file, campaign in draft.saved]
+    return f"a {draft.kind} campaign of {', '.join(parts)}"
+
+
+def _quoted(path: Path) -> str:
+    text = str(path)
+    return f'"{text}"' if " " in text else text
