@@ -117,7 +117,10 @@ def write_openfoam(folder: Path, plan: Plan, run: History) -> None:
             text = head + "\n".join(lines) + "\n"
             _write(results / "forces" / f"{start:g}" / f"{kind}.dat", text[:-31] if not number
                    else text)  # fmt: skip
-        head = "# Time\tcentreOfRotation\tcentreOfMass\trotation\tvelocity\tomega\n"
+        head = (
+            "# Motion State\n# Angle Units : degrees\n"
+            "# Time\tcentreOfRotation\tcentreOfMass\trotation\tvelocity\tomega\n"
+        )
         where = np.stack([none, -run.y, none], axis=1)[rows]
         angle = np.degrees(-run.psi[rows])
         lines = [
@@ -125,7 +128,7 @@ def write_openfoam(folder: Path, plan: Plan, run: History) -> None:
             for t, place, turn in zip(run.t[rows], where, angle, strict=True)
         ]
         _write(results / "sixDoFRigidBodyState" / f"{start:g}" / "sixDoFRigidBodyState.dat",
-               "# Motion State\n# Angle Units : degrees\n" + head + "\n".join(lines) + "\n")  # fmt: skip
+               head + "\n".join(lines) + "\n")  # fmt: skip
 
 
 def write_star(folder: Path, plan: Plan, run: History) -> None:
