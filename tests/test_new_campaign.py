@@ -272,6 +272,29 @@ def test_a_saved_campaign_beside_new_files(datasets, s175, tmp_path, capsys):
     np.testing.assert_allclose(one["Y"], two["Y"], rtol=1e-5, atol=1e-4)
 
 
+def test_cases_of_openfoam_are_runs(tmp_path, capsys):
+    """Folders are files of runs, named with a point in the speed; forces are where they stand."""
+    t = np.arange(1, 60) * 0.5
+    for beta in (0, 6):
+        folder = tmp_path / f"drift_U1.2_b+{beta:02d}" / "postProcessing" / "forces" / "0"
+        folder.mkdir(parents=True)
+        for name in ("force", "moment"):
+            head = (
+                f"# {name.title()}\n# CofR        : (0 0 0)\n#\n# Time        \ttotal_x total_y "
+                "total_z\tpressure_x pressure_y pressure_z\tviscous_x viscous_y viscous_z\n"
+            )
+            rows = "".join(f"{x:g} 1 {beta} 3 1 {beta} 3 0 0 0\n" for x in t)
+            (folder / f"{name}.dat").write_text(head + rows, encoding="utf-8")
+    status, content, words = drafted(capsys, tmp_path)
+    assert (status, content["complete"]) == (0, 2)
+    assert "half a ship" in words
+    filled_in(tmp_path)
+    campaign = open_campaign(tmp_path)
+    run = campaign["drift_U1.2_b+06"]
+    assert (run.settings.speed, math.degrees(run.settings.drift)) == pytest.approx((1.2, 6.0))
+    np.testing.assert_array_equal(run.data["Y"], np.full(len(t), 6.0))
+
+
 @pytest.mark.skipif(os.name == "nt", reason="names that Windows does not allow")
 @settings(max_examples=40)
 @given(

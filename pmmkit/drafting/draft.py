@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
@@ -358,5 +359,5 @@ def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple
 
 
 def _stem(shown: str) -> str:
-    path = PurePosixPath(shown.partition(", sheet ")[0])
-    return str(path.with_suffix("")) if path.suffix and not path.suffix[1:].isdigit() else str(path)
+    """The name without suffix; what follows the point of a number is none."""
+    return re.sub(r"\.[A-Za-z]\w{0,5}$", "", shown.partition(", sheet ")[0])

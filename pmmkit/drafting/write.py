@@ -62,6 +62,8 @@ def written(draft: Draft) -> Written:
         "",
         *_ship(draft, todo),
     ]
+    if any(entry.look.format in _COMPUTED for entry in draft.runs):
+        lines += ["", *_cfd(todo)]
     if base is not None:
         lines += ["", "[source]", *_source(base, base.options)]
         lines += ["", "[columns]                        # our name = theirs"]
@@ -187,6 +189,19 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     return [*lines, "", "[water]", rho]
 
 
+_COMPUTED: Final = ("openfoam", "star-ccm+")
+
+
+def _cfd(todo: _Todo) -> list[str]:
+    """What forces that were computed need."""
+    todo.add("[cfd] whether half a ship was computed, and with which density.")
+    return [
+        "# [cfd]                          # TODO of forces that were computed",
+        "# symmetry_factor = 2.0          # TODO if half a ship was computed",
+        "# rho_inf = ...                  # TODO density of the computation, if it is another",
+    ]
+
+
 def _particulars(saved: Campaign) -> list[str]:
     """Ship and water of a saved campaign."""
     ship, water = asdict(saved.ship), asdict(saved.water)
@@ -251,7 +266,7 @@ def _columns(look: FileLook, kind: str, todo: _Todo, *, table: bool) -> list[str
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
             todo.add(f"[columns] {name}: which column of {look.shown} is {_MEANS[name]}?")
     lines += [f"# not used: {_comment(text)}" for text in unused]
-    return lines
+    return lines + [f"# note: {_comment(note)}" for note in look.notes]
 
 
 def _theirs(column: ColumnLook, item: Suggestion, look: FileLook) -> str:

@@ -328,7 +328,7 @@ _NAMES: Final = tuple(
         "K": "m ?x|moment ?x|x ?moment|roll ?moment|heeling moment|k moment|k",
         "psi": "psi(?: hat)?|ψ|heading(?: angle)?|hdg|yaw(?: angle)?|course angle",
         "phi": "phi|φ|roll(?: angle)?|heel(?: angle)?",
-        "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|rud|helm",
+        "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|rud|helm|ruder(?:winkel)?",
         "n": "n|rps|rpm|revs?|revolutions|n prop(?:eller)?|prop(?:eller)? (?:rev(?:olution)?s?|rps|"
              "rpm|n)|shaft speed",
         "T": "thrust|prop(?:eller)? thrust",
