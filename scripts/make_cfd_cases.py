@@ -12,8 +12,9 @@ the files hold them as solvers do:
     seconds, and the computation was killed in the middle of a row and begun again from an earlier
     time.
 ``FOLDER/star``
-    A plot export a run: x aft and z up, forces along axes of the hull, half the time step's inner
-    iterations printed, the same start, and the part after the restart in a second file.
+    A plot export a run: x aft and z up (so that the yaw motion, positive about z, begins to port),
+    forces along axes of the hull, inner iterations printed, the same start, and the part after the
+    restart in a second file.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class History:
     psi: Array
 
 
-def history(plan: Plan) -> History:
+def history(plan: Plan, *, phase: float = 0.0) -> History:
     """Forces with the ringing of a start from rest, and where the hull is."""
     duration = CYCLES * plan.period if plan.period else STATIC_S
     t = STEP * np.arange(1, round(duration / STEP) + 1)
@@ -69,7 +70,7 @@ def history(plan: Plan) -> History:
     if plan.period is None:
         state = motion("static_drift", plan.speed, t, 1.0, drift=drift)
     else:
-        theta = plan.frequency * t
+        theta = plan.frequency * t + phase
         state = oscillation(plan, plan.speed, theta, plan.frequency, drift)
         if plan.amplitude_m:
             y = plan.amplitude_m * np.sin(theta)
@@ -161,9 +162,9 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     folder = parser.parse_args().folder
     for plan in programme():
-        run = history(plan)
-        write_openfoam(folder / "openfoam", plan, run)
-        write_star(folder / "star", plan, run)
+        write_openfoam(folder / "openfoam", plan, history(plan))
+        to_port = math.pi if plan.yaw_amplitude else 0.0
+        write_star(folder / "star", plan, history(plan, phase=to_port))
     print(f"{len(list(programme()))} runs: {folder / 'openfoam'} and {folder / 'star'}")
 
 

@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 
 from pmmkit.errors import CampaignError
 from pmmkit.runs.campaign_file import open_campaign
+from pmmkit.runs.hull_path import set_to
 from pmmkit.runs.loading import file_hashes
 from pmmkit.runs.run import Settings
 from pmmkit.runs.solver_axes import Solver, seen_from_hull, without_ramp
@@ -247,10 +248,8 @@ def test_any_place_heading_centre_and_point_of_motion(x, y, psi, centre, motion)
     reported = in_solver(t, *midship, psi, centre=(centre, 0.0))
     place = {name: np.array([value]) for name, value in (("x", x), ("y", y), ("psi", psi))}
     solver = Solver(earth_axes=True, centre_moves=False, centre_x=centre, motion_x=motion)
-    turned, _ = seen_from_hull(
-        {"t": t, **reported, **place}, solver, kind="history", test="pure_yaw",
-        settings=Settings(speed=SPEED), run="R",
-    )  # fmt: skip
+    run = set_to("history", "pure_yaw", Settings(speed=SPEED), "R")
+    turned, _ = seen_from_hull({"t": t, **reported, **place}, solver, run)
     truth = on_hull(t, about=centre)
     for name in truth:
         assert turned[name] == pytest.approx(truth[name], abs=1e-9)
@@ -274,11 +273,17 @@ def test_a_path_that_is_not_known(files, entry, words, tmp_path):
         read(tmp_path, forces | files, **entry)
 
 
-def test_a_motion_that_nothing_needs_is_refused(tmp_path):
-    forces = table({"t": T, **on_hull(T)})
+def test_a_motion_beside_forces_along_the_hull_is_what_the_hull_did(tmp_path):
+    """Forces need no turning: heading and place of the other file become channels of the run."""
+    path = swaying(T)
+    files = {"run.csv": table({"t": T, **on_hull(T)}), "m.csv": table({"t": T, **path})}
     head = HEAD.partition("forces_in")[0]
-    with pytest.raises(CampaignError, match="motion is read only where"):
-        read(tmp_path, {"run.csv": forces, "m.csv": forces}, head=head, motion="m.csv")
+    data = read(tmp_path, files, head=head, motion="m.csv")
+    agrees(data, on_hull(T) | path)
+
+
+def test_a_row_of_a_table_has_no_motion(tmp_path):
+    forces = table({"t": T, **on_hull(T)})
     with pytest.raises(CampaignError, match="a row of a table has no motion"):
         read(tmp_path, {"run.csv": forces}, motion="m.csv", row={"t": 1})
 

@@ -43,6 +43,8 @@ class RunDraft:
         Its keys.
     problems : tuple of str
         What is wrong with its file.
+    motion : str or None
+        Where the motion of the hull lies beside its forces.
     """
 
     id: str
@@ -51,6 +53,7 @@ class RunDraft:
     test: str | None
     settings: tuple[Setting, ...]
     problems: tuple[str, ...] = ()
+    motion: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,6 +88,7 @@ class Draft:
     look: Look
 
 
+_BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
 _NOT_RUNS: Final = {
     "open water": "propeller coefficients; see open_water in [propeller]",
     "unknown": "no column of time, nor of forces and settings",
@@ -211,17 +215,26 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         moved = motion_facts(time, channels, named.test) if len(time) else Moved()
         test = named.test if named.test is not None else moved.test
         test = _sharper(test, moved)
+        motion = _motion_beside(item, base)
+        settings = settled(test, named, moved, length=length)
         drafts.append(
             RunDraft(
                 id=PurePosixPath(_stem(item.shown)).name,
                 file=base + item.shown,
                 look=group.first,
                 test=test,
-                settings=settled(test, named, moved, length=length),
+                settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
+                motion=motion,
             )
         )
     return drafts
+
+
+def _motion_beside(item: FileLook, base: str) -> str | None:
+    """The rigid body motion that a case of OpenFOAM recorded beside its forces."""
+    found = item.path / _BODY_MOTION
+    return f"{base}{item.shown}/{_BODY_MOTION}" if found.is_dir() else None
 
 
 def _sharper(test: str | None, moved: Moved) -> str | None:

@@ -194,11 +194,23 @@ _COMPUTED: Final = ("openfoam", "star-ccm+")
 
 def _cfd(todo: _Todo) -> list[str]:
     """What forces that were computed need."""
-    todo.add("[cfd] whether half a ship was computed, and with which density.")
+    todo.add(
+        "[axes] which way the axes of the mesh point; [cfd] the point of the moments, whether "
+        "forces are along the hull, the start-up, the density, half or whole ship."
+    )
     return [
+        "# [axes]                         # TODO of the mesh: which way theirs point, seen in ours",
+        '# y = "-y"                       # x forward and z up: y to port (x aft, z up: x = "-x")',
+        '# z = "-z"',
+        "",
         "# [cfd]                          # TODO of forces that were computed",
+        '# forces_in = "earth"            # TODO if they stay along the tank while the hull moves',
+        "# moment_centre = 0.0            # TODO where moments refer at rest, forward of midship",
+        "# moment_centre_moves = false    # TODO if that point stays behind while the hull moves",
+        "# ramp_s = ...                   # TODO start-up of the computation, cut off every run",
         "# symmetry_factor = 2.0          # TODO if half a ship was computed",
         "# rho_inf = ...                  # TODO density of the computation, if it is another",
+        "# U_SN = { X = ..., Y = ..., N = ... }  # TODO numerical uncertainty [N, N m], if known",
     ]
 
 
@@ -296,6 +308,8 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     else:
         lines.append(f"test = {toml(entry.test)}")
     lines.append(f"file = {toml(entry.file)}")
+    if entry.motion is not None:
+        lines.append(_aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# TODO {_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:

@@ -272,19 +272,17 @@ def _add_history(
 ) -> None:
     corrections = _corrections(entry.id, setup)
     given = {**entry.settings(), **_set(corrections)}
+    motion = _motion(entry, label, request, setup, out)
     missing = missing_settings(entry.test, given)
     if missing and setup.find(entry.file) is not None:
         try:
-            names = reader_for(request).names(request)
-            usual = usual_of(request, names)
-            measured, _ = pick(names, len(names), specs, request, usual=usual)
+            measured = _measured(request, specs) | (_measured(motion, {}) if motion else set())
         except DataError as error:
             out.problems += error.problems
             return
-        missing = missing_settings(entry.test, given, {column.name for column in measured})
+        missing = missing_settings(entry.test, given, measured)
     if _needs(missing, entry.test, label, setup, out):
         return
-    motion = _motion(entry, label, request, setup, out)
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
     settings, notes = settings_of(entry.test, given, frame, setup.ship.L)
     loader = HistoryLoader(
@@ -318,22 +316,18 @@ def _add_history(
     out.runs.append(_said(run, corrections, setup))
 
 
+def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
+    """Channels that a file holds."""
+    names = reader_for(request).names(request)
+    found, _ = pick(names, len(names), specs, request, usual=usual_of(request, names))
+    return {column.name for column in found}
+
+
 def _motion(
     entry: RunEntry, label: str, request: Request, setup: Setup, out: Assembled
 ) -> Request | None:
     """The file of the hull's motion beside the one of its forces."""
     if entry.motion is None:
-        return None
-    if not setup.solver.turns:
-        out.problems.append(
-            Problem(
-                message="motion is read only where the forces do not move with the hull.",
-                file=setup.toml,
-                entry=label,
-                remedy='Write forces_in = "earth" or moment_centre_moves = false under [cfd], or '
-                "take motion away.",
-            )
-        )
         return None
     path = setup.find(entry.motion)
     if path is None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -15,7 +15,10 @@ from pmmkit.errors import CampaignError, Problem
 from pmmkit.runs.kinematics import displacement_phase
 from pmmkit.runs.nominal import YAW_TESTS, require_settings, tank_motion
 from pmmkit.runs.readers.base import Array
-from pmmkit.runs.run import Run
+from pmmkit.runs.run import Kind, Run, Settings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PLACE: Final = ("x", "y", "psi")
 _SET: Final = (
@@ -27,11 +30,8 @@ _GRID: Final = 512
 
 
 def hull_path(
-    values: Mapping[str, Array],
-    run: Run,
-    motion: Mapping[str, Array] | None,
-    needed: Sequence[str],
-) -> tuple[dict[str, Array], str]:
+    values: Mapping[str, Array], run: Run, needed: Sequence[str]
+) -> tuple[dict[str, Array], str]:  # fmt: skip
     """Place and heading of the hull at the samples, from rest, and where they come from.
 
     Parameters
@@ -40,8 +40,6 @@ def hull_path(
         Channels of the run in SI, our directions of axes and our signs.
     run : Run
         The run, for its test and settings.
-    motion : mapping of str to array or None
-        Path from a file of its own: ``t`` and ``x, y, psi`` or ``u, v, r``.
     needed : sequence of str
         Which of ``x``, ``y``, ``psi`` must be known.
 
@@ -66,8 +64,6 @@ def hull_path(
             )
         return _set_path(run, np.zeros(1)), "as the test was set"
     times = values["t"]
-    if motion is not None:
-        return _read_path(motion, times, run, needed), "from the file named by motion"
     recorded = {name: values[name] for name in PLACE if name in values}
     if "psi" in recorded:
         recorded["psi"] = np.unwrap(recorded["psi"])
@@ -77,6 +73,15 @@ def hull_path(
     path = {**_set_path(run, theta), **recorded}
     told = f", recorded {', '.join(recorded)}" if recorded else ""
     return path, f"as the test was set{told}"
+
+
+def set_to(kind: Kind, test: str, settings: Settings, run_id: str) -> Run:
+    """A run without data, for what it was set to."""
+
+    def no_data() -> xr.Dataset:
+        raise _problem(run_id, "the data of this run are only being read.", None)
+
+    return Run(id=run_id, test=test, kind=kind, settings=settings, loader=no_data)
 
 
 def _phase(run: Run, values: Mapping[str, Array]) -> Array:
@@ -124,10 +129,32 @@ def _tangent_path(run: Run, theta: Array) -> Array:
     return total * run.settings.speed / (run.settings.omega or math.inf)
 
 
-def _read_path(
+def recorded_in(
     motion: Mapping[str, Array], times: Array, run: Run, needed: Sequence[str]
 ) -> dict[str, Array]:
-    """The path of a file of its own at the samples, straight lines between its rows."""
+    """Motion of a file of its own at the samples of the forces, straight lines between its rows.
+
+    Parameters
+    ----------
+    motion : mapping of str to array
+        ``t`` and some of ``x, y, psi, u, v, r``, SI, our signs.
+    times : array (n,)
+        Of the samples [s].
+    run : Run
+        For its speed and its drift angle, where a path has to be integrated.
+    needed : sequence of str
+        Which of ``x``, ``y``, ``psi`` must be known.
+
+    Returns
+    -------
+    dict
+        The channels of the file, and what follows from its velocities, each (n,).
+
+    Raises
+    ------
+    CampaignError
+        If the file does not cover the samples, or lacks what is needed.
+    """
     own = motion["t"]
     if np.any(np.diff(own) <= 0):
         raise _problem(run.id, "the times of the file named by motion do not rise.", None)
@@ -142,10 +169,11 @@ def _read_path(
     path = dict(motion)
     if "psi" not in path and "r" in path:
         path["psi"] = run.settings.drift + _integral(own, path["r"])
-    if "psi" not in path:
+    if "psi" not in path and "psi" in needed:
         raise _problem(run.id, "the file named by motion has neither psi nor r.", "Map one.")
-    path["psi"] = np.unwrap(path["psi"])
-    if {"u", "v"} <= set(path) and not {"x", "y"} & set(path):
+    if "psi" in path:
+        path["psi"] = np.unwrap(path["psi"])
+    if {"u", "v", "psi"} <= set(path) and not {"x", "y"} & set(path):
         cosine, sine = np.cos(path["psi"]), np.sin(path["psi"])
         u, v = path["u"], path["v"]
         path["x"] = _integral(own, u * cosine - v * sine - run.settings.speed)
@@ -157,7 +185,7 @@ def _read_path(
             f"the file named by motion has no {' and no '.join(missing)}.",
             "Write x, y, psi, or u, v, r.",
         )
-    return {name: np.interp(times, own, path[name]) for name in needed}
+    return {name: np.interp(times, own, part) for name, part in path.items() if name != "t"}
 
 
 def _integral(times: Array, rates: Array) -> Array:

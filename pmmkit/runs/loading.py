@@ -16,7 +16,7 @@ from pmmkit.runs.channels import CHANNEL_UNITS
 from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
-from pmmkit.runs.hull_path import PLACE
+from pmmkit.runs.hull_path import PLACE, recorded_in, set_to
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
 from pmmkit.runs.readers import files_of, reader_for, usual_of
 from pmmkit.runs.readers.base import Array, Columns, Request
@@ -324,15 +324,12 @@ def _seen(
         values, notes = without_ramp(values, context.solver.ramp, file=request.shown, run=run)
     if context.settings is None:
         return dict(values), notes
-    turned, more = seen_from_hull(
-        values,
-        context.solver,
-        kind=kind,
-        test=context.test,
-        settings=context.settings,
-        run=run,
-        motion=motion,
-    )
+    bare = set_to(kind, context.test, context.settings, run)
+    if motion is not None:
+        moved = recorded_in(motion, values["t"], bare, context.solver.needed)
+        values = {**values, **moved}
+        notes.append(f"motion from a file of its own: {', '.join(moved)}")
+    turned, more = seen_from_hull(values, context.solver, bare)
     return turned, [*notes, *more]
 
 

@@ -66,6 +66,8 @@ def missing_settings(
     ['the amplitude, amplitude_m']
     >>> missing_settings("pure_sway", {"speed": 1.0}, measured={"v"})
     []
+    >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5}, measured={"y", "psi"})
+    []
     """
     missing = [] if "speed" in given else ["speed"]
     missing += [
@@ -76,7 +78,8 @@ def missing_settings(
     motions = [motion for motion in _MOTION.get(test, ()) if motion not in measured]
     if motions and not _frequency_known(given):
         missing.append("period")
-    for motion in motions:
+    placed = {"x", "y", "psi"} if test == "pure_surge" else {"y", "psi"}
+    for motion in () if placed <= set(measured) else motions:
         if motion in ("u", "v") and not {"amplitude_m", "vdot_amplitude", "v_amplitude"} & set(
             given
         ):

@@ -12,17 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.runs.hull_path import PLACE, hull_path
 from pmmkit.runs.readers.base import Array
-from pmmkit.runs.run import Kind, Run, Settings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from pmmkit.runs.run import Run
 
 _PAIRS: Final = (("X", "Y"), ("FX_rudder", "FY_rudder"))
 
@@ -57,6 +54,11 @@ class Solver:
         """Whether anything depends on where the hull is."""
         return self.earth_axes or not self.centre_moves
 
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """What must be known of where the hull is."""
+        return PLACE if not self.centre_moves else ("psi",) if self.earth_axes else ()
+
 
 def without_ramp(
     values: Mapping[str, Array], ramp: float, *, file: str, run: str
@@ -87,15 +89,8 @@ def without_ramp(
 
 
 def seen_from_hull(
-    values: Mapping[str, Array],
-    solver: Solver,
-    *,
-    kind: Kind,
-    test: str,
-    settings: Settings,
-    run: str,
-    motion: Mapping[str, Array] | None = None,
-) -> tuple[dict[str, Array], list[str]]:
+    values: Mapping[str, Array], solver: Solver, run: Run
+) -> tuple[dict[str, Array], list[str]]:  # fmt: skip
     """Forces and moments in ship axes, about the ship's own moment reference.
 
     Parameters
@@ -104,13 +99,8 @@ def seen_from_hull(
         Channels in SI, our directions of axes and our signs.
     solver : Solver
         What the forces refer to.
-    kind : {"history", "means", "harmonics"}
-        What the values are.
-    test, settings, run
-        Kind of test, what it was set to, its id.
-    motion : mapping of str to array, optional
-        Path from a file of its own: ``t`` and ``x, y, psi`` or ``u, v, r``, as `values`. It counts
-        before recorded channels, these before the motion that the test was set to.
+    run : Run
+        Kind of test and of values, and what it was set to.
 
     Returns
     -------
@@ -127,19 +117,18 @@ def seen_from_hull(
     Examples
     --------
     >>> import math
+    >>> from pmmkit.runs.run import Settings
     >>> side = {"X": np.array([0.0]), "Y": np.array([10.0]), "N": np.array([0.0])}
-    >>> turned, _ = seen_from_hull(side, Solver(earth_axes=True), kind="means",
-    ...     test="static_drift", settings=Settings(speed=1.0, drift=math.pi / 6), run="SD")
+    >>> run = Run(id="SD", test="static_drift", kind="means", loader=None,
+    ...           settings=Settings(speed=1.0, drift=math.pi / 6))
+    >>> turned, _ = seen_from_hull(side, Solver(earth_axes=True), run)
     >>> turned["X"].round(3), turned["Y"].round(3)
     (array([5.]), array([8.66]))
     """
     if not solver.turns:
         return dict(values), []
-    bare = Run(id=run, test=test, kind=kind, settings=settings, loader=_no_data)
-    _check_pairs(values, solver, run)
-    path, whence = hull_path(
-        values, bare, motion, needed=("psi",) if solver.centre_moves else PLACE
-    )
+    _check_pairs(values, solver, run.id)
+    path, whence = hull_path(values, run, solver.needed)
     cosine, sine = np.cos(path["psi"]), np.sin(path["psi"])
     out = dict(values)
     notes = [f"heading{' and place' if not solver.centre_moves else ''} of the hull: {whence}"]
@@ -184,8 +173,3 @@ def _check_pairs(values: Mapping[str, Array], solver: Solver, run: str) -> None:
                 remedy="Map them under [columns].",
             )
         )
-
-
-def _no_data() -> xr.Dataset:
-    """A run that only stands for its settings has no data."""
-    raise CampaignError("There are no data.")

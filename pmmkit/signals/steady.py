@@ -192,11 +192,11 @@ def _core(part: Array, floor: Array) -> _Core:
 
 
 def _with_noise(part: Array, floor: Array) -> Array:
-    """The part without its mean; where it hardly varies, values as large as the floor."""
+    """The part without its mean; where it hardly varies, noise as large as the floor."""
     rest = part - part.mean(axis=-1, keepdims=True)
     quiet = np.mean(rest**2, axis=-1, keepdims=True) <= floor[:, None] ** 2
-    sign = np.where(np.arange(part.shape[-1]) % 2, 1.0, -1.0)
-    return np.where(quiet, floor[:, None] * sign, rest)
+    white = np.random.default_rng(0).normal(size=part.shape[-1])
+    return np.where(quiet, floor[:, None] * white, rest)
 
 
 def _cut(outside: Array, inside: int, core: _Core) -> int:

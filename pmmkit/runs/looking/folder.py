@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -20,7 +21,11 @@ MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
 MOST_COUNTED: Final = 20_000
 """Further files that are counted."""
+_RESULTS: Final = ("derivatives.csv", "comparison.json", "diagnosis.json", "metrics.json")
+"""Files by which a folder with results of pmmkit is known; it is passed over."""
 _DEEPEST: Final = 8
+_FEW: Final = 40
+"""Lines from which the beginning of an export is told."""
 _PASSED: Final = frozenset(
     {".toml", ".py", ".m", ".md", ".ipynb", ".html", ".png", ".jpg", ".jpeg", ".gif", ".svg",
      ".pdf", ".doc", ".docx", ".ppt", ".pptx", ".mp4", ".avi", ".mov", ".zip", ".7z", ".gz"}
@@ -251,7 +256,9 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
         path = Path(entry.path)
         if entry.is_file():
             yield path
-        elif not entry.is_dir(follow_symlinks=False):
+        elif not entry.is_dir(follow_symlinks=False) or any(
+            (path / name).is_file() for name in _RESULTS
+        ):
             continue
         elif _is_one_run(path):
             yield path
@@ -262,13 +269,27 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
 def _is_one_run(folder: Path) -> bool:
     """Whether a folder is one measurement: of a format of folders, its files parts of one run.
 
-    Exports of STAR-CCM+ with the same columns are different runs.
+    Exports of STAR-CCM+ are so if their columns differ, or if one begins well after another.
     """
     name = recognise(folder)
     if name is None or name != "star-ccm+":
         return name is not None
-    tops = [head_of(file).split(b"\n", 1)[0] for file in sorted(folder.glob("*.csv"))]
-    return len(set(tops)) == len(tops) > 1
+    heads = [head_of(file).split(b"\n") for file in sorted(folder.glob("*.csv"))]
+    tops = {lines[0] for lines in heads}
+    return len(heads) > 1 and (len(tops) == len(heads) or _follow(heads))
+
+
+def _follow(heads: Sequence[Sequence[bytes]]) -> bool:
+    """Whether files with the same columns begin at different times, as restarts do."""
+    if len({lines[0] for lines in heads}) > 1:
+        return False
+    try:
+        times = [[float(line.split(b",")[0]) for line in lines[1:_FEW]] for lines in heads]
+    except ValueError:
+        return False
+    begins = sorted(own[0] for own in times if own)
+    usual = max((own[-1] - own[0] for own in times if own), default=0.0)
+    return len(begins) == len(heads) and all(b - a > usual for a, b in pairwise(begins))
 
 
 def _campaign(path: Path, shown: str) -> CampaignLook:
