@@ -100,6 +100,8 @@ class HistoryLoader:
             )
             if rate is not None:
                 problems += _two_times(found, self.request)
+            if not found and not problems:
+                problems.append(self.request.problem("no column of the file is used."))
             if problems:
                 raise self.request.error(*problems)
             picked.extend(found)
