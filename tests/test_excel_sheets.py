@@ -302,6 +302,10 @@ def test_a_cell_at_the_end_of_the_sheet(path):
     book.active["XFD1048576"] = 1
     book.save(path)
     refused(path, "549,755,813,888 bytes")
+    parts = parts_of(path)
+    for reference in (b'r="xfd1048576"', b"r = 'XFD1048576'", b'r="AAAAAA1"'):
+        pack(path, {**parts, SHEET: parts[SHEET].replace(b'r="XFD1048576"', reference)})
+        refused(path, "bytes, the file has")
 
 
 def test_a_row_far_down_with_cells_that_tell_no_place(path):

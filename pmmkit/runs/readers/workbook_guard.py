@@ -12,6 +12,7 @@ import re
 import stat
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from typing import Final
 
@@ -30,9 +31,9 @@ _LOCAL_HEADER: Final = 30
 _XML: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<[^\0]")
 _CELLS_OR_TEXTS: Final = re.compile(rb"sheetData|<(?:\w+:)?si\b|table:table-row")
 _CELL_TAG: Final = re.compile(rb"<(?:\w+:)?c[ >]")
-_REFERENCE: Final = re.compile(rb"""\br=["']([A-Z]{1,3})([0-9]{1,7})["']""")
-_ROW: Final = re.compile(rb"""<(?:\w+:)?row\b[^>]*?\br=["']([0-9]{1,7})["']""")
-_SHARED: Final = re.compile(rb"""\bt=["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
+_REFERENCE: Final = re.compile(rb"""\br\s*=\s*["']([A-Za-z]{1,9})[0-9]""")
+_ROW_NUMBER: Final = re.compile(rb"""\br\s*=\s*["'][A-Za-z]{0,9}([0-9]{1,10})["']""")
+_SHARED: Final = re.compile(rb"""\bt\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
 _ITEM: Final = re.compile(rb"<(?:\w+:)?si\b")
 _ODS_ROW: Final = re.compile(
     rb"<table:table-row\b([^>]*?)(?:/>|>(.*?)</table:table-row>)", re.DOTALL
@@ -124,13 +125,11 @@ def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:
 
 
 def _xlsx_cells(sheet: bytes) -> int:
-    columns = {found[1] for found in _REFERENCE.finditer(sheet)}
-    count = sum(1 for _ in _REFERENCE.finditer(sheet))
-    lowest = max((int(found[2]) for found in _REFERENCE.finditer(sheet)), default=1)
-    rows = max((int(found[1]) for found in _ROW.finditer(sheet)), default=1)
-    unplaced = len(_CELL_TAG.findall(sheet)) - count
-    widest = max((_column(letters) for letters in columns), default=1) + max(0, unplaced)
-    return widest * max(rows, lowest)
+    placed = Counter(found[1] for found in _REFERENCE.finditer(sheet))
+    rows = Counter(found[1] for found in _ROW_NUMBER.finditer(sheet))
+    unplaced = sum(1 for _ in _CELL_TAG.finditer(sheet)) - placed.total()
+    widest = max(map(_column, placed), default=1) + max(0, unplaced)
+    return widest * max(map(int, rows), default=1)
 
 
 def _column(letters: bytes) -> int:
@@ -142,7 +141,7 @@ def _column(letters: bytes) -> int:
     (1, 16384)
     """
     number = 0
-    for letter in letters:
+    for letter in letters.upper():
         number = number * 26 + letter - 64
     return number
 
