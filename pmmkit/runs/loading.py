@@ -151,6 +151,8 @@ def _read(
         found, problems = pick(headers, width, specs, request, required=required, usual=usual)
         if request.options.sample_rate is not None:
             problems += _two_times(found, request)
+        if not found and not problems:
+            problems.append(request.problem("no column of the file is used."))
         if problems:
             raise request.error(*problems)
         picked.extend(found)

@@ -22,7 +22,7 @@ import numpy as np
 from pmmkit.runs.channels import did_you_mean
 from pmmkit.runs.hdf5_guard import is_hdf5
 from pmmkit.runs.readers.base import Array, Cells, Choose, Columns, Request
-from pmmkit.runs.readers.hdf5_data import members, number_of, numbers, opened, text_of
+from pmmkit.runs.readers.hdf5_data import members, new_to, number_of, numbers, opened, text_of
 from pmmkit.runs.readers.netcdf3 import Classic, Damaged, is_netcdf3, netcdf3_variables
 from pmmkit.runs.readers.vectors import (
     WIDEST,
@@ -35,7 +35,6 @@ from pmmkit.runs.readers.vectors import (
     with_unit,
 )
 
-_DEEPEST: Final = 16
 _MOST_TEXTS: Final = 10_000
 _NOT_A_VARIABLE: Final = "This is a netCDF dimension but not a netCDF variable"
 _SINCE: Final = re.compile(r"\s*(\w+)\s+since\s+\S.*")
@@ -133,7 +132,7 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
         yield _sorted_out(_classic(request))
         return
     with opened(request) as file:
-        yield _sorted_out(list(_datasets(_group(file, request), "", request, 0)))
+        yield _sorted_out(list(_datasets(_group(file, request), "", request, set())))
 
 
 def _sorted_out(found: Sequence[_Found]) -> tuple[list[Vector], list[str]]:
@@ -190,15 +189,15 @@ def _group(file: Any, request: Request) -> Any:
     return group
 
 
-def _datasets(group: Any, path: str, request: Request, depth: int) -> Iterator[_Found]:
+def _datasets(group: Any, path: str, request: Request, seen: set[int]) -> Iterator[_Found]:
     """The datasets of a group and of the groups inside it."""
     import h5py
 
     for name, item in members(group):
         inner = f"{path}{name}"
         if isinstance(item, h5py.Group):
-            if depth < _DEEPEST:
-                yield from _datasets(item, f"{inner}/", request, depth + 1)
+            if new_to(seen, item):
+                yield from _datasets(item, f"{inner}/", request, seen)
         elif isinstance(item, h5py.Dataset):
             yield from _dataset(item, inner, request)
 

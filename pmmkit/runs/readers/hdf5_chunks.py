@@ -42,7 +42,8 @@ def chunks_of(dataset: Any) -> tuple[Chunk, ...]:
     Raises
     ------
     Incomplete
-        If they do not cover the dataset, each place once.
+        If they do not cover the dataset, each place once, or have not the size that they should:
+        on such chunks the library can write over memory that is not its own.
     """
     found: list[Chunk] = []
     dataset.id.chunk_iter(
@@ -63,6 +64,10 @@ def chunks_of(dataset: Any) -> tuple[Chunk, ...]:
         itertools.product(*(range(0, side, chunk) for side, chunk, _ in sides))
     ):
         raise Incomplete(f"it should have {expected} chunks, {len(found)} are there")
+    size = math.prod(dataset.chunks) * dataset.id.get_type().get_size()
+    every = (1 << len(_filters(dataset))) - 1
+    if any(chunk.skipped & every == every and chunk.size != size for chunk in found):
+        raise Incomplete(f"its chunks should have {size} bytes each")
     return tuple(found)
 
 

@@ -54,6 +54,16 @@ def members(group: Any) -> Iterator[tuple[str, Any]]:
             yield name, group[name]
 
 
+def new_to(seen: set[int], item: Any) -> bool:
+    """Whether an object is met for the first time; it is noted among those `seen`."""
+    import h5py
+
+    address = int(h5py.h5o.get_info(item.id).addr)
+    known = address in seen
+    seen.add(address)
+    return not known
+
+
 def numbers(dataset: Any, request: Request) -> NDArray[Any]:
     """All values of a dataset.
 

@@ -66,17 +66,17 @@ def read_v5(data: bytes, request: Request) -> list[Variable]:
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         raise Damaged("the mark of the byte order is missing")
+    elements = list(_elements(memoryview(data)[128:], order, packed=True))
+    packed = [element for element in elements if element.type == _COMPRESSED]
+    expanded = sum(_declared(element.data, order) for element in packed)
+    if expanded > limit_of(len(data)):
+        raise too_large(request, expanded, len(data), "what is packed inside")
     found: list[Variable] = []
-    expanded = 0
-    for element in _elements(memoryview(data)[128:], order, packed=True):
-        if element.type == _COMPRESSED:
-            expanded += _declared(element.data, order)
-            if expanded > limit_of(len(data)):
-                raise too_large(request, expanded, len(data), "what is packed inside")
-            element = _unpacked(element.data, order)
-        if element.type != _MATRIX:
-            raise Damaged(f"an element of type {element.type} stands where a variable should")
-        found += _Matrix(order).variables(element.data)
+    for element in elements:
+        plain = _unpacked(element.data, order) if element.type == _COMPRESSED else element
+        if plain.type != _MATRIX:
+            raise Damaged(f"an element of type {plain.type} stands where a variable should")
+        found += _Matrix(order).variables(plain.data)
     return found
 
 

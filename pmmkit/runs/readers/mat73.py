@@ -14,14 +14,13 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.runs.readers.base import Array, Request
-from pmmkit.runs.readers.hdf5_data import members, numbers, text_of
+from pmmkit.runs.readers.hdf5_data import members, new_to, numbers, text_of
 from pmmkit.runs.readers.mat_variable import Variable
 
 _PLAIN: Final = {
     "double", "single", "logical",
     *(f"{sign}int{size}" for sign in ("", "u") for size in (8, 16, 32, 64)),
 }  # fmt: skip
-_DEEPEST: Final = 32
 _MOST_CELLS: Final = 4096
 
 
@@ -34,13 +33,14 @@ def read_v73(file: Any, request: Request) -> list[Variable]:
         If a dataset would expand too far, when it is read.
     """
     found: list[Variable] = []
+    seen: set[int] = set()
     for name, item in members(file):
         if not name.startswith("#"):
-            found += _variables(item, name, request, 0)
+            found += _variables(item, name, request, seen)
     return found
 
 
-def _variables(item: Any, name: str, request: Request, depth: int) -> Iterator[Variable]:
+def _variables(item: Any, name: str, request: Request, seen: set[int]) -> Iterator[Variable]:
     import h5py
 
     kind = text_of(item.attrs, "MATLAB_class")
@@ -49,15 +49,15 @@ def _variables(item: Any, name: str, request: Request, depth: int) -> Iterator[V
     elif isinstance(item, h5py.Group):
         if "MATLAB_sparse" in item.attrs:
             yield Variable(name=name, shape=(1, 1), other="a sparse matrix")
-        elif depth < _DEEPEST:
+        elif new_to(seen, item):
             for field, inner in members(item):
-                yield from _variables(inner, f"{name}.{field}", request, depth + 1)
+                yield from _variables(inner, f"{name}.{field}", request, seen)
     elif isinstance(item, h5py.Dataset):
-        yield from _dataset(item, name, kind, request, depth)
+        yield from _dataset(item, name, kind, request, seen)
 
 
 def _dataset(
-    item: Any, name: str, kind: str | None, request: Request, depth: int
+    item: Any, name: str, kind: str | None, request: Request, seen: set[int]
 ) -> Iterator[Variable]:
     import h5py
 
@@ -66,7 +66,7 @@ def _dataset(
     if "MATLAB_empty" in item.attrs:
         yield Variable(name=name, shape=(0, 0), other="empty")
     elif h5py.check_ref_dtype(item.dtype) is h5py.Reference:
-        yield from _references(item, name, kind, request, depth)
+        yield from _references(item, name, kind, request, seen)
     elif kind == "char":
         yield Variable(name=name, shape=(1, 1), other="a text")
     elif len(shape) not in (1, 2) or item.dtype.kind not in "fiub" or kind not in (*_PLAIN, None):
@@ -87,11 +87,11 @@ def _reader(item: Any, request: Request) -> Callable[[], Array]:
 
 
 def _references(
-    item: Any, name: str, kind: str | None, request: Request, depth: int
+    item: Any, name: str, kind: str | None, request: Request, seen: set[int]
 ) -> Iterator[Variable]:
     """A cell array, or one field of an array of structs."""
     count = math.prod(item.shape or ())
-    if not 0 < count <= _MOST_CELLS or depth >= _DEEPEST:
+    if not 0 < count <= _MOST_CELLS or not new_to(seen, item):
         yield Variable(name=name, shape=(1, count), other="a cell array")
         return
     targets = [item.file[reference] for reference in numbers(item, request).reshape(-1)]
@@ -105,7 +105,7 @@ def _references(
         return
     owner, _, field = name.rpartition(".")
     for place, target in enumerate(targets, start=1):
-        yield from _variables(target, f"{owner}({place}).{field}", request, depth + 1)
+        yield from _variables(target, f"{owner}({place}).{field}", request, seen)
 
 
 def _text(item: Any, request: Request) -> str | None:

@@ -164,7 +164,9 @@ def _is_column(variable: Variable) -> bool:
 
 def _vectors(found: Sequence[Variable]) -> list[Vector]:
     usable = [variable for variable in found if _is_column(variable)]
-    lengths = frozenset(max(item.shape) for item in usable if min(item.shape) == 1)
+    lengths = frozenset(
+        max(item.shape) for item in usable if min(item.shape) == 1 and item.texts is None
+    )
     offered: list[Vector] = []
     for item in usable:
         if min(item.shape) == 1:

@@ -35,9 +35,10 @@ class Layout:
 def layout_of(grid: Sequence[Row], request: Request) -> Layout:
     """Find the header of a sheet.
 
-    A first row that names every column below it is the header. Else it is the last row of nothing
-    but texts above the first row with half as many numbers as any row has. A row of units may
-    follow. With ``header = true`` the row after ``skip_rows`` is the header in any case.
+    It is the row after ``skip_rows``, where that or ``header = true`` is stated. Else it stands
+    above the first row with half as many numbers as any row has, and is the last row of nothing but
+    texts that names every column below it; or the first row of the sheet, if only that one names
+    them; or just the last row of texts. A row of units may follow.
 
     Raises
     ------
@@ -50,32 +51,28 @@ def layout_of(grid: Sequence[Row], request: Request) -> Layout:
     filled = [row for row in range(start, len(grid)) if any(cell is not None for cell in grid[row])]
     if not filled:
         raise request.error(request.problem("the sheet is empty."))
-    if request.options.header or _names_all(grid, filled):
-        return _named(grid, filled, start if request.options.header else filled[0])
     counts = {row: _numbers(grid[row]) for row in filled}
-    enough = max(1, max(counts.values()) / 2)
-    body = next((row for row in filled if counts[row] >= enough), filled[-1])
+    most = max(counts.values())
+    if request.options.header or start or not most:
+        return _named(grid, filled, filled[0])
+    body = next(row for row in filled if counts[row] >= most / 2)
     above = [row for row in filled if row < body and not counts[row]]
     while above and _units(grid[above[-1]]) is not None:
         above.pop()
-    if not above:
-        if body == filled[0]:
-            return Layout(headers=None, first=body)
-        raise _no_header(request, body)
-    layout = _named(grid, filled, above[-1])
-    used = {place for row in filled if row >= body for place in _places(grid[row])}
-    named = {place for place, title in enumerate(layout.headers or ()) if title}
-    if 2 * len(used & named) < len(used):
-        raise _no_header(request, body)
-    return layout
-
-
-def _no_header(request: Request, body: int) -> Exception:
-    return request.error(
+    if body == filled[0]:
+        return Layout(headers=None, first=body)
+    good = [row for row in above if _names_all(grid, filled, row)]
+    if good or above:
+        layout = _named(grid, filled, (good or above)[-1])
+        used = {place for row in filled if row >= body for place in _places(grid[row])}
+        named = {place for place, title in enumerate(layout.headers or ()) if title}
+        if 2 * len(used & named) >= len(used):
+            return layout
+    raise request.error(
         request.problem(
             f"numbers begin in row {body + 1}; which row above names them cannot be told.",
-            remedy="State in [source] how many rows stand above the header, e.g. skip_rows = 4 "
-            "and header = true.",
+            remedy="State in [source] how many rows stand above the header, e.g. skip_rows = 4, "
+            "or header = true if there are none.",
         )
     )
 
@@ -106,17 +103,11 @@ def _titles(grid: Sequence[Row], filled: Sequence[int], row: int) -> tuple[str, 
     )
 
 
-def _names_all(grid: Sequence[Row], filled: Sequence[int]) -> bool:
-    """Whether the first row has a text of its own for every column that is used below."""
-    first = grid[filled[0]]
-    titles = [text(cell) for cell in first if cell is not None]
-    used = {place for row in filled[1:] for place in _places(grid[row])}
-    return (
-        not _numbers(first)
-        and len(set(titles)) == len(titles)
-        and len(titles) > 1
-        and used <= _places(first)
-    )
+def _names_all(grid: Sequence[Row], filled: Sequence[int], row: int) -> bool:
+    """Whether a row has a text of its own for every column that is used below it."""
+    titles = [text(cell) for cell in grid[row] if cell is not None]
+    used = {place for other in filled if other > row for place in _places(grid[other])}
+    return len(set(titles)) == len(titles) > 1 and used <= _places(grid[row])
 
 
 def _places(row: Row) -> set[int]:

@@ -12,6 +12,7 @@ import re
 import stat
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from typing import Final
 
@@ -27,10 +28,12 @@ _CELL: Final = 32
 """Bytes that the library takes for a cell."""
 _MOST_MEMBERS: Final = 10_000
 _LOCAL_HEADER: Final = 30
-_CELLS_AND_TEXTS: Final = re.compile(r"xl/worksheets/[^/]+|xl/sharedStrings\.xml|content\.xml")
-_REFERENCE: Final = re.compile(rb"""\br=["']([A-Z]{1,3})([0-9]{1,7})["']""")
-_ROW: Final = re.compile(rb"""<(?:\w+:)?row\b[^>]*?\br=["']([0-9]{1,7})["']""")
-_SHARED: Final = re.compile(rb"""\bt=["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
+_XML: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<[^\0]")
+_CELLS_OR_TEXTS: Final = re.compile(rb"sheetData|<(?:\w+:)?si\b|table:table-row")
+_CELL_TAG: Final = re.compile(rb"<(?:\w+:)?c[ >]")
+_REFERENCE: Final = re.compile(rb"""\br\s*=\s*["']([A-Za-z]{1,9})[0-9]""")
+_ROW_NUMBER: Final = re.compile(rb"""\br\s*=\s*["'][A-Za-z]{0,9}([0-9]{1,10})["']""")
+_SHARED: Final = re.compile(rb"""\bt\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
 _ITEM: Final = re.compile(rb"<(?:\w+:)?si\b")
 _ODS_ROW: Final = re.compile(
     rb"<table:table-row\b([^>]*?)(?:/>|>(.*?)</table:table-row>)", re.DOTALL
@@ -83,9 +86,13 @@ def _parts(data: bytes, request: Request) -> Iterator[tuple[str, bytes]]:
             raise _damaged(request, f"{item.filename} is packed in an unusual way")
         if count != item.file_size:
             raise _damaged(request, f"{item.filename} is not as long as it says")
-        if _CELLS_AND_TEXTS.fullmatch(item.filename):
+        if item.filename.endswith((".xml", ".bin")):
             stored = item.compress_type == zipfile.ZIP_STORED
-            yield item.filename, bytes(packed) if stored else zlib.decompress(packed, -15)
+            part = bytes(packed) if stored else zlib.decompress(packed, -15)
+            if _XML.match(part) is None and item.filename.endswith(".xml"):
+                raise _damaged(request, f"{item.filename} is not UTF-8")
+            if _CELLS_OR_TEXTS.search(part) or item.filename.endswith(".bin"):
+                yield item.filename, part
 
 
 def _packed(data: bytes, item: zipfile.ZipInfo) -> memoryview:
@@ -102,25 +109,27 @@ def _packed(data: bytes, item: zipfile.ZipInfo) -> memoryview:
 
 
 def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:
-    """Cells that each sheet spans; long texts count as so many cells."""
+    """Cells that each sheet spans; long texts count as so many cells.
+
+    What a part is shows in its content: where it stands is up to the workbook.
+    """
+    texts = [part for part in parts.values() if _ITEM.search(part)]
     for name, part in parts.items():
-        if name.startswith("xl/worksheets/") and name.endswith(".xml"):
-            yield name, _xlsx_cells(part) + _shared_texts(part, parts)
-        elif name.startswith("xl/worksheets/") and name.endswith(".bin"):
+        if name.endswith(".bin"):
             yield name, _xlsb_cells(part)
-        elif name == "content.xml":
+        elif b"table:table-row" in part:
             yield name, _ods_cells(part)
+        else:
+            shared = max((_shared_texts(part, each) for each in texts), default=0)
+            yield name, _xlsx_cells(part) + shared
 
 
 def _xlsx_cells(sheet: bytes) -> int:
-    if b"\0" in sheet[:64]:
-        raise ValueError("a sheet is not UTF-8")
-    found = _REFERENCE.findall(sheet)
-    columns = {letters for letters, _ in found}
-    rows = {int(row) for _, row in found} | {int(row) for row in _ROW.findall(sheet)}
-    unplaced = sheet.count(b"<c>") + sheet.count(b"<c ") - len(found)
-    widest = max((_column(letters) for letters in columns), default=1) + max(0, unplaced)
-    return widest * max(rows, default=1)
+    placed = Counter(found[1] for found in _REFERENCE.finditer(sheet))
+    rows = Counter(found[1] for found in _ROW_NUMBER.finditer(sheet))
+    unplaced = sum(1 for _ in _CELL_TAG.finditer(sheet)) - placed.total()
+    widest = max(map(_column, placed), default=1) + max(0, unplaced)
+    return widest * max(map(int, rows), default=1)
 
 
 def _column(letters: bytes) -> int:
@@ -132,17 +141,16 @@ def _column(letters: bytes) -> int:
     (1, 16384)
     """
     number = 0
-    for letter in letters:
+    for letter in letters.upper():
         number = number * 26 + letter - 64
     return number
 
 
-def _shared_texts(sheet: bytes, parts: dict[str, bytes]) -> int:
+def _shared_texts(sheet: bytes, texts: bytes) -> int:
     """Cells' worth of memory that the texts take which a sheet shares."""
-    texts = parts.get("xl/sharedStrings.xml", b"")
     starts = np.array([found.start() for found in _ITEM.finditer(texts)] + [len(texts)])
     lengths = np.diff(starts)
-    used = np.array([int(place) for place in _SHARED.findall(sheet)], dtype=np.int64)
+    used = np.fromiter((int(found[1]) for found in _SHARED.finditer(sheet)), dtype=np.int64)
     used = used[used < len(lengths)]
     return int(lengths[used].sum()) // _CELL
 
