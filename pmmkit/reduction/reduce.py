@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit import __version__
@@ -260,8 +260,21 @@ def _read(
 ) -> _Read:
     data = run.data
     once = run.with_(loader=lambda: data)
+    rows, changes = _equations(once, campaign, columns, convention, cycles, blockage)
+    return _forget(rows, run), changes, replace(summarise(once, campaign), run=run)
+
+
+def _equations(
+    run: Run,
+    campaign: Campaign,
+    columns: Columns,
+    convention: Convention,
+    cycles: CycleChoice,
+    blockage: str,
+) -> tuple[Rows, tuple[Sensitivity, ...]]:
+    """What a run says about the derivatives, and how that changes with the uncertainties."""
     rig = rig_of(campaign)
-    prepared = prepare(once, campaign, cycles=cycles)
+    prepared = prepare(run, campaign, cycles=cycles)
     share = speed_increase(campaign, run.settings.speed) if blockage == "correct" else None
     names = {
         channel: listed
@@ -272,7 +285,7 @@ def _read(
     changes = tuple(
         sensitivity(rows, source, campaign, rig, names, convention) for source in _sources(campaign)
     )
-    return _forget(rows, run), changes, summarise(once, campaign)
+    return rows, changes
 
 
 def _sources(campaign: Campaign) -> tuple[TypeB, ...]:
@@ -286,8 +299,6 @@ def _sources(campaign: Campaign) -> tuple[TypeB, ...]:
 
 def _forget(rows: Rows, run: Run) -> Rows:
     """The rows without the samples that were held for the reading."""
-    from dataclasses import replace
-
     kept = run.with_(settings=rows.result.run.settings)
     return replace(rows, result=replace(rows.result, run=kept))
 

@@ -17,14 +17,16 @@ import numpy as np
 from pmmkit.errors import Problem
 from pmmkit.runs.readers.base import (
     ABSURD,
+    LISTED,
     Array,
     Cells,
     Choose,
     Columns,
     Request,
-    columns_of,
+    abridged,
+    numbers_of,
 )
-from pmmkit.runs.readers.text import BLANKS, Text, cut_off, line_end, take_apart
+from pmmkit.runs.readers.text import BLANKS, Text, blocks, cut_off, line_end, take_apart
 
 
 def names(request: Request) -> tuple[str, ...]:
@@ -36,21 +38,43 @@ def names(request: Request) -> tuple[str, ...]:
 def columns(request: Request, choose: Choose) -> Columns:
     """Some columns as numbers; columns that are not chosen are not parsed.
 
+    A large file is read in pieces; of each only the numbers are kept.
+
     Raises
     ------
     CampaignError
         With every line that has too many or too few fields and every cell that is empty, not a
-        number, infinite or absurdly large; or because the text cannot be decoded.
+        number, infinite or absurdly large (of a large file those up to the piece in which there
+        are more than are listed); or because the text cannot be decoded.
     """
-    text = take_apart(request)
-    width = text.width
-    headers = text.headers or ("",) * width
-    positions = tuple(choose(headers, width))
-    if not cut_off(text):
-        values = _fast(text, positions)
-        if values is not None:
-            return Columns(headers=headers, positions=positions, values=values)
-    return columns_of(_careful(text, request), positions, request)
+    headers: tuple[str, ...] = ()
+    positions: tuple[int, ...] = ()
+    parts: list[Sequence[Array]] = []
+    problems: list[Problem] = []
+    dropped = 0
+    for text in blocks(request):
+        if not parts and not problems:
+            headers = text.headers or ("",) * text.width
+            positions = tuple(choose(headers, text.width))
+        values = None if cut_off(text) else _fast(text, positions)
+        if values is None:
+            found, missing, faults = numbers_of(_careful(text, request), positions, request)
+            values, dropped, problems = tuple(found.T), dropped + missing, [*problems, *faults]
+        if len(problems) > LISTED:
+            break
+        parts.append(values)
+    if problems:
+        raise request.error(*abridged(problems, request))
+    if not sum(len(part[0]) for part in parts if part):
+        raise request.error(request.problem("there are no rows of numbers."))
+    return Columns(headers=headers, positions=positions, values=_joined(parts), dropped=dropped)
+
+
+def _joined(parts: Sequence[Sequence[Array]]) -> tuple[Array, ...]:
+    """The columns of all pieces of the file, end to end."""
+    if len(parts) == 1:
+        return tuple(np.ascontiguousarray(column) for column in parts[0])
+    return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
 def cells(request: Request) -> Cells:

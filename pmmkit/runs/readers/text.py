@@ -5,10 +5,11 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import BinaryIO, Final
 
+from pmmkit.errors import CampaignError
 from pmmkit.runs.readers.base import Request, to_number
 
 BLANKS: Final = " "
@@ -22,6 +23,8 @@ _CANDIDATES: Final = (
     (BLANKS, ","),
 )
 _SAMPLE: Final = 20
+BLOCK: Final = 1 << 22
+"""Bytes of a large file that are read at once."""
 _BLANK_HEADER: Final = re.compile(
     r"(?:[^\s\[(]|\[[^\]]*\]|\([^)]*\))+(?:\s+(?:\[[^\]]*\]|\([^)]*\)))?"
 )
@@ -30,14 +33,14 @@ _BLANK_HEADER: Final = re.compile(
 
 @dataclass(frozen=True, kw_only=True)
 class Text:
-    """A text file taken apart.
+    """A text file, or a piece of it, taken apart.
 
     Parameters
     ----------
     headers : tuple of str or None
         Names in the header; None where there is none.
     data : bytes
-        The whole file as UTF-8.
+        Its text as UTF-8.
     start, stop : int
         Where in `data` the rows of numbers begin and end, line ends after them left out.
     first_line : int
@@ -69,29 +72,71 @@ class Text:
 
 
 def take_apart(request: Request) -> Text:
-    """Read a text file and find out how it is written.
+    """Read a text file whole and find out how it is written.
 
     Raises
     ------
     CampaignError
         If it is empty, has no rows of numbers, cannot be decoded or holds zero bytes.
     """
-    options = request.options
     try:
         data = request.path.read_bytes()
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
-    data = _as_utf8(data, request)
-    if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
-        if b"\n" in data:
-            stray = re.search(rb"\r(?!\n)", data)
-            row = data.count(b"\n", 0, stray.start()) + 1 if stray else None
-            if stray is None or stray.end() != len(data):
-                raise request.error(
-                    request.problem("there is a carriage return inside the line.", row=row)
-                )
+        raise _unreadable(error, request) from error
+    return _taken_apart(data, request)
+
+
+def blocks(request: Request) -> Iterator[Text]:
+    """A text file in pieces of whole lines, so that a large one is never in memory whole.
+
+    Blank lines at the end of a piece go to the next one. The last piece is large enough to tell
+    by it whether the file was cut off.
+
+    Raises
+    ------
+    CampaignError
+        As `take_apart`.
+    """
+    encoding = request.options.encoding or "utf-8"
+    try:
+        size = request.path.stat().st_size
+        if size < 2 * BLOCK or not _keeps_line_ends(encoding):
+            yield take_apart(request)
+            return
+        with request.path.open("rb") as stream:
+            yield from _pieces(stream, request)
+    except OSError as error:
+        raise _unreadable(error, request) from error
+
+
+def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
+    data, line = stream.read(BLOCK), 1
+    if data.count(b"\n") <= request.options.skip_rows:
+        yield _taken_apart(data + stream.read(), request)
+        return
+    first: Text | None = None
+    while data:
+        ahead = stream.read(BLOCK)
+        if len(ahead) < BLOCK:
+            part, data = data + ahead, b""
         else:
-            data = data.replace(b"\r", b"\n")
+            stop = data.rfind(b"\n", 0, _last(data)) + 1
+            part, data = data[:stop], data[stop:] + ahead
+        if not part:
+            continue
+        if first is None:
+            piece = _taken_apart(part, request)
+            first = replace(piece, headers=piece.headers or ("",) * piece.width, data=b"")
+        else:
+            text = _with_plain_ends(_as_utf8(part, request, line), request, line)
+            piece = replace(first, data=text, start=0, stop=_last(text), first_line=line)
+        yield piece
+        line += part.count(b"\n")
+
+
+def _taken_apart(data: bytes, request: Request) -> Text:
+    options = request.options
+    data = _with_plain_ends(_as_utf8(data, request), request)
     start, line = 0, 1
     while start < len(data) and (
         line <= options.skip_rows or not data[start : line_end(data, start)].strip()
@@ -122,7 +167,31 @@ def take_apart(request: Request) -> Text:
     )
 
 
-def _as_utf8(data: bytes, request: Request) -> bytes:
+def _unreadable(error: OSError, request: Request) -> CampaignError:
+    return request.error(request.problem(f"cannot be read: {error.strerror}."))
+
+
+def _keeps_line_ends(encoding: str) -> bool:
+    """Whether the line ends of a text in this encoding are those of its bytes."""
+    return "az09,\n".encode(encoding) == b"az09,\n"
+
+
+def _with_plain_ends(data: bytes, request: Request, line: int = 1) -> bytes:
+    """The text with line ends that hold a line feed; refuses a stray carriage return."""
+    if b"\r" not in data or data.count(b"\r") == data.count(b"\r\n"):
+        return data
+    if b"\n" not in data and line == 1:
+        return data.replace(b"\r", b"\n")
+    stray = re.search(rb"\r(?!\n)", data)
+    if stray is None or stray.end() != len(data):
+        row = line + data.count(b"\n", 0, stray.start()) if stray else None
+        raise request.error(
+            request.problem("there is a carriage return inside the line.", row=row)
+        )
+    return data
+
+
+def _as_utf8(data: bytes, request: Request, line: int = 1) -> bytes:
     """The text as UTF-8 without a byte order mark; refuses what is not text."""
     encoding = request.options.encoding or "utf-8"
     if not data:
@@ -133,7 +202,7 @@ def _as_utf8(data: bytes, request: Request) -> bytes:
         raise request.error(
             request.problem("the text is UTF-16.", remedy='Write encoding = "utf-16" in [source].')
         )
-    plain = "az09,\n".encode(encoding) == b"az09,\n"
+    plain = _keeps_line_ends(encoding)
     if not (plain and data.isascii()):
         try:
             decoded = data.decode(encoding)
@@ -144,7 +213,9 @@ def _as_utf8(data: bytes, request: Request) -> bytes:
                     f"the text is not {encoding}."
                     if place is None
                     else f"byte {data[place]:#04x} is not {encoding} text.",
-                    row=data.count(b"\n", 0, place) + 1 if plain and place is not None else None,
+                    row=data.count(b"\n", 0, place) + line
+                    if plain and place is not None
+                    else None,
                     remedy='State the right one in [source], e.g. encoding = "cp1252".',
                 )
             ) from error
@@ -155,7 +226,7 @@ def _as_utf8(data: bytes, request: Request) -> bytes:
         raise request.error(
             request.problem(
                 "there are zero bytes: the file is damaged or not plain text.",
-                row=data.count(b"\n", 0, nul) + 1,
+                row=data.count(b"\n", 0, nul) + line,
             )
         )
     return data
