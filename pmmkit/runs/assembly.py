@@ -13,11 +13,12 @@ from pmmkit.runs.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.runs.conversions import Frame, in_phase_parts
 from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows
 from pmmkit.runs.picking import ColumnSpec, Picked, pick
-from pmmkit.runs.readers import reader_for
+from pmmkit.runs.readers import openfoam, reader_for, usual_of
 from pmmkit.runs.readers.base import Cells, Options, Request, fault, to_number
 from pmmkit.runs.readers.rows import filled_in, matching_rows, no_column
 from pmmkit.runs.run import DYNAMIC_TESTS, FREE_TESTS, Correction, Kind, Run
 from pmmkit.runs.settings import missing_settings, settings_of
+from pmmkit.runs.solver_axes import Solver
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
@@ -52,6 +53,8 @@ class Setup:
         Name of the campaign file.
     trial : mapping
         ``[trial]``.
+    solver : Solver
+        ``[cfd]``, besides factors.
     """
 
     ship: Ship
@@ -66,6 +69,7 @@ class Setup:
     missing_file: Callable[[str, str], Problem]
     toml: str
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    solver: Solver = field(default_factory=Solver)
 
 
 @dataclass
@@ -269,16 +273,17 @@ def _add_history(
     corrections = _corrections(entry.id, setup)
     given = {**entry.settings(), **_set(corrections)}
     missing = missing_settings(entry.test, given)
-    if missing and request.path.is_file():
+    if missing and request.path.exists():
         try:
             names = reader_for(request).names(request)
-            measured, _ = pick(names, len(names), specs, request)
+            measured, _ = pick(names, len(names), specs, request, usual=usual_of(request))
         except DataError as error:
             out.problems += error.problems
             return
         missing = missing_settings(entry.test, given, {column.name for column in measured})
     if _needs(missing, entry.test, label, setup, out):
         return
+    motion = _motion(entry, label, request, setup, out)
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
     settings, notes = settings_of(entry.test, given, frame, setup.ship.L)
     loader = HistoryLoader(
@@ -292,9 +297,13 @@ def _add_history(
             corrections=corrections,
             notes=notes,
             antenna=(setup.trial.get("antenna_x", 0.0), setup.trial.get("antenna_y", 0.0)),
+            solver=setup.solver,
+            test=entry.test,
+            settings=settings,
         ),
         kind=setup.kind,
         rows=entry.rows,
+        motion=motion,
     )
     run = Run(
         id=entry.id,
@@ -306,6 +315,29 @@ def _add_history(
         source=entry.file,
     )
     out.runs.append(_said(run, corrections, setup))
+
+
+def _motion(
+    entry: RunEntry, label: str, request: Request, setup: Setup, out: Assembled
+) -> Request | None:
+    """The file of the hull's motion beside the one of its forces."""
+    if entry.motion is None:
+        return None
+    path = setup.find(entry.motion)
+    if path is None:
+        out.problems.append(setup.missing_file(entry.motion, label))
+        return None
+    foam = path.is_dir() or openfoam.recognises(path, _head(path))
+    options = Options(format="openfoam" if foam else None)
+    return replace(request, path=path, shown=entry.motion, options=options)
+
+
+def _head(path: Path) -> bytes:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(1 << 16)
+    except OSError:
+        return b""
 
 
 def _add_row(
@@ -362,6 +394,9 @@ def _add_row(
             frame=frame,
             corrections=corrections,
             notes=notes,
+            solver=setup.solver,
+            test=entry.test,
+            settings=settings,
         ),
         dimensional=dimensional,
         turned=frame.motion_sign(entry.test) < 0,

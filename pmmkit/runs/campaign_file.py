@@ -118,15 +118,16 @@ class _Search:
         return [*found, self.own]
 
     def find(self, file: str) -> Path | None:
-        """Path of a file, or None."""
-        for name in (file, file.replace("\\", "/")):
-            for folder in self.folders():
-                try:
-                    if (folder / name).is_file():
-                        return folder / name
-                except (OSError, ValueError):
-                    return None
-        return None
+        """Path of a file, else of a folder of that name, or None."""
+        names = (file, file.replace("\\", "/"))
+        places = [folder / name for name in names for folder in self.folders()]
+        try:
+            return next(
+                (place for place in places if place.is_file()),
+                next((place for place in places if place.is_dir()), None),
+            )
+        except (OSError, ValueError):
+            return None
 
     def missing(self, file: str, entry: str, toml: str) -> Problem:
         """The problem of a file that is nowhere."""

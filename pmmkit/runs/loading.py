@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,9 +17,10 @@ from pmmkit.runs.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.runs.corrections import correct
 from pmmkit.runs.geodesy import out_of_range, placed
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
-from pmmkit.runs.readers import reader_for
-from pmmkit.runs.readers.base import Array, Request
-from pmmkit.runs.run import Campaign, Correction, Kind
+from pmmkit.runs.readers import files_of, reader_for, usual_of
+from pmmkit.runs.readers.base import Array, Columns, Request
+from pmmkit.runs.run import Campaign, Correction, Kind, Settings
+from pmmkit.runs.solver_axes import PLACE, Solver, seen_from_hull, without_ramp
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
@@ -44,6 +45,12 @@ class Context:
         Conversions of the settings, in words.
     antenna : tuple of float
         Place of the antenna of a free-running record, forward of midship and to starboard [m].
+    solver : Solver
+        What the forces of a CFD refer to.
+    test : str
+        Kind of test.
+    settings : Settings or None
+        What it was set to.
     """
 
     ship: Ship
@@ -53,6 +60,9 @@ class Context:
     corrections: tuple[Correction, ...] = ()
     notes: tuple[str, ...] = ()
     antenna: tuple[float, float] = (0.0, 0.0)
+    solver: Solver = field(default_factory=Solver)
+    test: str = ""
+    settings: Settings | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +81,8 @@ class HistoryLoader:
         Kind of campaign: says which channels must be there.
     rows : int or None
         Number of rows that the campaign file says the file has.
+    motion : Request or None
+        A further file with the path of the hull.
     """
 
     request: Request
@@ -78,6 +90,7 @@ class HistoryLoader:
     context: Context
     kind: str = "captive"
     rows: int | None = None
+    motion: Request | None = None
 
     @property
     def path(self) -> Path:
@@ -85,25 +98,15 @@ class HistoryLoader:
         return self.request.path
 
     def __call__(self) -> xr.Dataset:
-        picked: list[Picked] = []
-
-        def choose(headers: Sequence[str], width: int) -> list[int]:
-            found, problems = pick(
-                headers,
-                width,
-                self.columns,
-                self.request,
-                required=required_channels(self.kind),
-            )
-            if problems:
-                raise self.request.error(*problems)
-            picked.extend(found)
-            return [column.position for column in found]
-
-        read = reader_for(self.request).columns(self.request, choose)
+        read, picked = _read(self.request, self.columns, required_channels(self.kind))
         count = len(read.values[0])
         check_rows(count + read.dropped, self.rows, self.request)
         notes = [*read.notes, *(column.note for column in picked if column.note)]
+        notes += [
+            f"doubtful: {doubt}; say so with {key} under [cfd]"
+            for key, doubt in read.unsettled.items()
+            if key not in self.context.solver.stated
+        ]
         if read.dropped:
             notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
         values = {
@@ -117,7 +120,43 @@ class HistoryLoader:
             notes,
             request=self.request,
             dimensional=frozenset(column.name for column in picked if column.unit is not None),
+            motion=None if self.motion is None else _motion_of(self.motion, self.context),
         )
+
+
+def _read(
+    request: Request, specs: Mapping[str, ColumnSpec], required: Sequence[str]
+) -> tuple[Columns, list[Picked]]:
+    """The columns of a file that are used, and what each of them is."""
+    picked: list[Picked] = []
+
+    def choose(headers: Sequence[str], width: int) -> list[int]:
+        found, problems = pick(
+            headers, width, specs, request, required=required, usual=usual_of(request)
+        )
+        if problems:
+            raise request.error(*problems)
+        picked.extend(found)
+        return [column.position for column in found]
+
+    return reader_for(request).columns(request, choose), picked
+
+
+def _motion_of(request: Request, context: Context) -> dict[str, Array]:
+    """The path of the hull from a file of its own, SI, our axes and signs."""
+    read, picked = _read(request, {}, ("t",))
+    values = {
+        column.name: column.apply(numbers)
+        for column, numbers in zip(picked, read.values, strict=True)
+        if column.name in ("t", *PLACE, "u", "v", "r")
+    }
+    return to_ours(
+        values,
+        frame=context.frame,
+        ship=context.ship,
+        water=context.water,
+        speed=context.speed,
+    )[0]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,6 +215,7 @@ def dataset(
     request: Request,
     dimensional: frozenset[str] = frozenset(),
     turned: bool = False,
+    motion: Mapping[str, Array] | None = None,
 ) -> xr.Dataset:
     """Channels in SI, ship axes and our signs as a Dataset, with every conversion in ``attrs``.
 
@@ -195,6 +235,8 @@ def dataset(
         Names whose unit was stated.
     turned : bool
         For harmonics: whether the motion changes sign with the axes.
+    motion : mapping of str to array, optional
+        Path of the hull from a file of its own.
     """
     import xarray as xr
 
@@ -217,13 +259,14 @@ def dataset(
     )
     converted, moved = placed({**converted, **compass}, context.antenna)
     said += moved
+    converted, seen = _seen(kind, converted, context, request, motion)
     if kind == "harmonics":
         others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
         converted = {**others, **stacked_harmonics(converted)}
     converted, corrections = correct(
         converted, context.corrections, file=request.shown, run=request.run or ""
     )
-    said += [*more, *corrections]
+    said += [*more, *seen, *corrections]
     variables: dict[str, tuple[object, ...]] = {}
     for name, numbers in converted.items():
         unit = {"units": CHANNEL_UNITS[_channel(name)]}
@@ -248,6 +291,32 @@ def dataset(
             "run": request.run or "",
         },
     )
+
+
+def _seen(
+    kind: Kind,
+    values: Mapping[str, Array],
+    context: Context,
+    request: Request,
+    motion: Mapping[str, Array] | None,
+) -> tuple[dict[str, Array], list[str]]:
+    """Forces of a CFD as the hull feels them, without the start-up of the computation."""
+    run = request.run or ""
+    notes: list[str] = []
+    if kind == "history":
+        values, notes = without_ramp(values, context.solver.ramp, file=request.shown, run=run)
+    if context.settings is None:
+        return dict(values), notes
+    turned, more = seen_from_hull(
+        values,
+        context.solver,
+        kind=kind,
+        test=context.test,
+        settings=context.settings,
+        run=run,
+        motion=motion,
+    )
+    return turned, [*notes, *more]
 
 
 def _channel(name: str) -> str:
@@ -294,6 +363,8 @@ def validate(campaign: Campaign) -> list[Problem]:
 def file_hashes(campaign: Campaign) -> dict[str, str]:
     """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
 
+    Of a folder these are the files in it that are read.
+
     Parameters
     ----------
     campaign : Campaign
@@ -304,12 +375,20 @@ def file_hashes(campaign: Campaign) -> dict[str, str]:
     CampaignError
         If a file cannot be read.
     """
-    files: dict[str, Path] = {}
+    requests: dict[str, Request] = {}
     for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
         if isinstance(run.loader, (HistoryLoader, RowLoader)):
-            files.setdefault(run.loader.request.shown, run.loader.path)
+            requests.setdefault(run.loader.request.shown, run.loader.request)
+        if isinstance(run.loader, HistoryLoader) and run.loader.motion is not None:
+            requests.setdefault(run.loader.motion.shown, run.loader.motion)
     hashes: dict[str, str] = {}
     problems: list[Problem] = []
+    files: dict[str, Path] = {}
+    for request in requests.values():
+        try:
+            files |= files_of(request)
+        except DataError as error:
+            problems += error.problems
     for shown, path in files.items():
         try:
             hashes[shown] = sha256(path)

@@ -34,6 +34,7 @@ from pmmkit.runs.schema import (
     read_entry,
     read_named,
 )
+from pmmkit.runs.solver_axes import Solver
 from pmmkit.ship import Ship, Water
 
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
@@ -151,6 +152,14 @@ def setup_of(
         options=Options(**top.source.model_dump()),
         columns=top.columns,
         corrections=top.corrections,
+        solver=Solver(
+            earth_axes=top.cfd.get("forces_in") == "earth",
+            centre_moves=top.cfd.get("moment_centre_moves", True),
+            centre_x=top.moment_reference_x,
+            motion_x=top.campaign.motion_reference_x,
+            ramp=top.cfd.get("ramp_s", 0.0),
+            stated=frozenset(top.cfd),
+        ),
         find=find,
         missing_file=missing_file,
         toml=toml,

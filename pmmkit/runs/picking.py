@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 from pmmkit.errors import DataError, Problem
@@ -20,6 +21,8 @@ from pmmkit.runs.channels import (
     unit_of,
 )
 from pmmkit.runs.readers.base import Array, Request
+
+_NONE: Final[Mapping[str, str]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +97,7 @@ def pick(
     *,
     table: bool = False,
     required: Iterable[str] = (),
+    usual: Mapping[str, str] = _NONE,
 ) -> tuple[tuple[Picked, ...], list[Problem]]:
     """The columns of a file that are used, and what is wrong with them.
 
@@ -112,10 +116,14 @@ def pick(
         Whether the rows are runs.
     required : iterable of str
         Channels that must be there.
+    usual : mapping of str to str
+        Headers under which channels usually stand in this format; used where `specs` says nothing
+        of the channel and the header is there.
     """
     problems: list[Problem] = []
     picked: dict[str, Picked] = {}
     bare = [split_unit(header) for header in headers]
+    specs = {**_usual_specs(usual, specs, bare), **specs}
     for name, spec in specs.items():
         if not spec.absent and (unit_of(name, table=table) is not None):
             position = _position(name, spec, headers, bare, width, request, problems)
@@ -140,6 +148,21 @@ def pick(
         if name not in picked and (name not in specs or (name == "t" and specs[name].absent)):
             problems.append(_not_there(name, headers, request))
     return tuple(picked.values()), problems
+
+
+def _usual_specs(
+    usual: Mapping[str, str],
+    specs: Mapping[str, ColumnSpec],
+    bare: Sequence[tuple[str, str | None]],
+) -> dict[str, ColumnSpec]:
+    """Where channels usually stand, of those that nothing is said of and that are there."""
+    titles = [title for title, _ in bare]
+    asked = {DEGREE_CHANNELS.get(name, name) for name in specs} | set(titles)
+    return {
+        name: ColumnSpec(name=header)
+        for name, header in usual.items()
+        if name not in asked and header in titles
+    }
 
 
 def _add(

@@ -212,6 +212,8 @@ class CfdEntry(Entry):
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
     moment_centre: float | None = None
+    moment_centre_moves: bool | None = None
+    forces_in: Literal["body", "earth"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
     U_SN: NumericalEntry | None = None
 
@@ -291,6 +293,7 @@ class RunEntry(FileEntry):
     """``[[runs]]``."""
 
     row: dict[str, Plain] | None = None
+    motion: Annotated[str, Field(min_length=1)] | None = None
 
     @field_validator("row")
     @classmethod

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
@@ -117,6 +118,8 @@ class Columns:
         Rows left out because a value was missing and the campaign file says ``missing = "drop"``.
     notes : tuple of str
         Conversions that the file itself reports.
+    unsettled : mapping of str to str
+        What is doubtful, by the key of ``[cfd]`` that settles it.
     """
 
     headers: tuple[str, ...]
@@ -124,6 +127,7 @@ class Columns:
     values: tuple[Array, ...]
     dropped: int = 0
     notes: tuple[str, ...] = ()
+    unsettled: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, kw_only=True)
