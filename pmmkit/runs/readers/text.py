@@ -185,9 +185,7 @@ def _with_plain_ends(data: bytes, request: Request, line: int = 1) -> bytes:
     stray = re.search(rb"\r(?!\n)", data)
     if stray is None or stray.end() != len(data):
         row = line + data.count(b"\n", 0, stray.start()) if stray else None
-        raise request.error(
-            request.problem("there is a carriage return inside the line.", row=row)
-        )
+        raise request.error(request.problem("there is a carriage return inside the line.", row=row))
     return data
 
 
@@ -213,9 +211,7 @@ def _as_utf8(data: bytes, request: Request, line: int = 1) -> bytes:
                     f"the text is not {encoding}."
                     if place is None
                     else f"byte {data[place]:#04x} is not {encoding} text.",
-                    row=data.count(b"\n", 0, place) + line
-                    if plain and place is not None
-                    else None,
+                    row=data.count(b"\n", 0, place) + line if plain and place is not None else None,
                     remedy='State the right one in [source], e.g. encoding = "cp1252".',
                 )
             ) from error
