@@ -125,7 +125,10 @@ def csv_table(columns: Mapping[str, np.ndarray], width: int) -> tuple[str, np.nd
 
 
 def foam_vectors(columns: Mapping[str, np.ndarray], kind: str) -> np.ndarray:
-    """Total, pressure and viscous part of the force or the moment, three components each."""
+    """Total, pressure and viscous part of the force or the moment, three components each.
+
+    The model floats without heel or trim.
+    """
     none = np.zeros_like(columns["t"])
     if kind == "force":
         total = np.stack([columns["X"], columns["Y"], none], axis=1)

@@ -42,7 +42,13 @@ _START: Final = (
     "import sys, json; sys.path[:] = json.loads(sys.argv[1]); "
     "from pmmkit.reduction.worker import serve; serve()"
 )
-_THREADS: Final = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_SETTINGS: Final = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "MALLOC_MMAP_THRESHOLD_": "1000000",
+}
+"""One thread each; large arrays go back to the system (glibc keeps them otherwise)."""
 
 
 def memory_of(run: Run) -> float:
@@ -250,7 +256,7 @@ def _can_be_sent(content: object) -> bool:
 
 
 def _started(way: Way, count: int) -> list[subprocess.Popen[bytes]]:
-    environment = {**os.environ, **dict.fromkeys(_THREADS, "1")}
+    environment = {**os.environ, **_SETTINGS}
     command = [sys.executable, "-P", "-c", _START, json.dumps(sys.path)]
     processes: list[subprocess.Popen[bytes]] = []
     try:
