@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO
+from typing import Final, TextIO
+
+QUIET: Final = 30.0
+"""Seconds between lines where there is no terminal."""
 
 Progress = Callable[[int, int, str], None]
 """Called with how many are done, how many there are, and what is being done."""
@@ -42,10 +47,13 @@ def shown(stream: TextIO | None = None) -> Iterator[Progress]:
 
 
 def _lines(stream: TextIO) -> Progress:
-    """The first, the middle and the last, so that a log stays short."""
+    """The first, the middle and the last, and one in half a minute: a log stays short."""
+    told = [-math.inf]
 
     def tell(done: int, total: int, what: str) -> None:
-        if done in (1, total // 2, total):
+        now = time.monotonic()
+        if done in (total // 2, total) or now - told[0] > QUIET:
+            told[0] = now
             print(f"{done:>{len(str(total))}} of {total}: {what}", file=stream, flush=True)
 
     return tell

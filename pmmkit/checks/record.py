@@ -119,11 +119,13 @@ def examine_cycles(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
     """
     for channel in ("X", "Y", "N", "K"):
         items = [item for item in summaries if len(_kept(item, channel)) >= 3]
-        odd = [
-            found
-            for item in items
-            if (found := _odd_cycle(item, channel, _noise(item, items, channel))) is not None
-        ]
+        speeds = np.array([item.run.settings.speed for item in items])
+        scatters = np.array([_scatter(_kept(item, channel)) for item in items])
+        odd = []
+        for item, speed in zip(items, speeds, strict=True):
+            series = scatters[np.abs(speeds / speed - 1) < 0.02]
+            found = _odd_cycle(item, channel, _noise(item, series, channel))
+            odd += [found] if found is not None else []
         if not odd:
             continue
         worst = max(odd, key=lambda found: found.away / found.limit)
@@ -167,12 +169,11 @@ def _scatter(first: Cycles) -> float:
     return math.sqrt(float(np.sum(np.abs(away) ** 2)) / 2 / (len(first) - 1))
 
 
-def _noise(item: Summary, items: Sequence[Summary], channel: str) -> float:
-    speed = item.run.settings.speed
-    series = [other for other in items if abs(other.run.settings.speed / speed - 1) < 0.02]
+def _noise(item: Summary, series: NDArray[np.float64], channel: str) -> float:
+    """Noise of one cycle, from the scatter over the cycles of all runs at that speed."""
     own = item.cycle_noise.get(channel, 0.0)
     if len(series) >= 4:
-        return max(own, float(np.median([_scatter(_kept(other, channel)) for other in series])))
+        return max(own, float(np.median(series)))
     first = _kept(item, channel)
     worst = int(np.argmax(np.abs(first - _middle(first))))
     line = _line(first)[1] if len(first) > 3 else math.inf

@@ -54,10 +54,20 @@ def reduce(
         str | None, typer.Option(help="Library ship, model file or table to compare with.")
     ] = None,
     data: Data = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that read runs; the number of processors if absent."),
+    ] = None,
+    memory: Annotated[
+        float, typer.Option(min=1, help="Memory that they may take together in MB.")
+    ] = 1000.0,
     out: Out = None,
     json: Json = False,
 ) -> None:
-    """Reduce captive tests to a table of derivatives, a model and a report."""
+    """Reduce captive tests to a table of derivatives, a model and a report.
+
+    Typed again after an interruption it goes on with the runs that were not yet read.
+    """
     from pmmkit.cli import reducing
 
     result = reducing.reduce(
@@ -69,6 +79,8 @@ def reduce(
         data=data,
         parts=parts,
         reference=reference,
+        jobs=jobs,
+        memory=memory,
     )
     finish(result, json)
 

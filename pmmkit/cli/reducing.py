@@ -20,6 +20,7 @@ from pmmkit.files import datasets_folder
 from pmmkit.model import Model, load_model
 from pmmkit.progress import shown
 from pmmkit.reduction import Reduction, reduce_campaign
+from pmmkit.reduction.resume import forget, resume_folder
 from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
 from pmmkit.report.loop import VERDICTS
 from pmmkit.report.words import percent
@@ -50,8 +51,13 @@ def reduce(
     reference: str | None = None,
     reference_name: str | None = None,
     asked: str | None = None,
+    jobs: int | None = None,
+    memory: float = 1000.0,
 ) -> Outcome:
     """Reduce a campaign and write everything.
+
+    What was read of a large campaign is kept beside `out` until everything is written, so that
+    the same call goes on after an interruption.
 
     Parameters
     ----------
@@ -69,6 +75,8 @@ def reduce(
         Its name in the report.
     asked : str, optional
         A simpler structure: the report ends with what it lacks.
+    jobs, memory
+        As for `reduce_campaign`.
 
     Returns
     -------
@@ -79,9 +87,17 @@ def reduce(
     donor = load_model(parts) if parts else None
     beside = _reference(reference, reference_name) if reference else None
     opened = open_campaign(campaign, data=data)
+    kept = resume_folder(out)
     with shown() as progress:
         found = reduce_campaign(
-            opened, structure=structure, fn=fn, cycles=cycles, progress=progress
+            opened,
+            structure=structure,
+            fn=fn,
+            cycles=cycles,
+            progress=progress,
+            jobs=jobs,
+            memory=memory,
+            resume=kept,
         )
     model, why = _model(found, donor)
     turns, why_not = _turns(found, model, reference, beside)
@@ -93,6 +109,7 @@ def reduce(
         loop = loop_of(begin(asked, opened), base, rounds=ROUNDS)
     say("Writing tables, figures and the report ...")
     files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
+    forget(kept)
     content = {
         "campaign": opened.title,
         "out": str(out),

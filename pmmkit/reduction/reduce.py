@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit import __version__
-from pmmkit.checks import CheckFinding, Summary, examine, refuse, summarise
+from pmmkit.checks import CheckFinding, examine, refuse
 from pmmkit.conventions import CHANNELS, Convention
-from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.errors import CampaignError
+from pmmkit.reduction.all_runs import Means, read_all
 from pmmkit.reduction.blockage import speed_increase
 from pmmkit.reduction.columns import Columns, columns_of
-from pmmkit.reduction.inertia import rig_of
 from pmmkit.reduction.methods import by_family, by_run
-from pmmkit.reduction.prepare import CycleChoice, RunResult, prepare
+from pmmkit.reduction.prepare import CycleChoice, RunResult
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
-from pmmkit.reduction.rows import Rows, Sensitivity, rows_of, sensitivity
+from pmmkit.reduction.reading import Way
+from pmmkit.reduction.rows import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
 from pmmkit.reduction.words import Offset, notes, offsets
 from pmmkit.runs.loading import file_hashes
-from pmmkit.runs.run import Campaign, Run, TypeB
+from pmmkit.runs.run import Campaign
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
 
@@ -104,6 +104,8 @@ def reduce_campaign(
     check: bool = True,
     progress: Progress | None = None,
     jobs: int | None = None,
+    memory: float = 1000.0,
+    resume: Path | None = None,
 ) -> Reduction:
     """Reduce captive tests to derivatives.
 
@@ -132,7 +134,12 @@ def reduce_campaign(
     progress : callable, optional
         Called with (runs done, runs in all, what is done).
     jobs : int, optional
-        Threads that read runs; the number of processors (8 at most) by default.
+        Processes that read runs, once reading takes long; the number of processors by default.
+    memory : float
+        What they may take together [MB]; fewer read at a time where files are large.
+    resume : path, optional
+        Folder in which the results of runs are kept once reading takes long. A call that was
+        interrupted goes on from there; the result is the same. The caller removes the folder.
 
     Returns
     -------
@@ -152,14 +159,23 @@ def reduce_campaign(
         surge=wanted.surge,
         U="carriage" if carriage_speed else "instantaneous",
     )
-    everything = columns_of(wanted, campaign.runs, CHANNELS)
     tell = progress or _silent
-    read = _read_all(campaign, everything, convention, cycles, blockage, tell, jobs)
-    findings = examine(campaign, [item[2] for item in read])
+    read = read_all(
+        Way(
+            campaign=campaign,
+            columns=columns_of(wanted, campaign.runs, CHANNELS),
+            convention=convention,
+            cycles=cycles,
+            blockage=blockage,
+        ),
+        tell,
+        Means(jobs=jobs, memory=memory, kept=resume),
+    )
+    findings = examine(campaign, [item.summary for item in read])
     if check:
         refuse(findings)
-    rows = tuple(item[0] for item in read)
-    sensitivities = tuple(item[1] for item in read)
+    rows = tuple(item.rows for item in read)
+    sensitivities = tuple(item.sensitivities for item in read)
     measured = {channel for item in rows for channel in item.force}
     columns = columns_of(wanted, campaign.runs, measured)
     if not columns.required:
@@ -205,91 +221,6 @@ def reduce_campaign(
 
 def _silent(*_: object) -> None:
     """Tell nobody."""
-
-
-_Read = tuple[Rows, tuple[Sensitivity, ...], Summary]
-
-
-def _read_all(
-    campaign: Campaign,
-    columns: Columns,
-    convention: Convention,
-    cycles: CycleChoice,
-    blockage: str,
-    tell: Progress,
-    jobs: int | None,
-) -> list[_Read]:
-    """All runs, read once each by several threads; all their problems at once."""
-    if not campaign.runs:
-        raise CampaignError(f"Campaign {campaign.title!r} has no run to reduce.")
-
-    def one(run: Run) -> _Read | DataError:
-        try:
-            return _read(run, campaign, columns, convention, cycles, blockage)
-        except DataError as error:
-            return error
-
-    problems: list[Problem] = []
-    read: list[_Read] = []
-    total = len(campaign)
-    with ThreadPoolExecutor(jobs or min(8, os.cpu_count() or 1)) as pool:
-        for done, (run, item) in enumerate(_in_order(pool, one, campaign.runs), start=1):
-            tell(done, total, f"reading {run.id}")
-            if isinstance(item, DataError):
-                problems += item.problems
-            else:
-                read.append(item)
-    if problems:
-        raise CampaignError(problems, title=f"Campaign {campaign.title!r} cannot be reduced")
-    return read
-
-
-def _in_order(
-    pool: ThreadPoolExecutor, work: Callable[[Run], Any], runs: Sequence[Run]
-) -> Iterator[tuple[Run, Any]]:
-    yield from zip(runs, pool.map(work, runs), strict=True)
-
-
-def _read(
-    run: Run,
-    campaign: Campaign,
-    columns: Columns,
-    convention: Convention,
-    cycles: CycleChoice,
-    blockage: str,
-) -> _Read:
-    data = run.data
-    once = run.with_(loader=lambda: data)
-    rig = rig_of(campaign)
-    prepared = prepare(once, campaign, cycles=cycles)
-    share = speed_increase(campaign, run.settings.speed) if blockage == "correct" else None
-    names = {
-        channel: listed
-        for channel, listed in columns.names.items()
-        if channel in prepared.result.measured
-    }
-    rows = rows_of(prepared, campaign, rig, names, convention, blockage=share or 0.0)
-    changes = tuple(
-        sensitivity(rows, source, campaign, rig, names, convention) for source in _sources(campaign)
-    )
-    return _forget(rows, run), changes, summarise(once, campaign)
-
-
-def _sources(campaign: Campaign) -> tuple[TypeB, ...]:
-    """Stated uncertainties; the numerical one of a solver counts as a zero error of all runs."""
-    numerical = (
-        TypeB(name=f"{channel}_gauge", std=float(std), shared=True)
-        for channel, std in campaign.numerical.items()
-    )
-    return (*campaign.uncertainty, *numerical)
-
-
-def _forget(rows: Rows, run: Run) -> Rows:
-    """The rows without the samples that were held for the reading."""
-    from dataclasses import replace
-
-    kept = run.with_(settings=rows.result.run.settings)
-    return replace(rows, result=replace(rows.result, run=kept))
 
 
 def _groups(rows: Sequence[Rows], fn: str) -> list[tuple[float, tuple[int, ...]]]:

@@ -20,7 +20,7 @@ from pmmkit.runs.hull_path import PLACE, recorded_in, set_to
 from pmmkit.runs.picking import ColumnSpec, Picked, pick, required_channels
 from pmmkit.runs.readers import files_of, reader_for, usual_of
 from pmmkit.runs.readers.base import Array, Columns, Request
-from pmmkit.runs.run import Campaign, Correction, Kind, Settings
+from pmmkit.runs.run import Campaign, Correction, Kind, Run, Settings
 from pmmkit.runs.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.ship import Ship, Water
 
@@ -402,6 +402,26 @@ def validate(campaign: Campaign) -> list[Problem]:
     return found
 
 
+def data_files(run: Run) -> dict[str, Path]:
+    """The files that the data of a run come from, by the names that messages give them.
+
+    Parameters
+    ----------
+    run : Run
+        Of a campaign from `open_campaign`; of other runs nothing is known.
+
+    Raises
+    ------
+    CampaignError
+        If a folder holds nothing of its format.
+    """
+    loader = run.loader
+    requests = [loader.request] if isinstance(loader, (HistoryLoader, RowLoader)) else []
+    if isinstance(loader, HistoryLoader) and loader.motion is not None:
+        requests.append(loader.motion)
+    return {shown: path for request in requests for shown, path in files_of(request).items()}
+
+
 def file_hashes(campaign: Campaign) -> dict[str, str]:
     """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
 
@@ -417,20 +437,14 @@ def file_hashes(campaign: Campaign) -> dict[str, str]:
     CampaignError
         If a file cannot be read.
     """
-    requests: dict[str, Request] = {}
-    for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
-        if isinstance(run.loader, (HistoryLoader, RowLoader)):
-            requests.setdefault(run.loader.request.shown, run.loader.request)
-        if isinstance(run.loader, HistoryLoader) and run.loader.motion is not None:
-            requests.setdefault(run.loader.motion.shown, run.loader.motion)
     hashes: dict[str, str] = {}
     problems: list[Problem] = []
     files: dict[str, Path] = {}
-    for request in requests.values():
+    for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
         try:
-            files |= files_of(request)
+            files |= data_files(run)
         except DataError as error:
-            problems += error.problems
+            problems += [problem for problem in error.problems if problem not in problems]
     for shown, path in files.items():
         try:
             hashes[shown] = sha256(path)

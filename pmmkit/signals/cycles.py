@@ -198,7 +198,7 @@ def _noise(phase: Array, values: Array, rows: Array, edges: Ints, longest: int) 
     cells = cells[:, : a_cycle * count]
     cells = np.pad(cells, ((0, 0), (0, a_cycle * count - cells.shape[-1])))
     swing = np.sqrt(np.mean((inside - inside.mean(axis=-1, keepdims=True)) ** 2, axis=-1))
-    floor = NEGLIGIBLE * swing + 1e-12 * np.max(np.abs(inside), axis=-1) + 1e-300
+    floor = NEGLIGIBLE * swing + 1e-12 * np.max(np.abs(inside), axis=-1) + 1e-150
     size = np.sqrt(np.mean(cells**2, axis=-1))
     quiet = size <= floor
     sign = np.where(np.arange(cells.shape[-1]) % 2, 1.0, -1.0)

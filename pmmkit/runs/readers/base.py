@@ -223,6 +223,24 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
     CampaignError
         With every cell that is empty, not a number, infinite or absurdly large.
     """
+    table, dropped, found = numbers_of(cells, positions, request)
+    if found:
+        raise request.error(*abridged(found, request))
+    if not len(table):
+        raise request.error(request.problem("there are no rows of numbers."))
+    return Columns(
+        headers=cells.headers,
+        positions=tuple(positions),
+        values=tuple(np.ascontiguousarray(table[:, place]) for place in range(len(positions))),
+        dropped=dropped,
+        notes=cells.notes,
+    )
+
+
+def numbers_of(
+    cells: Cells, positions: Sequence[int], request: Request
+) -> tuple[Array, int, list[Problem]]:
+    """Rows of finite numbers (n, len(positions)), how many were dropped, and what is wrong."""
     found = list(cells.problems)
     drop = request.options.missing == "drop"
     kept: list[list[float]] = []
@@ -240,18 +258,7 @@ def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Colu
             dropped += 1
         else:
             kept.append([number for number in numbers if number is not None])
-    if found:
-        raise request.error(*abridged(found, request))
-    if not kept:
-        raise request.error(request.problem("there are no rows of numbers."))
-    table = np.array(kept, dtype=float).reshape(len(kept), len(positions))
-    return Columns(
-        headers=cells.headers,
-        positions=tuple(positions),
-        values=tuple(np.ascontiguousarray(table[:, place]) for place in range(len(positions))),
-        dropped=dropped,
-        notes=cells.notes,
-    )
+    return np.array(kept, dtype=float).reshape(len(kept), len(positions)), dropped, found
 
 
 def fault(number: float | None, cell: Cell) -> str | None:

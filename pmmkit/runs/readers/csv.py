@@ -19,15 +19,25 @@ from pmmkit.errors import Problem
 from pmmkit.runs.readers.base import (
     ABSURD,
     HEAD,
+    LISTED,
     Array,
     Cells,
     Choose,
     Columns,
     Request,
-    columns_of,
+    abridged,
+    numbers_of,
 )
 from pmmkit.runs.readers.layout import layout_of
-from pmmkit.runs.readers.text import BLANKS, Text, cut_off, line_end, take_apart
+from pmmkit.runs.readers.text import (
+    BLANKS,
+    Text,
+    blocks,
+    comments_left_out,
+    cut_off,
+    line_end,
+    take_apart,
+)
 
 
 def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
@@ -44,15 +54,41 @@ def names(request: Request) -> tuple[str, ...]:
 def columns(request: Request, choose: Choose) -> Columns:
     """Some columns as numbers; columns that are not chosen are not parsed.
 
+    A large file is read in pieces; of each only the numbers are kept.
+
     Raises
     ------
     CampaignError
         With every line that has too many or too few fields and every cell that is empty, not a
-        number, infinite or absurdly large; or because the text cannot be decoded.
+        number, infinite or absurdly large (of a large file those up to the piece in which there
+        are more than are listed); or because the text cannot be decoded.
     """
-    text = take_apart(request)
-    headers = text.headers or ("",) * text.width
-    return numbers(text, choose(headers, text.width), request)
+    headers: tuple[str, ...] = ()
+    positions: tuple[int, ...] = ()
+    notes: tuple[str, ...] = ()
+    parts: list[Sequence[Array]] = []
+    problems: list[Problem] = []
+    dropped = comments = 0
+    for text in blocks(request):
+        if not parts and not problems:
+            headers = text.headers or ("",) * text.width
+            positions = tuple(choose(headers, text.width))
+            notes = text.notes
+        values, missing, faults = _numbers(text, positions, request)
+        dropped, comments, problems = dropped + missing, comments + len(text.comments), [
+            *problems, *faults,
+        ]  # fmt: skip
+        if len(problems) > LISTED:
+            break
+        parts.append(values)
+    if problems:
+        raise request.error(*abridged(problems, request))
+    if not sum(len(part[0]) for part in parts if part):
+        raise request.error(request.problem("there are no rows of numbers."))
+    return Columns(
+        headers=headers, positions=positions, values=_joined(parts), dropped=dropped,
+        notes=(*notes, *comments_left_out(comments)),
+    )  # fmt: skip
 
 
 def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
@@ -63,16 +99,34 @@ def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
     CampaignError
         As `columns`.
     """
-    if not cut_off(text):
-        values = _fast(text, positions)
-        if values is not None:
-            return Columns(
-                headers=text.headers or ("",) * text.width,
-                positions=tuple(positions),
-                values=values,
-                notes=text.notes,
-            )
-    return columns_of(_careful(text, request), positions, request)
+    values, dropped, problems = _numbers(text, positions, request)
+    if problems:
+        raise request.error(*abridged(problems, request))
+    if values and not len(values[0]):
+        raise request.error(request.problem("there are no rows of numbers."))
+    return Columns(
+        headers=text.headers or ("",) * text.width, positions=tuple(positions),
+        values=tuple(np.ascontiguousarray(column) for column in values), dropped=dropped,
+        notes=text.told,
+    )  # fmt: skip
+
+
+def _numbers(
+    text: Text, positions: Sequence[int], request: Request
+) -> tuple[Sequence[Array], int, list[Problem]]:
+    """The numbers of a text, rows that were dropped, what is wrong."""
+    values = None if cut_off(text) else _fast(text, positions)
+    if values is not None:
+        return values, 0, []
+    table, dropped, problems = numbers_of(_careful(text, request), positions, request)
+    return tuple(table.T), dropped, problems
+
+
+def _joined(parts: Sequence[Sequence[Array]]) -> tuple[Array, ...]:
+    """The columns of all pieces of the file, end to end."""
+    if len(parts) == 1:
+        return tuple(np.ascontiguousarray(column) for column in parts[0])
+    return tuple(np.concatenate(column) for column in zip(*parts, strict=True))
 
 
 def cells(request: Request) -> Cells:
@@ -200,7 +254,7 @@ def _careful(text: Text, request: Request) -> Cells:
         lines=tuple(lines),
         decimal=text.decimal,
         problems=tuple(problems),
-        notes=text.notes,
+        notes=text.told,
     )
 
 

@@ -41,8 +41,27 @@ class Decoded:
     doubt: Problem | None = None
 
 
-def decoded(data: bytes, request: Request) -> Decoded:
+def marked(data: bytes) -> str | None:
+    """The encoding that a byte order mark tells, None for UTF-8 and where there is none."""
+    return next((name for mark, name in _MARKS if data.startswith(mark)), None)
+
+
+def keeps_line_ends(encoding: str) -> bool:
+    """Whether the line ends of a text in this encoding are those of its bytes."""
+    return "az09,\n".encode(encoding) == b"az09,\n"
+
+
+def decoded(data: bytes, request: Request, line: int = 1) -> Decoded:
     """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252.
+
+    Parameters
+    ----------
+    data : bytes
+        The file, or a piece of it.
+    request : Request
+        The file, for messages and its options.
+    line : int
+        Line of the file, counted from 1, in which the piece begins.
 
     Raises
     ------
@@ -51,15 +70,14 @@ def decoded(data: bytes, request: Request) -> Decoded:
     """
     if not data:
         raise request.error(request.problem("the file is empty (0 bytes)."))
-    marked = next((name for mark, name in _MARKS if data.startswith(mark)), "utf-8")
-    encoding = request.options.encoding or marked
+    encoding = request.options.encoding or marked(data) or "utf-8"
     doubt = None
-    plain = "az09,\n".encode(encoding) == b"az09,\n"
+    plain = keeps_line_ends(encoding)
     if not (plain and data.isascii()):
         try:
             text = data.decode(encoding)
         except UnicodeError as error:
-            doubt = _not_decoded(data, encoding, error, plain, request)
+            doubt = _not_decoded(data, encoding, error, line if plain else None, request)
             if encoding != "utf-8" or request.options.encoding is not None:
                 raise request.error(doubt) from error
             try:
@@ -74,27 +92,29 @@ def decoded(data: bytes, request: Request) -> Decoded:
         raise request.error(
             request.problem(
                 "there are zero bytes: the file is damaged or not plain text.",
-                row=data.count(b"\n", 0, nul) + 1,
+                row=data.count(b"\n", 0, nul) + line,
             )
         )
     return Decoded(data=data, doubt=doubt)
 
 
 def _not_decoded(
-    data: bytes, encoding: str, error: UnicodeError, plain: bool, request: Request
+    data: bytes, encoding: str, error: UnicodeError, line: int | None, request: Request
 ) -> Problem:
     place = error.start if isinstance(error, UnicodeDecodeError) else None
     return request.problem(
         f"the text is not {encoding}."
         if place is None
         else f"byte {data[place]:#04x} is not {encoding} text.",
-        row=data.count(b"\n", 0, place) + 1 if plain and place is not None else None,
+        row=data.count(b"\n", 0, place) + line if line and place is not None else None,
         remedy=f'State the right one in [source], e.g. encoding = "{_WINDOWS}".',
     )
 
 
-def unix_ends(data: bytes, request: Request) -> bytes:
+def unix_ends(data: bytes, request: Request, line: int = 1) -> bytes:
     """The text with line feeds at its line ends, those after carriage returns included.
+
+    `line` is the line of the file, counted from 1, in which the text begins.
 
     Raises
     ------
@@ -103,11 +123,11 @@ def unix_ends(data: bytes, request: Request) -> bytes:
     """
     if b"\r" not in data or data.count(b"\r") == data.count(b"\r\n"):
         return data
-    if b"\n" not in data:
+    if b"\n" not in data and line == 1:
         return data.replace(b"\r", b"\n")
     stray = re.search(rb"\r(?!\n)", data)
     if stray is None or stray.end() != len(data):
-        row = data.count(b"\n", 0, stray.start()) + 1 if stray else None
+        row = data.count(b"\n", 0, stray.start()) + line if stray else None
         raise request.error(request.problem("there is a carriage return inside the line.", row=row))
     return data
 

@@ -261,7 +261,7 @@ def _open(request: Request) -> _Export:
         )
     headers = list(clean_headers(original))
     key, timed = _key(headers)
-    notes = [*text.notes, *torn]
+    notes = [*text.told, *torn]
     if timed:
         name, unit = split_unit(headers[key])
         headers[key] = TIME if unit == "-" else f"{TIME} [{unit}]"

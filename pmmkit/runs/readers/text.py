@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import BinaryIO, Final
 
 import numpy as np
 
+from pmmkit.errors import CampaignError
 from pmmkit.runs.readers.base import Request
-from pmmkit.runs.readers.decoding import cut_apart, decoded, unix_ends
+from pmmkit.runs.readers.decoding import cut_apart, decoded, keeps_line_ends, marked, unix_ends
 from pmmkit.runs.readers.heading import (
     BLANKS,
     CANDIDATES,
@@ -26,6 +28,8 @@ __all__ = [
     "BLANKS",
     "CANDIDATES",
     "Text",
+    "blocks",
+    "comments_left_out",
     "cut_off",
     "fields_of",
     "headers_of",
@@ -35,18 +39,20 @@ __all__ = [
 ]
 
 _SAMPLE: Final = 20
+BLOCK: Final = 1 << 22
+"""Bytes of a large file that are read at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Text:
-    """A text file taken apart.
+    """A text file, or a piece of it, taken apart.
 
     Parameters
     ----------
     headers : tuple of str or None
         Names in the header; None where there is none.
     data : bytes
-        The whole file as UTF-8, without comments among the rows.
+        Its text as UTF-8, without comments among the rows.
     start, stop : int
         Where in `data` the rows of numbers begin and end, line ends after them left out.
     first_line : int
@@ -82,6 +88,11 @@ class Text:
         return [int(line) for line in np.setdiff1d(every, self.comments)[:count]]
 
     @property
+    def told(self) -> tuple[str, ...]:
+        """The notes, and how many comments there were."""
+        return (*self.notes, *comments_left_out(len(self.comments)))
+
+    @property
     def width(self) -> int:
         """Number of columns."""
         if self.headers is not None:
@@ -91,22 +102,83 @@ class Text:
 
 
 def take_apart(request: Request) -> Text:
-    """Read a text file and find out how it is written.
+    """Read a text file whole and find out how it is written.
 
     Raises
     ------
     CampaignError
         If it is empty, has no rows of numbers, cannot be decoded or holds zero bytes.
     """
+    try:
+        data = request.path.read_bytes()
+    except OSError as error:
+        raise _unreadable(error, request) from error
+    return _taken_apart(data, request)[0]
+
+
+def blocks(request: Request) -> Iterator[Text]:
+    """A text file in pieces of whole lines, so that a large one is never in memory whole.
+
+    Blank lines at the end of a piece go to the next one. The last piece is large enough to tell
+    by it whether the file was cut off.
+
+    Raises
+    ------
+    CampaignError
+        As `take_apart`.
+    """
+    encoding = request.options.encoding or "utf-8"
+    try:
+        size = request.path.stat().st_size
+        if size < 2 * BLOCK or request.options.widths or not keeps_line_ends(encoding):
+            yield take_apart(request)
+            return
+        with request.path.open("rb") as stream:
+            yield from _pieces(stream, request)
+    except OSError as error:
+        raise _unreadable(error, request) from error
+
+
+def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
+    data, line = stream.read(BLOCK), 1
+    if data.count(b"\n") <= request.options.skip_rows or marked(data) is not None:
+        yield _taken_apart(data + stream.read(), request)[0]
+        return
+    first: Text | None = None
+    while data:
+        ahead = stream.read(BLOCK)
+        if len(ahead) < BLOCK:
+            part, data = data + ahead, b""
+        else:
+            stop = data.rfind(b"\n", 0, _last(data)) + 1
+            part, data = data[:stop], data[stop:] + ahead
+        if not part:
+            continue
+        if first is None:
+            piece, heading = _taken_apart(part, request)
+            heading = replace(heading, headers=piece.headers or ("",) * piece.width, start=0)
+            first = replace(piece, headers=heading.headers, data=b"", notes=())
+        else:
+            found = decoded(part, request, line)
+            if found.doubt is not None:
+                raise request.error(found.doubt)
+            text = unix_ends(found.data, request, line)
+            text, comments = _without_comments(
+                text, _last(text), replace(heading, line=line), request
+            )
+            piece = replace(
+                first, data=text, start=0, stop=_last(text), first_line=line, comments=comments
+            )
+        yield piece
+        line += part.count(b"\n")
+
+
+def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
     options = request.options
     if options.widths is not None and options.delimiter is not None:
         raise request.error(
             request.problem("widths and delimiter are both stated; a file has one or the other.")
         )
-    try:
-        data = request.path.read_bytes()
-    except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
     text = decoded(data, request)
     data = unix_ends(text.data, request)
     start, line = 0, 1
@@ -127,19 +199,21 @@ def take_apart(request: Request) -> Text:
             raise request.error(text.doubt)
         notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
     data, comments = _without_comments(data, stop, heading, request)
-    if comments:
-        notes = (*notes, f"comments among the rows left out: {len(comments)} lines")
-    return Text(
-        headers=heading.headers,
-        data=data,
-        start=heading.start,
-        stop=_last(data),
-        first_line=heading.line,
-        delimiter=heading.delimiter,
-        decimal=heading.decimal,
-        comments=comments,
-        notes=notes,
-    )
+    taken = Text(
+        headers=heading.headers, data=data, start=heading.start, stop=_last(data),
+        first_line=heading.line, delimiter=heading.delimiter, decimal=heading.decimal,
+        comments=comments, notes=notes,
+    )  # fmt: skip
+    return taken, heading
+
+
+def comments_left_out(count: int) -> tuple[str, ...]:
+    """The note on comments among the rows, if there are any."""
+    return (f"comments among the rows left out: {count} lines",) if count else ()
+
+
+def _unreadable(error: OSError, request: Request) -> CampaignError:
+    return request.error(request.problem(f"cannot be read: {error.strerror}."))
 
 
 def _without_comments(
