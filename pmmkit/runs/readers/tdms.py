@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import io
+import logging
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -127,6 +128,20 @@ class _Contents:
 
 
 @contextmanager
+def _quiet() -> Iterator[None]:
+    """What the library logs of damaged files is told by our own errors."""
+    logger, handler = logging.getLogger("nptdms"), logging.NullHandler()
+    told = logger.propagate
+    logger.addHandler(handler)
+    logger.propagate = False
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.propagate = told
+
+
+@contextmanager
 def _contents(request: Request) -> Iterator[_Contents]:
     """The channels of a file; every fault of the library becomes an error of ours."""
     import nptdms
@@ -141,7 +156,7 @@ def _contents(request: Request) -> Iterator[_Contents]:
                 )
             )
         stream = io.BytesIO(request.path.read_bytes())
-        with nptdms.TdmsFile.open(stream) as file:
+        with _quiet(), nptdms.TdmsFile.open(stream) as file:
             yield _looked_over(file, segments, request)
     except PmmkitError:
         raise
@@ -180,11 +195,11 @@ def _looked_over(file: Any, segments: Segments, request: Request) -> _Contents:
         )
     found = [channel for group in groups for channel in group.channels()]
     for channel in found:
+        _check_scales(channel, file, request)
         status = statuses.get(channel.path)
         expected = len(channel) if status is None else max(len(channel), status.expected_length)
         if expected * max(1, channel.dtype.itemsize) > limit_of(size):
             raise too_large(request, expected * channel.dtype.itemsize, size, channel.path)
-        _check_scales(channel, file, request)
     every = [item for item in found if len(item) > 1 and item.dtype.kind in "fiubMO"]
     return _Contents(
         channels=[channel for channel in every if channel.dtype.kind != "O"],
