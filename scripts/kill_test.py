@@ -115,7 +115,9 @@ def run(command: Sequence[str], kill_after: float | None = None) -> bool:
 
 def examine(found: Content, old: Content, new: Content) -> tuple[str, list[str]]:
     """What the state of a folder is, and which of its files are neither old nor new."""
-    strange = [name for name, digest in found.items() if digest not in (old.get(name), new.get(name))]
+    strange = [
+        name for name, digest in found.items() if digest not in (old.get(name), new.get(name))
+    ]
     if found == new:
         return "new", strange
     if found == old:

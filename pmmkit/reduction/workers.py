@@ -32,10 +32,8 @@ SAMPLE_BYTES: Final = 480.0
 """Memory for each sample of a history while it is reduced."""
 WHOLE: Final = 8.0
 """Memory over file size where a file is read whole."""
-WHOLE_MB: Final = 8.0
-"""Text files above this size are read in pieces."""
 PIECES_MB: Final = 40.0
-"""Memory for the pieces."""
+"""Memory for the pieces in which a large text file is read."""
 HEAD: Final = 1 << 16
 MB: Final = 1e6
 _START: Final = (
@@ -46,20 +44,23 @@ _SETTINGS: Final = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
-    "MALLOC_MMAP_THRESHOLD_": "1000000",
+    "MALLOC_MMAP_THRESHOLD_": "4000000",
 }
 """One thread each; large arrays go back to the system (glibc keeps them otherwise)."""
 
 
 def memory_of(run: Run) -> float:
-    """About how much memory the reading of a run takes [MB], from its files' sizes.
+    """About how much memory the reading of a run takes [MB], from the sizes of its files.
+
+    Files of the same name follow one another in time, others stand side by side.
 
     Parameters
     ----------
     run : Run
         The run; one that does not come from files of its own takes nothing.
     """
-    total = 0.0
+    samples: dict[str, float] = {}
+    held = 0.0
     for path in _files(run):
         try:
             size = path.stat().st_size
@@ -67,12 +68,11 @@ def memory_of(run: Run) -> float:
                 head = stream.read(HEAD)
         except OSError:
             continue
-        if b"\0" in head or not head:
-            total += WHOLE * size
-            continue
-        samples = size * (head.count(b"\n") + 1) / len(head)
-        total += SAMPLE_BYTES * samples + min(WHOLE * size, PIECES_MB * MB)
-    return total / MB
+        whole = b"\0" in head or not head
+        held = max(held, WHOLE * size if whole else min(WHOLE * size, PIECES_MB * MB))
+        lines = 0.0 if whole else size * (head.count(b"\n") + 1) / len(head)
+        samples[path.name] = samples.get(path.name, 0.0) + lines
+    return (held + SAMPLE_BYTES * max(samples.values(), default=0.0)) / MB
 
 
 def size_of(run: Run) -> int:
