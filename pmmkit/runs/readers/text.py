@@ -9,6 +9,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import BinaryIO, Final
 
+import numpy as np
+
 from pmmkit.errors import CampaignError
 from pmmkit.runs.readers.base import Request, to_number
 
@@ -111,7 +113,7 @@ def blocks(request: Request) -> Iterator[Text]:
 
 def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
     data, line = stream.read(BLOCK), 1
-    if data.count(b"\n") <= request.options.skip_rows:
+    if _line_feeds(data) <= request.options.skip_rows:
         yield _taken_apart(data + stream.read(), request)
         return
     first: Text | None = None
@@ -131,7 +133,11 @@ def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
             text = _with_plain_ends(_as_utf8(part, request, line), request, line)
             piece = replace(first, data=text, start=0, stop=_last(text), first_line=line)
         yield piece
-        line += part.count(b"\n")
+        line += _line_feeds(part)
+
+
+def _line_feeds(data: bytes) -> int:
+    return int(np.count_nonzero(np.frombuffer(data, dtype=np.uint8) == 10))
 
 
 def _taken_apart(data: bytes, request: Request) -> Text:
