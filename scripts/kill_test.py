@@ -49,7 +49,7 @@ class Job:
 
     name: str
     command: Callable[[Path], Sequence[str]]
-    before: Callable[[Path], None] = lambda folder: None
+    before: Callable[[Path], None] | None = None
 
 
 @dataclass
@@ -134,7 +134,8 @@ def try_job(job: Job, kills: int, rng: random.Random) -> Tally:
         def fresh() -> Content:
             shutil.rmtree(place, ignore_errors=True)
             place.mkdir()
-            job.before(place)
+            if job.before is not None:
+                job.before(place)
             return content(place)
 
         old = fresh()

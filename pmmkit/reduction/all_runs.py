@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -74,13 +75,13 @@ def read_all(way: Way, tell: Progress, means: Means) -> list[Reading]:
     left = [place for place in range(len(runs)) if place not in found]
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
     problems: list[Problem] = []
-    results = _each([runs[place] for place in left], way, means, kept, pace)
-    for done, (place, result) in enumerate(zip(left, results, strict=True), start=1):
-        tell(len(runs) - len(left) + done, len(runs), f"reading {runs[place].id}{pace(done)}")
-        if isinstance(result, DataError):
-            problems += result.problems
-        else:
-            found[place] = result
+    with closing(_each([runs[place] for place in left], way, means, kept, pace)) as results:
+        for done, (place, result) in enumerate(zip(left, results, strict=True), start=1):
+            tell(len(runs) - len(left) + done, len(runs), f"reading {runs[place].id}{pace(done)}")
+            if isinstance(result, DataError):
+                problems += result.problems
+            else:
+                found[place] = result
     if problems:
         raise CampaignError(problems, title=f"Campaign {way.campaign.title!r} cannot be reduced")
     return [found[place] for place in range(len(runs))]
@@ -130,7 +131,7 @@ class _Pace:
 
 def _each(
     runs: Sequence[Run], way: Way, means: Means, kept: Kept | None, pace: _Pace
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     """The result of each run: the first seconds in this process, the rest by several."""
     done = 0
     with threadpool_limits(1):
@@ -144,7 +145,7 @@ def _each(
 
 def _by_crew(
     runs: Sequence[Run], way: Way, means: Means, kept: Kept | None, pace: _Pace
-) -> Iterator[Result]:
+) -> Generator[Result, None, None]:
     count = min(how_many(means.jobs, means.memory, OWN_MB), len(runs))
     room = max(means.memory - OWN_MB - count * PROCESS_MB, 0.0)
     with threadpool_limits(1), crew(way, runs[0], count, room) as found:

@@ -76,7 +76,7 @@ class Kept:
             return None
         try:
             checksum, _, text = file.read_bytes().partition(b"\n")
-            if hashlib.sha256(text).hexdigest().encode() != checksum:
+            if _checksum(file, text) != checksum:
                 return None
             return _restored(from_json(text.decode()), run, self.way)
         except (OSError, PmmkitError, ValueError, TypeError, LookupError, RecursionError):
@@ -91,7 +91,7 @@ class Kept:
         part = file.with_name(f".{uuid.uuid4().hex}.part")
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            part.write_bytes(hashlib.sha256(text).hexdigest().encode() + b"\n" + text)
+            part.write_bytes(_checksum(file, text) + b"\n" + text)
             os.replace(part, file)
         except OSError:
             part.unlink(missing_ok=True)
@@ -122,6 +122,11 @@ class Kept:
             with self._lock:
                 self._digests[path] = known
         return known
+
+
+def _checksum(file: Path, text: bytes) -> bytes:
+    """Of a file's text and its name, so that no result passes for that of another run."""
+    return hashlib.sha256(file.name.encode() + text).hexdigest().encode()
 
 
 def _plain(reading: Reading) -> dict[str, Any]:

@@ -130,15 +130,16 @@ class _Contents:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """What the library logs of damaged files is told by our own errors."""
-    logger, handler = logging.getLogger("nptdms"), logging.NullHandler()
-    told = logger.propagate
-    logger.addHandler(handler)
-    logger.propagate = False
+    loggers = [logging.getLogger(name) for name in sorted(logging.root.manager.loggerDict)
+               if name.partition(".")[0] == "nptdms"]  # fmt: skip
+    before = [logger.disabled for logger in loggers]
+    for logger in loggers:
+        logger.disabled = True
     try:
         yield
     finally:
-        logger.removeHandler(handler)
-        logger.propagate = told
+        for logger, told in zip(loggers, before, strict=True):
+            logger.disabled = told
 
 
 @contextmanager

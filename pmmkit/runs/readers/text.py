@@ -141,7 +141,7 @@ def blocks(request: Request) -> Iterator[Text]:
 
 def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
     data, line = stream.read(BLOCK), 1
-    if data.count(b"\n") <= request.options.skip_rows or marked(data) is not None:
+    if _line_feeds(data) <= request.options.skip_rows or marked(data) is not None:
         yield _taken_apart(data + stream.read(), request)[0]
         return
     first: Text | None = None
@@ -170,7 +170,11 @@ def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
                 first, data=text, start=0, stop=_last(text), first_line=line, comments=comments
             )
         yield piece
-        line += part.count(b"\n")
+        line += _line_feeds(part)
+
+
+def _line_feeds(data: bytes) -> int:
+    return int(np.count_nonzero(np.frombuffer(data, dtype=np.uint8) == 10))
 
 
 def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
