@@ -180,11 +180,11 @@ def _looked_over(file: Any, segments: Segments, request: Request) -> _Contents:
         )
     found = [channel for group in groups for channel in group.channels()]
     for channel in found:
+        _check_scales(channel, file, request)
         status = statuses.get(channel.path)
         expected = len(channel) if status is None else max(len(channel), status.expected_length)
         if expected * max(1, channel.dtype.itemsize) > limit_of(size):
             raise too_large(request, expected * channel.dtype.itemsize, size, channel.path)
-        _check_scales(channel, file, request)
     every = [item for item in found if len(item) > 1 and item.dtype.kind in "fiubMO"]
     return _Contents(
         channels=[channel for channel in every if channel.dtype.kind != "O"],
