@@ -17,7 +17,6 @@ from pmmkit.runs.readers.sheet import layout_of
 from pmmkit.runs.readers.workbook_guard import CFB, ZIP, check_workbook
 
 _PARTS: Final = (b"xl/", b"[Content_Types].xml", b"opendocument.spreadsheet")
-_STREAMS: Final = tuple(name.encode("utf-16-le") for name in ("Workbook", "Book"))
 _MOST_MERGED: Final = 1_000_000
 Grid = list[list[Any]]
 
