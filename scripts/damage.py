@@ -32,6 +32,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from campaign_text import S175
 from numpy.typing import NDArray
 
 ROWS = 400
@@ -40,24 +41,18 @@ LIMIT_S = 10
 MEMORY = (64_000_000, 30)
 OUTCOMES = ("right", "value", "refused", "lost", "foreign", "hung", "crashed", "memory")
 BAD = OUTCOMES[3:]
-CAMPAIGN = """[campaign]
+CAMPAIGN = (
+    """[campaign]
 title = "damage"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
-[[runs]]
+"""
+    + S175
+    + """[[runs]]
 id = "SD"
 test = "static_drift"
 speed = 1.5
 drift_deg = 8.0
 """
+)
 
 
 def truth() -> dict[str, NDArray[np.float64]]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from campaign_text import S175
 
 from pmmkit.errors import PmmkitError
 from pmmkit.runs.campaign_file import open_campaign
@@ -147,20 +148,13 @@ def matlab_cell(file: h5py.File, group: h5py.Group, name: str, texts: list[str])
     dataset.attrs["MATLAB_class"] = np.bytes_("cell")
 
 
-TOML = """[campaign]
+TOML = (
+    """[campaign]
 title = "container"
 kind = "captive"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
 """
+    + S175
+)
 RUN = """[[runs]]
 id = "SD"
 test = "static_drift"

@@ -7,32 +7,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from campaign_text import S175
 
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.runs.campaign_file import open_campaign
 
 ROWS = 240
-TOML = """[campaign]
+TOML = (
+    """[campaign]
 title = "damage"
 kind = "captive"
 forces = "hydrodynamic"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
-[[runs]]
+"""
+    + S175
+    + """[[runs]]
 id = "SD"
 test = "static_drift"
 file = "SD.csv"
 speed = 1.5
 drift_deg = 8.0
 """
+)
 
 
 @pytest.fixture(scope="module")

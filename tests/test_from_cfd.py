@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
+from campaign_text import S175
 from make_cfd_cases import SPEED, history, programme, write_openfoam, write_star
 from s175_truth import load_truth
 from virtual_tank import SHIP, WATER
@@ -12,17 +13,6 @@ from virtual_tank import SHIP, WATER
 from pmmkit.cli import main
 from pmmkit.tables import read_table
 
-SHIP_LINES = """[ship]
-name = "S175 model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-volume = 0.454861
-mass = 454.476
-Izz = 618.332
-[water]
-rho = 999.1
-"""
 MESH = {
     "openfoam": """[axes]
 y = "-y"
@@ -47,7 +37,7 @@ def filled_in(text: str, solver: str) -> str:
     tail = re.sub(r"# ([vr]_amplitude = [0-9.]+) .*", r"\1", tail)
     tail = re.sub(r"period = 12[0-9.]+ .*", "period = 12.7264", tail)
     tail = re.sub(r"period = 9[0-9.]+ .*", "period = 9.2555", tail)
-    return head + SHIP_LINES + MESH[solver] + tail
+    return head + S175 + MESH[solver] + tail
 
 
 def run(*words) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from campaign_text import S175
 from foam_texts import (
     LAYOUTS,
     body_state,
@@ -33,19 +34,12 @@ from pmmkit.runs.readers.openfoam.case import density_doubt, entries_of, number_
 from pmmkit.runs.readers.openfoam.header import layout_of
 
 T, PARTS = numbers()
-TOML = """[campaign]
+TOML = (
+    """[campaign]
 kind = "captive"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
-{extra}
+"""
+    + S175
+    + """{extra}
 [[runs]]
 id = "SD"
 test = "static_drift"
@@ -53,6 +47,7 @@ file = "{file}"
 speed = 1.5
 drift_deg = 8.0
 """
+)
 
 
 def naive(text: str) -> np.ndarray:

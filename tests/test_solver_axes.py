@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 import pytest
+from campaign_text import S175
 from foam_texts import body_state, written
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -28,23 +29,17 @@ SPEED, PERIOD, YAW, SWAY, CENTRE = 1.5, 8.0, 0.25, 0.4, 0.6
 OMEGA = 2 * math.pi / PERIOD
 T = np.arange(0.0, 2 * PERIOD + 0.01, 0.02)
 POINTS = ((1.8, 0.2), (-0.4, -0.3), (-2.2, 0.1))
-HEAD = """[campaign]
+HEAD = (
+    """[campaign]
 kind = "captive"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
-[cfd]
+"""
+    + S175
+    + """[cfd]
 forces_in = "earth"
 moment_centre = 0.6
 moment_centre_moves = false
 """
+)
 
 
 def loads(t):

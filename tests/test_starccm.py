@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from campaign_text import S175
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,21 +24,14 @@ TIME = "Physical Time: Physical Time (s)"
 FORCES = ("Fx Monitor: Force (N)", "Fy Monitor: Force (N)", "Mz Monitor: Moment (N-m)")
 T = np.round(0.05 * np.arange(1, 61), 10)
 X, Y, N = -30.0 + 0.2 * np.sin(T), 12.0 * np.cos(T), 4.0 * np.sin(2 * T)
-TOML = """[campaign]
+TOML = (
+    """[campaign]
 title = "computed"
 kind = "captive"
 forces = "hydrodynamic"
-[ship]
-name = "model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-Izz = 618.332
-volume = 0.454861
-[water]
-rho = 999.1
-[source]
+"""
+    + S175
+    + """[source]
 format = "star-ccm+"
 {source}
 {columns}
@@ -48,6 +42,7 @@ file = "{file}"
 speed = 1.5
 drift_deg = 8.0
 """
+)
 
 
 def export(headers, *columns, bom=False, ends="\n") -> bytes:
