@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _TWO_SIDED: Final = 1.96
+_ROOMY: Final = 40
+"""Points of one Froude number from which on their marks shrink."""
 _POINTS: Final = 1500
 """Samples shown of one record; more would only make the file large."""
 _WHAT: Final = {
@@ -108,6 +111,7 @@ def forces_over_drift(
                 if channel not in group.force:
                     continue
                 divide = _unit(table, channel, group.froude) if table else 1.0
+                shrunk = min(1.0, math.sqrt(_ROOMY / len(group.drift)))
                 scale = factor / divide
                 if table:
                     _curve(axis, table, channel, group, scale, style.colour(number))
@@ -115,7 +119,7 @@ def forces_over_drift(
                     np.degrees(group.drift), scale * group.force[channel],
                     np.nan_to_num(_TWO_SIDED * scale * group.std[channel]),
                     ls="", marker=style.marker(number), color=style.colour(number),
-                    capsize=2, ms=4.5, label=f"Fn {group.froude:.3f}",
+                    capsize=2 * shrunk, ms=4.5 * shrunk, label=f"Fn {group.froude:.3f}",
                 )  # fmt: skip
             stroke = "''" if table and table.convention.system == "bis" else "'"
             axis.set_title(
