@@ -65,7 +65,7 @@ def stem(path: Path) -> str:
     """Name for a folder of results: that of the campaign's folder, or of the file."""
     full = path.resolve()
     named = full.parent if full.name == "campaign.toml" else full
-    return named.stem if named.suffix in (".toml", ".h5", ".hdf5", ".nc") else named.name
+    return named.stem if named.suffix in (".toml", ".h5", ".hdf5", ".nc", ".csv") else named.name
 
 
 def numbers(text: str | None) -> Sequence[float] | None:
