@@ -133,7 +133,7 @@ def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     [
         (["add", "model.toml", "--fit", "hidden.h5"], 2, "Name an effect"),
         (["add", "model.toml", "memory", "--undo", "--fit", "hidden.h5"], 2, "Name an effect"),
-        (["add", "model.toml", "ghost", "--fit", "hidden.h5"], 1, "these do"),
+        (["add", "model.toml", "ghost", "--fit", "hidden.h5"], 1, "These do"),
         (["diagnose", "model.toml", "absent.h5"], 1, "absent.h5"),
         (["diagnose", "cubics", "hidden.h5"], 1, "cubics"),
     ],
