@@ -1,11 +1,14 @@
 """Sets everything up, then runs: ``python -m scripts demo`` and ``python -m scripts test``."""
 
+import os
 import subprocess
 import sys
 import time
 
 from scripts import environment
 
+# Each worker of the tests has a core; threads of its linear algebra would take it from the others.
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 USAGE = """\
 python -m scripts demo [options of pmmkit demo]    set up, reduce the S175 tests, turn the ship
 python -m scripts test [options of pytest]         set up, check format, types and rooms, run tests
@@ -33,7 +36,7 @@ def test(options):
         environment.say(f"== {name}: {tool} {' '.join(arguments)}")
         started = time.monotonic()
         command = [environment.program(tool), *arguments]
-        if subprocess.call(command, cwd=environment.ROOT):
+        if subprocess.call(command, cwd=environment.ROOT, env=ONE_THREAD | os.environ):
             failed.append(name)
         environment.say(f"== {name}: {time.monotonic() - started:.1f} s")
     environment.say(f"Failed: {', '.join(failed)}." if failed else "Everything passed.")
