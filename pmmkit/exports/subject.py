@@ -11,6 +11,7 @@ from pmmkit.errors import DataError, Problem
 from pmmkit.exports.track import read_track
 from pmmkit.model import Model, load_model
 from pmmkit.runs.campaign_file import FILE_NAME, open_campaign
+from pmmkit.runs.hdf5_guard import is_saved_campaign
 from pmmkit.runs.run import Campaign
 from pmmkit.ship_library import ships
 from pmmkit.tables import DerivativeTable, read_table
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     Subject = Model | DerivativeTable | Campaign | xr.Dataset
 
 _HDF5: Final = (".h5", ".hdf5", ".nc")
-_SAVED_CAMPAIGN: Final = "pmmkit campaign"
 _REMEDY: Final = (
     "Name a library ship (pmmkit ships), a model file, a campaign, a derivative table or the "
     "track.csv of a simulation."
@@ -71,7 +71,7 @@ def read_subject(what: str | Path, *, data: str | Path | None = None) -> Subject
         return read_track(path) if _is_track(path) else read_table(path)
     if path.is_file() and suffix == ".xlsx":
         return read_table(path)
-    if path.is_file() and suffix in _HDF5 and not _is_saved_campaign(path):
+    if path.is_file() and suffix in _HDF5 and not is_saved_campaign(path):
         return read_table(path)
     if path.is_file() and suffix == ".toml" and _is_model(path):
         return load_model(path)
@@ -88,18 +88,6 @@ def _is_track(path: Path) -> bool:
         titles = next(csv.reader([stream.readline(65536)]), [])
     names = {title.split("[")[0].strip() for title in titles}
     return "t" in names and "derivative" not in names
-
-
-def _is_saved_campaign(path: Path) -> bool:
-    """Whether an HDF5 file says that it is a campaign; damaged ones are told by their readers."""
-    import h5py
-
-    try:
-        with h5py.File(path, "r", locking="best-effort") as file:
-            said = file.attrs.get("format", b"")
-    except (OSError, RuntimeError, ValueError, KeyError):
-        return False
-    return bool(said == _SAVED_CAMPAIGN.encode() or said == _SAVED_CAMPAIGN)
 
 
 def _is_model(path: Path) -> bool:

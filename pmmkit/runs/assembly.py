@@ -13,7 +13,7 @@ from pmmkit.runs.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.runs.conversions import Frame, in_phase_parts
 from pmmkit.runs.loading import Context, HistoryLoader, RowLoader, check_rows
 from pmmkit.runs.picking import ColumnSpec, Picked, pick
-from pmmkit.runs.readers import openfoam, reader_for, usual_of
+from pmmkit.runs.readers import reader_for, recognise, usual_of
 from pmmkit.runs.readers.base import Cells, Options, Request, fault, to_number
 from pmmkit.runs.readers.rows import filled_in, matching_rows, no_column
 from pmmkit.runs.run import DYNAMIC_TESTS, FREE_TESTS, Correction, Kind, Run
@@ -334,17 +334,8 @@ def _motion(
         if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
             out.problems.append(setup.missing_file(entry.motion, label))
         return None
-    foam = path.is_dir() or openfoam.recognises(path, _head(path))
-    options = Options(format="openfoam" if foam else None)
+    options = Options(format=recognise(path, ["openfoam"]))
     return replace(request, path=path, shown=entry.motion, options=options)
-
-
-def _head(path: Path) -> bytes:
-    try:
-        with path.open("rb") as stream:
-            return stream.read(1 << 16)
-    except OSError:
-        return b""
 
 
 def _add_row(
