@@ -9,25 +9,23 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Final
 
-__version__ = "0.1.0"
+from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     from pmmkit.api import hull_table, model_of, reduce
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.campaigns.run import Campaign, Run
+    from pmmkit.campaigns.store import load_campaign, save_campaign
     from pmmkit.checks import examine, refuse
-    from pmmkit.diagnosis.adding import with_effect, without_effect
-    from pmmkit.diagnosis.comparison import Comparison, compare
     from pmmkit.diagnosis.diagnose import diagnose
-    from pmmkit.diagnosis.next_run import next_runs
-    from pmmkit.diagnosis.options import Limits
-    from pmmkit.diagnosis.own import own_effect, own_effects
-    from pmmkit.diagnosis.programme import plan
-    from pmmkit.diagnosis.session import fit
     from pmmkit.effects.catalogue import catalogue
+    from pmmkit.effects.own import own_effect, own_effects
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
     from pmmkit.exports import export
     from pmmkit.identification import fit_to_forces, free_records, identify
-    from pmmkit.model import (
+    from pmmkit.loop.session import fit
+    from pmmkit.models import (
         Model,
         estimated_model,
         full_scale,
@@ -36,11 +34,9 @@ if TYPE_CHECKING:
         scaled,
         to_model,
     )
+    from pmmkit.models.edit import with_effect, without_effect
     from pmmkit.reduction import Reduction, contributions, reduce_campaign
     from pmmkit.report import write_report
-    from pmmkit.runs.campaign_file import open_campaign
-    from pmmkit.runs.run import Campaign, Run
-    from pmmkit.runs.store import load_campaign, save_campaign
     from pmmkit.ship import Ship, Water
     from pmmkit.ship_library import load_ship, ships
     from pmmkit.simulation import (
@@ -59,7 +55,11 @@ if TYPE_CHECKING:
     from pmmkit.simulation.simulate import simulate
     from pmmkit.tables import DerivativeTable, converted, from_values, interpolate, read_table
     from pmmkit.tables import write as write_table
+    from pmmkit.test_planning.next_run import next_runs
+    from pmmkit.test_planning.options import Limits
+    from pmmkit.test_planning.programme import plan
     from pmmkit.trials import evaluate_trials
+    from pmmkit.validation.comparison import Comparison, compare
 
 __all__ = [
     "Campaign",
@@ -130,21 +130,21 @@ __all__ = [
 _HOMES: Final = {
     "api": ("hull_table", "model_of", "reduce"),
     "checks": ("examine", "refuse"),
-    "diagnosis.adding": ("with_effect", "without_effect"),
-    "diagnosis.comparison": ("Comparison", "compare"),
+    "models.edit": ("with_effect", "without_effect"),
+    "validation.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
-    "diagnosis.own": ("own_effect", "own_effects"),
-    "diagnosis.session": ("fit",),
-    "diagnosis.next_run": ("next_runs",),
-    "diagnosis.options": ("Limits",),
-    "diagnosis.programme": ("plan",),
+    "effects.own": ("own_effect", "own_effects"),
+    "loop.session": ("fit",),
+    "test_planning.next_run": ("next_runs",),
+    "test_planning.options": ("Limits",),
+    "test_planning.programme": ("plan",),
     "effects.catalogue": ("catalogue",),
     "errors": ("PmmkitError",),
     "exports": ("export",),
     "identification": ("fit_to_forces", "free_records", "identify"),
     "trials": ("evaluate_trials",),
     "empirical": ("estimate",),
-    "model": (
+    "models": (
         "Model",
         "estimated_model",
         "full_scale",
@@ -155,9 +155,9 @@ _HOMES: Final = {
     ),
     "reduction": ("Reduction", "contributions", "reduce_campaign"),
     "report": ("write_report",),
-    "runs.campaign_file": ("open_campaign",),
-    "runs.run": ("Campaign", "Run"),
-    "runs.store": ("load_campaign", "save_campaign"),
+    "campaigns.file.campaign_file": ("open_campaign",),
+    "campaigns.run": ("Campaign", "Run"),
+    "campaigns.store": ("load_campaign", "save_campaign"),
     "ship": ("Ship", "Water"),
     "ship_library": ("load_ship", "ships"),
     "simulation": (

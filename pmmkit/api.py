@@ -12,15 +12,15 @@ import numpy as np
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import UnknownNameError
-from pmmkit.model import Model, Part, load_model, to_model
-from pmmkit.model.build import NEEDED
+from pmmkit.models import Model, Part, load_model, to_model
+from pmmkit.models.build import NEEDED
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.structures import Structure
 from pmmkit.tables import DerivativeTable, from_values
 
 if TYPE_CHECKING:
-    from pmmkit.reduction.prepare import CycleChoice
-    from pmmkit.runs.run import Campaign
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.observations.prepare import CycleChoice
 
 
 def reduce(

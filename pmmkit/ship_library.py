@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any, Final
 from pmmkit.errors import ModelError, Problem, UnknownNameError
 from pmmkit.files import datasets_folder
 from pmmkit.ship import Ship, Water
+from pmmkit.toml_files import read_toml
 
 _POSITIVE: Final = frozenset({"L", "B", "d", "volume", "mass", "Izz", "Ixx", "rho", "g", "nu"})
 
@@ -72,43 +72,6 @@ def load_ship(name: str) -> Ship:
     if ship is None:
         raise ModelError(problems, title=f"Ship {name}")
     return ship
-
-
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """The content of a TOML file.
-
-    Raises
-    ------
-    ModelError
-        If the file is missing, not text or not TOML, with the line where known.
-    """
-    try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
-        return tomllib.loads(text)
-    except FileNotFoundError as error:
-        raise ModelError(
-            Problem(message="The file does not exist.", file=str(path), remedy="Check the path.")
-        ) from error
-    except OSError as error:
-        raise ModelError(
-            Problem(message=f"The file cannot be read: {error.strerror}.", file=str(path))
-        ) from error
-    except UnicodeDecodeError as error:
-        raise ModelError(
-            Problem(
-                message=f"The file is not UTF-8 text (byte {error.start}).",
-                file=str(path),
-                remedy="Save it as UTF-8.",
-            )
-        ) from error
-    except (ValueError, RecursionError) as error:
-        raise ModelError(
-            Problem(
-                message=f"The file is not valid TOML: {error}.",
-                file=str(path),
-                remedy="Correct that line, or take the file from its source again.",
-            )
-        ) from error
 
 
 def number(value: object) -> float | None:

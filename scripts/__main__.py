@@ -5,7 +5,7 @@ import subprocess
 import sys
 import time
 
-from scripts import environment
+from scripts.set_up import environment
 
 # Each worker of the tests has a core; threads of its linear algebra would take it from the others.
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

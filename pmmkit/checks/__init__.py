@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Final
 
+from pmmkit.campaigns.run import Campaign
 from pmmkit.checks import (
     clock,
     copies,
@@ -25,7 +26,6 @@ from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
 from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.runs.run import Campaign
 
 __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
 

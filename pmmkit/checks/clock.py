@@ -10,8 +10,8 @@ import numpy as np
 from pmmkit.checks.finding import Array, Check, CheckFinding, Severity, figure
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 RESOLUTIONS: Final = (3600.0, 60.0, 10.0, 5.0, 1.0, 0.5, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
 GAP: Final = 5.0

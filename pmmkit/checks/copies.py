@@ -12,8 +12,8 @@ import numpy as np
 from pmmkit.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign, Settings
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign, Settings
 
 NEARLY: Final = 1e-4
 _BLOCK: Final = 256

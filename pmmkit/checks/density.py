@@ -6,14 +6,14 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from pmmkit.campaigns.samples.loading import DOUBTFUL
 from pmmkit.checks.finding import Check, CheckFinding
-from pmmkit.runs.loading import DOUBTFUL
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 
 def density_facts(data: xr.Dataset) -> Mapping[str, float]:

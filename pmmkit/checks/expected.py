@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from pmmkit.runs.run import Campaign
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.ship import Ship, Water
 
 ROUND_FACTORS: Final[tuple[tuple[float, str], ...]] = (
@@ -62,7 +62,7 @@ def expected(campaign: Campaign) -> Expected:
 
     Examples
     --------
-    >>> from pmmkit.runs.run import Campaign
+    >>> from pmmkit.campaigns.run import Campaign
     >>> from pmmkit.ship import Ship, Water
     >>> s175 = Ship(name="S175", L=175., B=25.4, d=8.5, volume=21222., mass=2.1752e7, Izz=3.84e10)
     >>> guess = expected(Campaign(title="", ship=s175, water=Water(rho=1025.), runs=()))
@@ -92,7 +92,7 @@ def prime_unit(campaign: Campaign, name: str, speed: float) -> float:
 
     Examples
     --------
-    >>> from pmmkit.runs.run import Campaign
+    >>> from pmmkit.campaigns.run import Campaign
     >>> from pmmkit.ship import Ship, Water
     >>> ship = Ship(name="", L=2., B=1., d=.5, volume=1., mass=1., Izz=1.)
     >>> base = Campaign(title="", ship=ship, water=Water(rho=1000.), runs=())

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from pmmkit.errors import ContradictionError, Problem
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 Array = NDArray[np.float64]
 Severity = Literal["error", "warning", "info"]

@@ -11,9 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.checks.finding import Array, Check, CheckFinding, Severity, figure
-from pmmkit.checks.track import rate_facts
-from pmmkit.runs.segments import (
+from pmmkit.campaigns.segments import (
     HEADING_JUMP,
     fresh_samples,
     heading_jumps,
@@ -22,12 +20,14 @@ from pmmkit.runs.segments import (
     stop_at_end,
     without_jumps,
 )
+from pmmkit.checks.finding import Array, Check, CheckFinding, Severity, figure
+from pmmkit.checks.track import rate_facts
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pmmkit.campaigns.run import Campaign, Run
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign, Run
 
 ENOUGH: Final = 50
 HELD_SHARE: Final = 0.002
@@ -273,7 +273,7 @@ def examine_samples(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterat
             f"{figure(item.facts['held_time'], 2)} s in {item.run.id}, "
             f"{100 * item.facts['held']:.1f} % of its samples"
         ),
-        "Use positions only where they are fresh (pmmkit.runs.segments.usable marks them).",
+        "Use positions only where they are fresh (pmmkit.campaigns.segments.usable marks them).",
         ("held", "held_time"),
     )
 
@@ -288,7 +288,7 @@ def examine_stops(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         lambda item: (
             f"The propeller stands for the last {figure(item.facts['stopped'])} s of {item.run.id}"
         ),
-        'Cut it (pmmkit.runs.segments.usable, or a correction with action = "trim").',
+        'Cut it (pmmkit.campaigns.segments.usable, or a correction with action = "trim").',
         ("stopped",),
     )
 
@@ -305,7 +305,7 @@ def examine_headings(_campaign: Campaign, summaries: Sequence[Summary]) -> Itera
             f"beyond what the yaw rate explains in {item.run.id} "
             f"({item.facts['turn_jumps']:.0f} in all)"
         ),
-        "Use the segments between the jumps (pmmkit.runs.segments.usable).",
+        "Use the segments between the jumps (pmmkit.campaigns.segments.usable).",
         ("turn_jump", "turn_jumps"),
     )
     turned = [item for item in summaries if "yaw_share" in item.facts]

@@ -11,8 +11,8 @@ import numpy as np
 from pmmkit.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 QUARTER: Final = 0.25
 NEAR_QUARTER: Final = 0.2

@@ -13,8 +13,8 @@ from pmmkit.checks.expected import expected, round_factor
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure, share_of
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 INSIDE: Final = 0.6
 REMOVED: Final = 0.4

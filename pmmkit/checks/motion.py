@@ -12,8 +12,8 @@ from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure, name_runs
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 AGREES: Final = 0.02
 DIFFERS: Final = 0.10
@@ -132,8 +132,8 @@ def _jumps(items: Sequence[Summary]) -> Iterator[CheckFinding]:
             f"{figure(worst.facts['jump'], 2)} m in one sample beyond what the velocity explains "
             f"({worst.run.id}, {worst.facts['jumps']:.0f} jumps).",
             runs=tuple(item.run.id for item in torn),
-            remedy="Use the segments between the jumps (pmmkit.runs.segments.usable), or trim the "
-            "record there.",
+            remedy="Use the segments between the jumps (pmmkit.campaigns.segments.usable), or "
+            "trim the record there.",
             numbers={"jump": worst.facts["jump"], "jumps": worst.facts["jumps"]},
         )
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns.open_water import open_water
 from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure
-from pmmkit.runs.open_water import open_water
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 BLOCK: Final = 0.0075
 MASS: Final = 0.05

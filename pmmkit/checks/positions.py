@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure, name_runs
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 NDArrayBool = NDArray[np.bool_]
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.motion.kinematics import displacement_phase, measured_motion, motion_at_phase
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.checks.clock import clock_facts
 from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
@@ -19,8 +21,6 @@ from pmmkit.checks.summary import EMPTY, Array, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
 from pmmkit.numerics import coefficients
-from pmmkit.runs.kinematics import displacement_phase, measured_motion, motion_at_phase
-from pmmkit.runs.run import Campaign, Run
 from pmmkit.signals import design_matrix, steady_window, whole_cycles
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from pmmkit.checks.expected import prime_unit
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 Cycles = NDArray[np.complex128]
 

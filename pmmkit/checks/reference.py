@@ -13,8 +13,8 @@ from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.checks.signs import RUDDER_LIMIT, STATIC
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 SIGMAS: Final = 3.0
 ASYMMETRY: Final = 0.02

@@ -13,8 +13,8 @@ from pmmkit.checks.finding import Array, Check, CheckFinding, figure
 from pmmkit.checks.signs import STATIC, Slope, drift_slope
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign, Settings
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign, Settings
 
 MEAN_LIMIT: Final = 2.5
 ONE_FACTOR: Final = 1.15

@@ -13,8 +13,8 @@ from pmmkit.checks.expected import expected, prime_unit
 from pmmkit.checks.finding import Array, Check, CheckFinding, figure, straight_line
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 SIGMAS: Final = 3.0
 DRIFT_LIMIT: Final = math.radians(16)

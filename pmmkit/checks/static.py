@@ -12,8 +12,8 @@ from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.checks.signs import STATIC
 
 if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
-    from pmmkit.runs.run import Campaign
 
 ASYMMETRIC: Final = 0.03
 HYSTERESIS: Final = 0.05

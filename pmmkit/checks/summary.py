@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.runs.run import Run
+from pmmkit.campaigns.run import Run
 
 Array = NDArray[np.float64]
 EMPTY: Final[Array] = np.zeros(0)

@@ -15,7 +15,7 @@ from pmmkit.checks.positions import position_facts
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pmmkit.runs.run import Run
+    from pmmkit.campaigns.run import Run
 
 NDArrayInt = NDArray[np.int64]
 NDArrayBool = NDArray[np.bool_]

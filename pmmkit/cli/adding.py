@@ -8,17 +8,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.run import Campaign
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
-from pmmkit.diagnosis.own import own_effects
-from pmmkit.diagnosis.session import ErrorFall, begin, undone
+from pmmkit.effects.own import own_effects
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
-from pmmkit.model import Model, load_model, save_model
-from pmmkit.runs.campaign_file import open_campaign
-from pmmkit.runs.channels import CHANNEL_UNITS
-from pmmkit.runs.run import Campaign
+from pmmkit.loop.session import ErrorFall, begin, undone
+from pmmkit.models import Model, load_model, save_model
 
 RUDDER_DEG: Final = 35.0
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")

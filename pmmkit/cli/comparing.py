@@ -8,18 +8,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
-from pmmkit.diagnosis.comparison import TOLD, Comparison, compare
-from pmmkit.diagnosis.misfit import words_of_test
-from pmmkit.diagnosis.validation import COVERAGE
 from pmmkit.files import atomic_folder
-from pmmkit.model import load_model
+from pmmkit.models import load_model
 from pmmkit.numerics import rms
 from pmmkit.progress import shown
-from pmmkit.runs.campaign_file import open_campaign
+from pmmkit.validation.comparison import TOLD, Comparison, compare
+from pmmkit.validation.misfit import words_of_test
+from pmmkit.validation.uncertainty import COVERAGE
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.diagnosing_records import Asked, diagnose_records
@@ -13,13 +14,12 @@ from pmmkit.cli.findings import findings_of
 from pmmkit.cli.options import stem
 from pmmkit.cli.tracks import check_folder
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.own import own_effects
-from pmmkit.diagnosis.session import begin
+from pmmkit.effects.own import own_effects
 from pmmkit.errors import DataError
 from pmmkit.files import atomic_folder
-from pmmkit.model import load_model
+from pmmkit.loop.session import begin
+from pmmkit.models import load_model
 from pmmkit.report.loop import loop_of, write_diagnosis
-from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.structures import STRUCTURES
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pmmkit.campaigns.file.campaign_file import FILE_NAME
 from pmmkit.cli.console import Outcome
-from pmmkit.drafting.draft import Draft, draft_of
-from pmmkit.drafting.write import written
 from pmmkit.errors import FileExists
 from pmmkit.files import write_text
-from pmmkit.runs.campaign_file import FILE_NAME
+from pmmkit.inspection.drafts.draft import Draft, draft_of
+from pmmkit.inspection.drafts.write import written
 
 
 def new_campaign(

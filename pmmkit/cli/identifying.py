@@ -11,6 +11,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned, json_text
 from pmmkit.cli.findings import findings_of
@@ -32,9 +33,8 @@ from pmmkit.identification.methods import METHODS, Identified
 from pmmkit.identification.predict import reference
 from pmmkit.identification.record import CHANNELS
 from pmmkit.identification.smoother import Smoothed
-from pmmkit.model import load_model, save_model
+from pmmkit.models import load_model, save_model
 from pmmkit.progress import shown
-from pmmkit.runs.campaign_file import open_campaign
 
 WIDE: Final = 1.96
 FAR: Final = 3.0

@@ -11,6 +11,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.api import hull_table
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.segments import Cut, usable
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem, UnknownNameError
@@ -19,10 +21,8 @@ from pmmkit.identification.from_run import free_records
 from pmmkit.identification.parameters import places
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
-from pmmkit.model import Model, load_model
-from pmmkit.model.model import DERIVATIVE_PARTS
-from pmmkit.runs.run import Campaign, Run
-from pmmkit.runs.segments import Cut, usable
+from pmmkit.models import Model, load_model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.tables import DerivativeTable, converted, interpolate, read_table
 
 SAME_LENGTH: Final = 0.02

@@ -14,11 +14,11 @@ from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import DataError, Problem
 from pmmkit.files import write_text
-from pmmkit.runs.looking import CampaignLook, Clock, ColumnLook, FileLook, Group, Look, look
-from pmmkit.runs.looking.folder import MOST_COUNTED
-from pmmkit.runs.looking.sampling import sample_of
-from pmmkit.runs.looking.seen import FORMAT_WORDS
-from pmmkit.runs.looking.values import values_of
+from pmmkit.inspection import CampaignLook, Clock, ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.folder import MOST_COUNTED
+from pmmkit.inspection.sampling import sample_of
+from pmmkit.inspection.seen import FORMAT_WORDS
+from pmmkit.inspection.values import values_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {
@@ -294,7 +294,7 @@ def _draw(look: FileLook, target: Path) -> Path:
     from dataclasses import replace
 
     from pmmkit.figures.inspecting import columns_over_time
-    from pmmkit.figures.style import save
+    from pmmkit.plotting.style import save
 
     try:
         with sample_of(look.path) as sample:

@@ -10,7 +10,7 @@ from pmmkit.cli.tracks import check_folder
 from pmmkit.empirical import METHODS
 from pmmkit.empirical import estimate as estimate_of
 from pmmkit.files import atomic_folder
-from pmmkit.model import estimated_model, full_scale, load_model, save_model, scaled
+from pmmkit.models import estimated_model, full_scale, load_model, save_model, scaled
 from pmmkit.ship import Ship, Water
 from pmmkit.simulation.simulate import simulate
 

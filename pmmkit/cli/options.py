@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pmmkit import __version__
+from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     from pmmkit.cli.console import Outcome

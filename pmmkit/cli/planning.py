@@ -7,18 +7,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.run import Campaign
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
-from pmmkit.diagnosis.next_run import Advice, next_runs
-from pmmkit.diagnosis.options import Limits, Option, limits_of
-from pmmkit.diagnosis.plan_file import entries_text, read_plan_file
-from pmmkit.diagnosis.programme import Plan
-from pmmkit.diagnosis.programme import plan as programme
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.files import atomic_folder
-from pmmkit.model import load_model
-from pmmkit.runs.campaign_file import open_campaign
-from pmmkit.runs.run import Campaign
+from pmmkit.models import load_model
+from pmmkit.test_planning.next_run import Advice, next_runs
+from pmmkit.test_planning.options import Limits, Option, limits_of
+from pmmkit.test_planning.plan_file import entries_text, read_plan_file
+from pmmkit.test_planning.programme import Plan
+from pmmkit.test_planning.programme import plan as programme
 
 
 def plan(

@@ -10,7 +10,7 @@ from pmmkit.cli.console import json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import put_track, sweep_frame
 from pmmkit.files import atomic_folder
-from pmmkit.model import Model, save_model
+from pmmkit.models import Model, save_model
 from pmmkit.reduction import Reduction
 from pmmkit.report import Loop, Reference, Turns, write_report
 from pmmkit.tables import write

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder, metrics_of, sweep_rows, write_sweep, write_track
-from pmmkit.model import load_model
+from pmmkit.models import load_model
 from pmmkit.simulation.imo import imo_turning
 from pmmkit.simulation.simulate import simulate
 

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine
 from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of, findings_text
@@ -14,9 +15,8 @@ from pmmkit.cli.tracks import check_folder
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import FileExists
 from pmmkit.files import write_text
-from pmmkit.model import load_model
+from pmmkit.models import load_model
 from pmmkit.report.tables import meaning
-from pmmkit.runs.campaign_file import open_campaign
 from pmmkit.ship_library import ships
 from pmmkit.tables import converted, read_table, write
 

@@ -1,22 +1,19 @@
 """Where a model fails, and which effect or fault is missing."""
 
-from pmmkit.diagnosis.candidate import Candidate, polynomial
-from pmmkit.diagnosis.coverage import Visible
-from pmmkit.diagnosis.diagnose import diagnose, diagnose_captive
+from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
+from pmmkit.diagnosis.captive.diagnose import diagnose_captive
+from pmmkit.diagnosis.diagnose import diagnose
+from pmmkit.diagnosis.evidence import Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.diagnosis.session import ErrorFall, Session, begin, fit, replay
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 
 __all__ = [
     "Candidate",
     "Diagnosis",
-    "ErrorFall",
     "Finding",
-    "Session",
     "Visible",
-    "begin",
     "diagnose",
     "diagnose_captive",
-    "fit",
+    "diagnose_free",
     "polynomial",
-    "replay",
 ]

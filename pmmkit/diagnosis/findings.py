@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from pmmkit.diagnosis.contest import Entry
-from pmmkit.diagnosis.coverage import Visible
-from pmmkit.model import Model
-from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.diagnosis.evidence import Entry, Visible
+from pmmkit.models import Model
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -136,7 +136,8 @@ CROSSFLOW_DRAG: Final = Effect(
         Parameter(name="CrY", text="factor of the yaw rate in the force", default=1.0),
         Parameter(name="CrN", text="factor of the yaw rate in the moment", default=1.0),
         Parameter(
-            name="growth", text="growth of CD to the ends", form=("shape", "ends"), low=-1.0
+            name="growth", text="growth of CD to the ends", form=("shape", "ends"), low=-1.0,
+            grid=(0.0, 0.8, 2.0),
         ),
         Parameter(
             name="station", text="stations over L from midship, ascending, -0.5 to 0.5",

@@ -57,6 +57,8 @@ class Parameter:
         Whether it holds a list of any length instead of one number.
     typical : float or None
         Usual size, signed where nature has a sign; None for what no diagnosis looks for.
+    grid : tuple of float
+        Values at which a diagnosis tries a parameter that does not act linearly; none for others.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Parameter:
     high: float = 1e12
     table: bool = False
     typical: float | None = None
+    grid: tuple[float, ...] = ()
 
     @property
     def scaling(self) -> float:
@@ -149,6 +152,11 @@ class Effect:
     def coefficients(self) -> tuple[Parameter, ...]:
         """What a diagnosis fits of it: the parameters with a usual size."""
         return tuple(item for item in self.parameters if item.typical is not None)
+
+    @property
+    def nonlinear(self) -> Parameter | None:
+        """The parameter that a diagnosis tries on a grid; None where there is none."""
+        return next((item for item in self.parameters if item.grid), None)
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of a name; None where the effect has none of it."""

@@ -1,7 +1,7 @@
 """Faults of a measurement: what the diagnosis weighs against physics, and the check at the bench.
 
 They act on what is recorded, never on the ship: no model has one as a part. Their columns stand in
-`pmmkit.diagnosis.faults`, for they need the runs.
+`pmmkit.diagnosis.captive.faults`, for they need the runs.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def added_mass_in_drift(
 
 
 _PRIME: Final = "(½ρL²U², ½ρL³U² with the speed of the instant)"
-_LAG: Final = Parameter(name="lag", text="lag in L/U", low=1e-3)
+_LAG: Final = Parameter(name="lag", text="lag in L/U", low=1e-3, grid=(0.15, 0.3, 0.5, 0.8))
 MEMORY: Final = Effect(
     name="memory", family="memory", kind="state",
     summary="Part of the sway force builds up late, so that damping falls with frequency.",

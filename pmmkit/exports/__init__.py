@@ -1,7 +1,7 @@
 """Models, tables, campaigns and tracks for other programs."""
 
-from pmmkit.exports.mss import model_to_mss
-from pmmkit.exports.mss_table import table_to_mss
+from pmmkit.exports.matlab.model import model_to_mss
+from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.write import ENDINGS, FORMATS, export
 

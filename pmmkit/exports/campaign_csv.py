@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.samples.column_mapping import required_channels
+from pmmkit.channels import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.errors import CampaignError, DataError, FileExists, Problem
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.exports.text import plain
 from pmmkit.files import atomic_folder
-from pmmkit.runs.campaign_file import FILE_NAME, open_campaign
-from pmmkit.runs.channels import CHANNEL_UNITS, FORCE_CHANNELS
-from pmmkit.runs.group import safe_names
-from pmmkit.runs.picking import required_channels
-from pmmkit.runs.readers.base import ABSURD
-from pmmkit.runs.run import Campaign, Run
+from pmmkit.readers.base import ABSURD
+from pmmkit.readers.saved.group import safe_names
 
 if TYPE_CHECKING:
     import xarray as xr

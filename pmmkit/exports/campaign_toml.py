@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.samples.corrections import OF_SAMPLES
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.exports.text import comment, written_by
-from pmmkit.model.text import toml_text
-from pmmkit.runs.corrections import OF_SAMPLES
-from pmmkit.runs.run import Campaign, Run, TypeB
+from pmmkit.toml_files import toml_text
 
 _DEGREES: Final = {
     "drift": "drift_deg", "heel": "heel_deg", "rudder": "rudder_deg", "phase": "phase_deg",

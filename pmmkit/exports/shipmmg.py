@@ -6,10 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, TableError
 from pmmkit.exports.text import comment, plain, written_by
-from pmmkit.kernel import prepare
-from pmmkit.model import Model
+from pmmkit.models import Model
 from pmmkit.simulation.linear import stability
 from pmmkit.simulation.simulate import steering
 from pmmkit.tables import converted, from_values
@@ -56,7 +56,7 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> [line for line in model_to_shipmmg(load_model("kvlcc2-l7")).splitlines() if "N_vvr" in line]
     ['        "N_vvr_dash": -0.294,']
     """

@@ -7,12 +7,12 @@ import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError, Problem
 from pmmkit.exports.track import read_track
-from pmmkit.model import Model, load_model
-from pmmkit.runs.campaign_file import FILE_NAME, open_campaign
-from pmmkit.runs.hdf5_guard import is_saved_campaign
-from pmmkit.runs.run import Campaign
+from pmmkit.models import Model, load_model
+from pmmkit.readers.hdf5.guard import is_saved_campaign
 from pmmkit.ship_library import ships
 from pmmkit.tables import DerivativeTable, read_table
 

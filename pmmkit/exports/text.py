@@ -9,7 +9,7 @@ import unicodedata
 from collections.abc import Iterable
 from typing import Final
 
-from pmmkit import __version__
+from pmmkit.version import __version__
 
 WIDTH: Final = 80
 _LETTERS: Final = str.maketrans(

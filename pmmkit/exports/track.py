@@ -7,12 +7,12 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pmmkit.campaigns.samples.column_mapping import pick, required_channels
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.files import atomic_path
-from pmmkit.runs.channels import CHANNEL_UNITS
-from pmmkit.runs.picking import pick, required_channels
-from pmmkit.runs.readers.base import Request
-from pmmkit.runs.readers.csv import columns
+from pmmkit.readers.base import Request
+from pmmkit.readers.text.csv import columns
 from pmmkit.simulation.track import CHANNELS
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def write_track_netcdf(track: xr.Dataset, path: str | Path) -> None:
     path : path
         The file.
     """
-    from pmmkit import __version__
+    from pmmkit.version import __version__
 
     named = track.assign_attrs(Conventions="CF-1.8", pmmkit=__version__)
     with atomic_path(path) as part:

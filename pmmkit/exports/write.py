@@ -8,18 +8,18 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.store import save_campaign
 from pmmkit.errors import DataError, FileExists, Problem, UnknownNameError
 from pmmkit.exports.campaign_csv import write_campaign_csv
-from pmmkit.exports.mss import model_to_mss
-from pmmkit.exports.mss_table import table_to_mss
+from pmmkit.exports.matlab.model import model_to_mss
+from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.subject import read_subject
 from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
 from pmmkit.files import write_text
-from pmmkit.model import Model
-from pmmkit.runs.run import Campaign
-from pmmkit.runs.store import save_campaign
+from pmmkit.models import Model
 from pmmkit.simulation.track import Track
 from pmmkit.tables import DerivativeTable, write
 from pmmkit.tables.io import sidecar_of
@@ -163,7 +163,7 @@ def file_name(subject: Any, stem: str, to: str) -> str:
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> file_name(load_model("kvlcc2-l7"), "kvlcc2-l7", "mss")
     'kvlcc2_l7.m'
     """

@@ -13,8 +13,8 @@ from pmmkit.figures.manoeuvres import (
     steady_turns,
     zigzag,
 )
-from pmmkit.figures.style import save, svg
 from pmmkit.figures.turns import measures_over_froude, trajectory, turn_histories
+from pmmkit.plotting.style import save, svg
 
 __all__ = [
     "Cycle",

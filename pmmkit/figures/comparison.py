@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
-from pmmkit.diagnosis.compare_captive import CaptiveRun
-from pmmkit.diagnosis.comparison import Comparison
-from pmmkit.diagnosis.misfit import Cell, order_words, words_of_test
-from pmmkit.figures import style
 from pmmkit.figures.comparison_free import force_residuals, sailed
-from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
+from pmmkit.validation.captive import CaptiveRun
+from pmmkit.validation.comparison import Comparison
+from pmmkit.validation.misfit import Cell, order_words, words_of_test
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.diagnosis.compare_free import FORCE_UNITS, FreeRun
-from pmmkit.diagnosis.misfit import words_of_test
-from pmmkit.diagnosis.validation import COVERAGE
-from pmmkit.figures import style
+from pmmkit.plotting import style
+from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
+from pmmkit.validation.misfit import words_of_test
+from pmmkit.validation.uncertainty import COVERAGE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.conventions import CHANNELS, canonical
 from pmmkit.effects.state import Array
 from pmmkit.errors import TableError
-from pmmkit.figures import style
+from pmmkit.plotting import style
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.tables.compare import Reference
 

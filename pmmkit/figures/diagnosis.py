@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.fitting import is_fault
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.diagnosis.captive.refit import is_fault
 from pmmkit.errors import DataError
-from pmmkit.figures import style
-from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from pmmkit.diagnosis.findings import Diagnosis
-    from pmmkit.diagnosis.session import ErrorFall
+    from pmmkit.loop.session import ErrorFall
 
 _MOST: Final = 14
 """Effects in the figure of evidence."""

@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.conventions import force_unit
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import Array, State
-from pmmkit.figures import style
+from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.tables import DerivativeTable
 

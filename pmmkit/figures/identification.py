@@ -11,8 +11,8 @@ import numpy as np
 from pmmkit.conventions import Convention
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.figures import style
 from pmmkit.identification.consistency import autocorrelation
+from pmmkit.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.figures.style import INK, canvas, colour, in_powers, styled
+from pmmkit.plotting.style import INK, canvas, colour, in_powers, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

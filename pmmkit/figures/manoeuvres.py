@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.figures import style
 from pmmkit.figures.turns import trajectory, turn_histories
+from pmmkit.plotting import style
 from pmmkit.simulation.imo import RUDDER_DEG
 from pmmkit.simulation.sweeps import metric_unit
 

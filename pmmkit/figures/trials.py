@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.figures import style
+from pmmkit.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

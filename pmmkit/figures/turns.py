@@ -9,7 +9,7 @@ import numpy as np
 
 from pmmkit.effects.state import Array
 from pmmkit.errors import DataError
-from pmmkit.figures import style
+from pmmkit.plotting import style
 from pmmkit.simulation.imo import TURNING_LIMITS
 
 if TYPE_CHECKING:

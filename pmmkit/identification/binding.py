@@ -10,13 +10,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations import CALM, Conditions
+from pmmkit.equations.constants import PLACE
+from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import Place, places, replaced
-from pmmkit.kernel import CALM, Conditions
-from pmmkit.kernel.layout import PLACE
-from pmmkit.kernel.program import packed, values_at
-from pmmkit.kernel.structure import Structure
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 Array = NDArray[np.float64]
 DRIVES: Final = ("shaft", "shaft_lag")
@@ -100,7 +100,7 @@ def bound(
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> found = bound(load_model("kvlcc2-l7"), ["Yv", "rudder_mmg.aH"], 1.179)
     >>> found.mean.round(3)
     array([-0.315,  0.312])

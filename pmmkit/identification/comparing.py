@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.binding import AROUND, bound, driven
 from pmmkit.identification.filters import STEP
@@ -19,10 +21,8 @@ from pmmkit.identification.predict import Prediction, predict
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
-from pmmkit.kernel.generate import ESTIMATING
-from pmmkit.kernel.loading import compiled
-from pmmkit.model import Model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
@@ -178,7 +178,7 @@ def compare_methods(
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> from pmmkit.simulation import simulate
     >>> ship = load_model("kvlcc2-l7")
     >>> track = simulate(ship, "zigzag", speed=1.179, rudder_deg=20, switch_deg=20, dt=0.2)

@@ -12,13 +12,13 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
-from pmmkit.kernel.generate import ESTIMATING
-from pmmkit.kernel.loading import compiled
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 Array = NDArray[np.float64]
 GATE: Final = 5.0

@@ -11,13 +11,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations import CALM, Conditions
+from pmmkit.equations.histories import water_forces
+from pmmkit.equations.program import packed, values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
-from pmmkit.kernel import CALM, Conditions
-from pmmkit.kernel.histories import water_forces
-from pmmkit.kernel.program import packed, values_at
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 Array = NDArray[np.float64]
 STEP: Final = 1e-6
@@ -135,8 +135,8 @@ def fit_to_forces(
 
     Examples
     --------
-    >>> from pmmkit.kernel import prepare
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.equations import prepare
+    >>> from pmmkit.models import load_model
     >>> ship = load_model("s175-3dof")
     >>> motion = {"u": np.full(5, 9.0), "v": np.linspace(-1.0, 1.0, 5), "n": np.full(5, 1.4)}
     >>> ready = prepare(ship, 9.0)

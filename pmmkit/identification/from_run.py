@@ -10,11 +10,11 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.segments import GAP, usable
 from pmmkit.errors import DataError
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
-from pmmkit.model import Model
-from pmmkit.runs.run import Run
-from pmmkit.runs.segments import GAP, usable
+from pmmkit.models import Model
 from pmmkit.simulation.simulate import steering
 
 Array = NDArray[np.float64]

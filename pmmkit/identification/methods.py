@@ -20,8 +20,8 @@ from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
-from pmmkit.model import Model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -149,7 +149,7 @@ def identify(
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> from pmmkit.simulation import simulate
     >>> ship = load_model("kvlcc2-l7")
     >>> track = simulate(ship, "zigzag", speed=1.179, rudder_deg=20, switch_deg=20, dt=0.2)
@@ -198,7 +198,7 @@ def identify(
         ]
         rest = {name: x for name, x in settings.items() if name != "memory"}
         if method == "sindy":
-            from pmmkit.identification.sparse import sparse_regression
+            from pmmkit.identification.sparse.regression import sparse_regression
 
             library = [name for name in asked if "." not in name and name not in AROUND]
             return _sparse(

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations.program import Numbers
 from pmmkit.errors import UnknownNameError
-from pmmkit.kernel.program import Numbers
-from pmmkit.model import Model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 
 Array = NDArray[np.float64]
 Place = tuple[str, str]
@@ -28,7 +28,7 @@ def places(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> places(load_model("kvlcc2"), ["Yv", "rudder_mmg.aH"])
     (('hull_polynomial', 'Yv'), ('rudder_mmg', 'aH'))
     """

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.constants import PLACE
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
 from pmmkit.identification.filters import STEP
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, smooth
-from pmmkit.kernel.generate import ESTIMATING
-from pmmkit.kernel.layout import PLACE
-from pmmkit.kernel.loading import compiled
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 if TYPE_CHECKING:
     import pandas as pd

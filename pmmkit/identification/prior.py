@@ -9,12 +9,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.program import values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
-from pmmkit.kernel.program import values_at
-from pmmkit.model import Model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 
 Array = NDArray[np.float64]
 SPREAD: Final = 0.3
@@ -85,7 +85,7 @@ def prior_of(
 
     Examples
     --------
-    >>> from pmmkit.model import load_model
+    >>> from pmmkit.models import load_model
     >>> prior_of(load_model("kvlcc2-l7"), ["Yv", "Nr"], 1.179, spread=0.1).std.round(4)
     array([0.0315, 0.0049])
     """

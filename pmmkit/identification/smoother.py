@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import force_unit
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.histories import rigid_body
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, bound, driven
 from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.kernel.generate import ESTIMATING
-from pmmkit.kernel.histories import rigid_body
-from pmmkit.kernel.loading import compiled
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 Array = NDArray[np.float64]
 MEMORY: Final = 1.0

@@ -13,15 +13,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.constants import PLACE
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP, first_state, kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
-from pmmkit.kernel.generate import ESTIMATING
-from pmmkit.kernel.layout import PLACE
-from pmmkit.kernel.loading import compiled
-from pmmkit.model import Model
+from pmmkit.models import Model
 
 Array = NDArray[np.float64]
 WINDOW: Final = 8.0

@@ -1,7 +1,7 @@
 """From forces to derivatives: means, harmonics, balance, regression, uncertainty."""
 
+from pmmkit.observations.prepare import RunResult, prepare
 from pmmkit.reduction.monte_carlo import monte_carlo
-from pmmkit.reduction.prepare import RunResult, prepare
 from pmmkit.reduction.reduce import Reduction, reduce_campaign
 from pmmkit.reduction.shares import contributions
 

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.run import Settings
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whitener
 from pmmkit.reduction.fit import Fit, fit, optional_columns
-from pmmkit.reduction.noise import FLOOR, moderated, repeat_scatter, whitener
-from pmmkit.reduction.rows import Rows, Sensitivity
-from pmmkit.runs.run import Settings
 
 Array = NDArray[np.float64]
 ROUNDS = 6

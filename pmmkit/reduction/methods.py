@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
+from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.reduction.columns import Columns
-from pmmkit.reduction.rows import Rows, Sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.solve import Solution, solve, to_table
-from pmmkit.runs.run import Campaign
 from pmmkit.tables import DerivativeTable
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.reduction.rows import Rows, Sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve, to_table
 
 if TYPE_CHECKING:

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.open_water import open_water
 from pmmkit.effects.hull import in_channel, regressors
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.rudder import force as rudder_force
 from pmmkit.effects.rudder import normal_force, rudder_flow
 from pmmkit.effects.state import State
 from pmmkit.errors import MissingPartError
-from pmmkit.model import Part
-from pmmkit.runs.open_water import open_water
+from pmmkit.models import Part
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction

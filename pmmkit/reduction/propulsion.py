@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.reduction.prepare import RunResult
-from pmmkit.runs.open_water import open_water
-from pmmkit.runs.run import Campaign, Run
+from pmmkit.campaigns.open_water import open_water
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.observations.prepare import RunResult
 
 Array = NDArray[np.float64]
 

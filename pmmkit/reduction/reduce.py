@@ -8,24 +8,24 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from pmmkit import __version__
+from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.checks import CheckFinding, examine, refuse
 from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError
-from pmmkit.reduction.all_runs import Means, read_all
-from pmmkit.reduction.blockage import speed_increase
-from pmmkit.reduction.columns import Columns, columns_of
+from pmmkit.observations.blockage import speed_increase
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.prepare import CycleChoice, RunResult
+from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.methods import by_family, by_run
-from pmmkit.reduction.prepare import CycleChoice, RunResult
+from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
-from pmmkit.reduction.reading import Way
-from pmmkit.reduction.rows import Rows, Sensitivity
+from pmmkit.reduction.reading.all_runs import Means, read_all
+from pmmkit.reduction.reading.run import Way
 from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
-from pmmkit.reduction.words import Offset, notes, offsets
-from pmmkit.runs.loading import file_hashes
-from pmmkit.runs.run import Campaign
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
+from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd

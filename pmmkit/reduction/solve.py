@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
-from pmmkit.reduction.columns import Columns
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import Block, ChannelFit, Joint, blocks_of, fit_channel, join
-from pmmkit.reduction.rows import Rows, Sensitivity
-from pmmkit.runs.run import Campaign
 from pmmkit.tables import DerivativeTable
 
 Array = NDArray[np.float64]

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from pmmkit import __version__
 from pmmkit.checks.finding import name_runs
 from pmmkit.files import write_text
 from pmmkit.reduction import Reduction
@@ -15,6 +14,7 @@ from pmmkit.report.loop import Loop, loop_sections
 from pmmkit.report.page import page
 from pmmkit.report.turning import Turns, changes, turning_section
 from pmmkit.report.words import Grid, Group, Reference, Section, counted, flattened, percent
+from pmmkit.version import __version__
 
 
 def write_report(

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from pmmkit import __version__
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.diagnosis.session import ErrorFall, Session
 from pmmkit.figures.diagnosis import coverage, error_fall, evidence
-from pmmkit.figures.style import svg
 from pmmkit.files import write_text
+from pmmkit.loop.session import ErrorFall, Session
+from pmmkit.plotting.style import svg
 from pmmkit.report.page import page
 from pmmkit.report.words import TESTS, Cell, Grid, Group, Picture, Section, counted, number
-from pmmkit.runs.channels import CHANNEL_UNITS
+from pmmkit.version import __version__
 
 WIDE: Final = 1.96
 VERDICTS: Final = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 
-from pmmkit import __version__
 from pmmkit.report.words import Section
+from pmmkit.version import __version__
 
 
 def page(

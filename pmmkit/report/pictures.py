@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.figures import (
     Cycle,
     DriftPoints,
@@ -18,7 +19,6 @@ from pmmkit.figures import (
 )  # fmt: skip
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.words import TESTS, Picture, Reference
-from pmmkit.runs.kinematics import displacement_phase
 from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:

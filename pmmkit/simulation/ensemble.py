@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations import CALM, Conditions
+from pmmkit.equations.program import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
-from pmmkit.kernel import CALM, Conditions
-from pmmkit.kernel.program import packed, stacked, values_at
-from pmmkit.model import Model, load_model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model, load_model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.progress import Progress
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for

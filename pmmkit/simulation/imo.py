@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
-from pmmkit.model import Model, load_model
+from pmmkit.models import Model, load_model
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.simulation.track import Track
 

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.kernel import Conditions, Prepared, prepare
-from pmmkit.model import Model, load_model
+from pmmkit.equations import Conditions, Prepared, prepare
+from pmmkit.models import Model, load_model
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -13,11 +13,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations import Prepared
+from pmmkit.equations.constants import PLACE
+from pmmkit.equations.program import mass_problem, propulsion_problem
+from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
-from pmmkit.kernel import Prepared
-from pmmkit.kernel.layout import PLACE
-from pmmkit.kernel.program import mass_problem, propulsion_problem
-from pmmkit.kernel.structure import Structure
 from pmmkit.simulation.plan import Answers, Plan
 
 Array = NDArray[np.float64]
@@ -246,7 +246,7 @@ def run_ships(
     structure : Structure
         Of all ships.
     ships : array (ships, constants)
-        A row of constants for each, from `pmmkit.kernel.stacked`.
+        A row of constants for each, from `pmmkit.equations.stacked`.
     plan : Plan
         The manoeuvre.
     settings : list of float
@@ -268,7 +268,7 @@ def run_ships(
     Each ship is integrated on its own, by the code that also runs a single one: the results are
     the same bit for bit whatever the number of threads.
     """
-    from pmmkit.kernel.loading import compiled
+    from pmmkit.equations.compilation import compiled
 
     functions = compiled(structure)
     number, width = ships.shape

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations.program import values_at
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.kernel.program import values_at
-from pmmkit.model import Model
-from pmmkit.model.model import DERIVATIVE_PARTS
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.simulation.ensemble import batch_of, spread_of
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations import CALM, Conditions, prepare
+from pmmkit.equations.program import feels_depth
 from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
-from pmmkit.kernel import CALM, Conditions, prepare
-from pmmkit.kernel.program import feels_depth
-from pmmkit.model import Model, load_model
+from pmmkit.models import Model, load_model
 from pmmkit.simulation.manoeuvres import MANOEUVRES
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import INSTANT, Gear, History, run_plan

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.equations import Conditions, prepare
 from pmmkit.errors import SimulationError
-from pmmkit.kernel import Conditions, prepare
-from pmmkit.model import Model, load_model
+from pmmkit.models import Model, load_model
 
 if TYPE_CHECKING:
     import pandas as pd

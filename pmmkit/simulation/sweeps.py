@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.model import Model, load_model
+from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
 from pmmkit.simulation.simulate import simulate
 

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.errors import DataError, Problem
-from pmmkit.runs.run import Campaign, Run
 from pmmkit.trials.circle import Circle, fit_circle
 from pmmkit.trials.current import Current, mean_current
 from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag

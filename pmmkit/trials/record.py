@@ -12,7 +12,7 @@ from pmmkit.checks.positions import digits, position_jumps
 from pmmkit.errors import DataError, Problem
 
 if TYPE_CHECKING:
-    from pmmkit.runs.run import Run
+    from pmmkit.campaigns.run import Run
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -1,0 +1,366 @@
+"""Opening a campaign: the campaign file, or a campaign that pmmkit saved."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePath
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.channels import did_you_mean
+from pmmkit.errors import CampaignError, Problem
+from pmmkit.files import datasets_folder, matching
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.file.assembly import Assembled, Setup
+
+FILE_NAME: Final = "campaign.toml"
+DATA_VARIABLE: Final = "PMMKIT_DATA"
+_TESTS: Final = ("runs", "tables", "corrections")
+_SAVED: Final = (".h5", ".hdf5", ".nc")
+
+
+def open_campaign(
+    path: str | Path, *, data: str | Path | None = None, runs: bool = True
+) -> Campaign:
+    """Open a campaign; samples are read only when a run is asked for.
+
+    Parameters
+    ----------
+    path : path
+        A folder with ``campaign.toml``, such a file itself, or a campaign saved by pmmkit
+        (``.h5``, ``.nc``).
+    data : path, optional
+        Folder of measurements that do not lie beside the campaign file. Files are looked for in
+        ``data/data_folder`` (the key of ``[campaign]``), then in ``data``, then beside the
+        campaign file. Default: the environment variable PMMKIT_DATA.
+    runs : bool
+        False leaves the tests out and asks for none: ship, water and rig alone.
+
+    Returns
+    -------
+    Campaign
+        Everything SI, in ship axes and pmmkit's signs. Tables whose rows are runs have been read;
+        of histories it is only known that the files are there.
+
+    Raises
+    ------
+    CampaignError
+        With everything that is wrong with the campaign file and with the tables it names.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> rows = "beta,X,Y,N\\n0,-20.1,0.2,0.1\\n4,-21.0,35.5,60.2\\n"
+    >>> _ = (folder / "drift.csv").write_text(rows)
+    >>> _ = (folder / "campaign.toml").write_text('''
+    ... [campaign]
+    ... title = "Drift"
+    ... [ship]
+    ... name = "box"
+    ... L = 4.0
+    ... B = 1.0
+    ... d = 0.25
+    ... volume = 0.5
+    ... Izz = 500.0
+    ... [water]
+    ... rho = 1000.0
+    ... [columns]
+    ... drift_deg = "beta"
+    ... [[tables]]
+    ... id = "SD_{beta}"
+    ... test = "static_drift"
+    ... file = "drift.csv"
+    ... speed = 1.0
+    ... ''')
+    >>> campaign = open_campaign(folder)
+    >>> [run.id for run in campaign], float(campaign["SD_4"].data["Y"])
+    (['SD_0', 'SD_4'], 35.5)
+    """
+    place = _place(Path(path).expanduser())
+    if place.suffix.lower() in _SAVED:
+        from pmmkit.campaigns.store import load_campaign
+
+        stored = load_campaign(place)
+        return stored if runs else stored.with_(runs=(), excluded=())
+    text, digest = _text(place)
+    raw = _toml(text, place)
+    if not runs:
+        raw = {name: item for name, item in raw.items() if name not in _TESTS}
+    return _assemble(raw, place, _Search.of(place, data), digest, runs)
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Folders in which the files of a campaign are looked for."""
+
+    own: Path
+    data: Path | None
+    folder: str | None = None
+
+    @classmethod
+    def of(cls, place: Path, data: str | Path | None) -> _Search:
+        given = data if data is not None else os.environ.get(DATA_VARIABLE) or None
+        return cls(place.parent, None if given is None else Path(given).expanduser())
+
+    def folders(self) -> list[Path]:
+        found = []
+        if self.data is not None:
+            found += [self.data / self.folder] if self.folder else []
+            found.append(self.data)
+        return [*found, self.own]
+
+    def find(self, file: str) -> Path | None:
+        """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
+        names = (file, file.replace("\\", "/"))
+        places = [folder / name for name in names for folder in self.folders()]
+        kinds: tuple[Callable[[Path], object], ...] = (Path.is_file, Path.is_dir, matching)
+        try:
+            return next((place for there in kinds for place in places if there(place)), None)
+        except (OSError, ValueError):
+            return None
+
+    def missing(self, file: str, entry: str, toml: str) -> Problem:
+        """The problem of a file that is nowhere."""
+        tried = ", ".join(str(folder) for folder in self.folders())
+        remedy = None
+        if self.data is None or self.folder:
+            remedy = f"--data (data=) or {DATA_VARIABLE} names the folder of the measurements."
+        return Problem(
+            message=f"the file {file!r} is not there. Looked in: {tried}.",
+            file=toml,
+            entry=entry,
+            remedy=remedy,
+        )
+
+
+def _place(path: Path) -> Path:
+    """The file that is meant by a path."""
+    if not path.exists() and not path.is_absolute() and path.parts[:1] == ("datasets",):
+        packed = datasets_folder().joinpath(*path.parts[1:])
+        path = packed if packed.exists() else path
+    if path.is_dir():
+        if (path / FILE_NAME).is_file():
+            return path / FILE_NAME
+        others = sorted(file.name for file in path.glob("*.toml"))
+        there = f" It has {', '.join(others)}: name the file itself." if others else ""
+        raise CampaignError(
+            Problem(message=f"there is no {FILE_NAME} in this folder.{there}", file=str(path))
+        )
+    if not path.is_file():
+        raise CampaignError(
+            Problem(
+                message="there is no such file or folder.",
+                file=str(path),
+                remedy=f"Name a folder with {FILE_NAME}, a .toml file or a saved campaign (.h5).",
+            )
+        )
+    return path
+
+
+def _text(place: Path) -> tuple[str, str]:
+    try:
+        data = place.read_bytes()
+    except OSError as error:
+        raise CampaignError(
+            Problem(message=f"cannot be read: {error.strerror}.", file=place.name)
+        ) from error
+    try:
+        text = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise CampaignError(
+            Problem(
+                message=f"byte {data[error.start]:#04x} is not UTF-8 text.",
+                file=place.name,
+                row=data.count(b"\n", 0, error.start) + 1,
+                remedy="Save the campaign file as UTF-8.",
+            )
+        ) from error
+    return text, hashlib.sha256(data).hexdigest()
+
+
+def _toml(text: str, place: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        message = str(error) or "nested too deeply"
+        line = re.search(r"at line (\d+)", message)
+        row = int(line[1]) if line else None
+        written = text.splitlines()[row - 1] if row and row <= len(text.splitlines()) else ""
+        raise CampaignError(
+            Problem(
+                message=f"this is not valid TOML: {message}.",
+                file=place.name,
+                row=row,
+                remedy=_toml_remedy(written),
+            )
+        ) from error
+
+
+def _toml_remedy(line: str) -> str | None:
+    """The commonest slips in a line of TOML."""
+    if re.search(r"[=\[,]\s*[+-]?\.\d", line):
+        return "Write a digit before the point: 0.5, not .5."
+    if re.search(r"=\s*[+-]?\d+,\d", line):
+        return "Write numbers with a decimal point."
+    if re.search(r'=\s*"[^"]*\\', line):
+        return "In a path write / instead of \\, or put it in single quotes."
+    if re.search(r"=\s*[A-Za-z_]", line):
+        return "Put text in quotes."
+    return None
+
+
+def _assemble(
+    raw: Mapping[str, Any], place: Path, search: _Search, digest: str, runs: bool
+) -> Campaign:
+    from pmmkit.campaigns.file import particulars, schema
+    from pmmkit.campaigns.file.assembly import Assembled
+    from pmmkit.version import __version__
+
+    toml = place.name
+    out = Assembled()
+    problems = out.problems
+    for name in raw:
+        if name not in schema.TABLES:
+            problems.append(
+                Problem(message=f"not known{did_you_mean(name, schema.TABLES) or '.'}",
+                        file=toml, entry=f"[{name}]")
+            )  # fmt: skip
+    for name in ("campaign", "ship"):
+        if name not in raw:
+            problems.append(Problem(message="this table is missing.", file=toml, entry=f"[{name}]"))
+    if runs and not (raw.get("runs") or raw.get("tables")):
+        problems.append(
+            Problem(message="there are no runs: neither [[runs]] nor [[tables]].", file=toml)
+        )
+    top = particulars.read_top(raw, toml, problems)
+    search = _Search(search.own, search.data, top.campaign.data_folder)
+    setup = particulars.setup_of(
+        top,
+        find=search.find,
+        missing_file=lambda file, entry: search.missing(file, entry, toml),
+        toml=toml,
+    )
+    _add_all(raw, setup, out)
+    _check_references(setup, out, top.correction_labels)
+    if problems:
+        raise CampaignError(problems, title=f"{place} cannot be used")
+    reasons = {
+        run.id: next(item.reason for item in run.corrections if item.action == "exclude")
+        for run in out.runs
+        if any(item.action == "exclude" for item in run.corrections)
+    }
+    provenance: dict[str, Any] = {
+        "pmmkit": __version__,
+        "campaign_file": PurePath(place).name,
+        "sha256": digest,
+    }
+    if out.left_out:
+        provenance["left_out"] = tuple(out.left_out)
+    return Campaign(
+        title=top.campaign.title or place.absolute().parent.name,
+        ship=setup.ship,
+        water=setup.water,
+        runs=tuple(run for run in out.runs if run.id not in reasons),
+        kind=top.campaign.kind,
+        excluded=tuple((run, reasons[run.id]) for run in out.runs if run.id in reasons),
+        forces=top.campaign.forces,
+        moment_reference_x=top.moment_reference_x,
+        moment_reference_z=top.campaign.moment_reference_z,
+        motion_reference_x=top.campaign.motion_reference_x,
+        free=tuple(top.campaign.free),
+        uncertainty=top.uncertainty,
+        cfd=MappingProxyType(top.cfd),
+        propeller=MappingProxyType(top.propeller),
+        rudder=MappingProxyType(top.rudder),
+        numerical=MappingProxyType(top.numerical),
+        trial=MappingProxyType(top.trial),
+        folder=place.parent,
+        provenance=MappingProxyType(provenance),
+    )
+
+
+def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
+    """Every entry of ``[[runs]]`` and ``[[tables]]``."""
+    from pmmkit.campaigns.file import schema
+    from pmmkit.campaigns.file.assembly import add_run, add_table
+
+    for index, item in enumerate(_list(raw, "runs", setup.toml, out), start=1):
+        label = _label("runs", index, item)
+        entry = schema.read_entry(
+            schema.RunEntry, item, file=setup.toml, entry=label, problems=out.problems
+        )
+        if entry is not None:
+            add_run(entry, label, setup, out)
+        elif isinstance(item, Mapping) and isinstance(item.get("id"), str):
+            out.claim(item["id"], label, setup.toml)
+    for index, item in enumerate(_list(raw, "tables", setup.toml, out), start=1):
+        label = _label("tables", index, item)
+        table = schema.read_entry(
+            schema.TableEntry, item, file=setup.toml, entry=label, problems=out.problems
+        )
+        if table is not None:
+            add_table(table, label, setup, out)
+        else:
+            out.incomplete = True
+
+
+def _list(raw: Mapping[str, Any], name: str, toml: str, out: Assembled) -> list[Any]:
+    listed = raw.get(name, [])
+    if isinstance(listed, list):
+        return listed
+    out.problems.append(
+        Problem(message="must be written in double brackets.", file=toml, entry=f"[[{name}]]")
+    )
+    return []
+
+
+def _label(name: str, index: int, item: Any) -> str:
+    shown = item.get("id", item.get("file")) if isinstance(item, Mapping) else None
+    key = "id" if isinstance(item, Mapping) and "id" in item else "file"
+    return f"[[{name}]] #{index}" + (f" ({key} {shown!r})" if isinstance(shown, str) else "")
+
+
+def _check_references(setup: Setup, out: Assembled, labels: Mapping[int, str]) -> None:
+    """Corrections and ``repeat_of`` must name runs that are there."""
+    if out.incomplete:
+        return
+    for index, item in enumerate(setup.corrections):
+        for pattern in item.runs:
+            one = type(item)(runs=(pattern,), action=item.action, reason=item.reason)
+            if not any(one.applies_to(run_id) for run_id in out.ids):
+                guess = did_you_mean(pattern, out.ids) or "."
+                out.problems.append(
+                    Problem(
+                        message=f"no run has the id {pattern!r}{guess}",
+                        file=setup.toml,
+                        entry=labels.get(index),
+                    )
+                )
+    for name in setup.trial.get("order", {}):
+        if name not in out.ids:
+            out.problems.append(
+                Problem(
+                    message=f"no run has the id {name!r}{did_you_mean(name, out.ids) or '.'}",
+                    file=setup.toml,
+                    entry="[trial], key 'order'",
+                )
+            )
+    for run in out.runs:
+        other = run.settings.repeat_of
+        if other is not None and other not in out.ids:
+            out.problems.append(
+                Problem(
+                    message=f"repeat_of names {other!r}, which is not a run"
+                    f"{did_you_mean(other, out.ids) or '.'}",
+                    file=setup.toml,
+                    entry=out.ids[run.id],
+                )
+            )

@@ -1,0 +1,202 @@
+"""Settings of a test: from what the campaign file or a table states to SI and our signs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from typing import Any, Final
+
+from pmmkit.campaigns.run import Settings
+from pmmkit.campaigns.samples.conversions import Frame
+
+_MEASURED_BY: Final[dict[str, str]] = {
+    "drift_deg": "v", "heel_deg": "phi", "rudder_deg": "delta", "yaw_rate": "r",
+}  # fmt: skip
+"""Channel that tells a setting where the file measures it."""
+
+_NEEDED: Final[dict[str, tuple[str, ...]]] = {
+    "static_drift": ("drift_deg",),
+    "static_heel": ("heel_deg",),
+    "static_rudder": ("rudder_deg",),
+    "drift_rudder": ("drift_deg", "rudder_deg"),
+    "yaw_drift": ("drift_deg",),
+    "yaw_rudder": ("rudder_deg",),
+    "turning": ("rudder_deg",),
+    "zigzag": ("rudder_deg", "switch_deg"),
+}
+_MOTION: Final[dict[str, tuple[str, ...]]] = {
+    "pure_surge": ("u",),
+    "pure_sway": ("v",),
+    "pure_yaw": ("r",),
+    "yaw_drift": ("r",),
+    "yaw_rudder": ("r",),
+    "sway_yaw": ("v", "r"),
+}
+"""Motions that an oscillating test makes."""
+
+_WORDS: Final[dict[str, str]] = {
+    "speed": "the carriage speed, speed [m/s]",
+    "drift_deg": "the drift angle, drift_deg",
+    "heel_deg": "the heel, heel_deg",
+    "rudder_deg": "the rudder angle, rudder_deg",
+    "switch_deg": "the heading of the switch, switch_deg",
+    "period": "the period [s] (or frequency_hz)",
+    "amplitude_m": "the amplitude, amplitude_m",
+    "yaw_amplitude_deg": "the amplitude of the heading, yaw_amplitude_deg",
+}
+
+
+def missing_settings(
+    test: str, given: Mapping[str, Any], measured: Collection[str] = ()
+) -> list[str]:
+    """What a test of that kind still needs, in words.
+
+    Parameters
+    ----------
+    test : str
+        Kind of test.
+    given : mapping
+        Settings by key of the campaign file.
+    measured : collection of str
+        Channels that the file holds.
+
+    Examples
+    --------
+    >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5})
+    ['the amplitude, amplitude_m']
+    >>> missing_settings("pure_sway", {"speed": 1.0}, measured={"v"})
+    []
+    >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5}, measured={"y", "psi"})
+    []
+    """
+    missing = [] if "speed" in given else ["speed"]
+    missing += [
+        name
+        for name in _NEEDED.get(test, ())
+        if name not in given and _MEASURED_BY.get(name) not in measured
+    ]
+    motions = [motion for motion in _MOTION.get(test, ()) if motion not in measured]
+    if motions and not _frequency_known(given):
+        missing.append("period")
+    placed = {"x", "y", "psi"} if test == "pure_surge" else {"y", "psi"}
+    for motion in () if placed <= set(measured) else motions:
+        if motion in ("u", "v") and not {"amplitude_m", "vdot_amplitude", "v_amplitude"} & set(
+            given
+        ):
+            missing.append("amplitude_m")
+        if motion == "r" and not {"yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"} & set(
+            given
+        ):
+            missing.append("yaw_amplitude_deg")
+    words = [_WORDS[name] for name in missing]
+    if test == "circular_motion" and "r" not in measured:
+        turning = [name for name in ("yaw_rate", "radius") if name in given]
+        if not turning:
+            words.append("yaw_rate [rad/s] or radius [m]")
+        elif len(turning) == 2:
+            words.append("only one of yaw_rate and radius, not both")
+    return words
+
+
+def _frequency_known(given: Mapping[str, Any]) -> bool:
+    return bool({"period", "frequency_hz"} & set(given)) or any(
+        {top, bottom} <= set(given)
+        for top, bottom in (("rdot_amplitude", "r_amplitude"), ("vdot_amplitude", "v_amplitude"))
+    )
+
+
+def settings_of(
+    test: str,
+    given: Mapping[str, Any],
+    frame: Frame,
+    length: float,
+    *,
+    turn_phase: bool = True,
+) -> tuple[Settings, tuple[str, ...]]:
+    """Settings in SI and our signs, and the conversions in words.
+
+    The angular frequency is 2π ``frequency_hz``, else 2π/``period``, else the ratio of the primed
+    amplitudes times U/L. Amplitudes that are not stated come from the primed ones: of the
+    displacement |v̇'| U²/(L ω²) or |v'| U/ω, of the heading |r'| U/(L ω) or |ṙ'| U²/(L² ω²).
+
+    Parameters
+    ----------
+    test : str
+        Kind of test.
+    given : mapping
+        Settings by key of the campaign file; ``speed`` must be among them.
+    frame : Frame
+        What the source's axes and signs are.
+    length : float
+        Length L of the ship [m].
+    turn_phase : bool
+        Whether a motion along a reversed axis starts half a period later; False for rows of
+        harmonics, which are turned themselves.
+    """
+    notes: list[str] = []
+    speed = float(given["speed"])
+    period = _period(given, speed / length, notes)
+    amplitude = given.get("amplitude_m")
+    yaw = _radians(given, "yaw_amplitude_deg")
+    if period is not None:
+        omega = 2 * math.pi / period
+        if amplitude is None and "vdot_amplitude" in given:
+            amplitude = abs(given["vdot_amplitude"]) * speed**2 / (length * omega**2)
+            notes.append("amplitude from the primed acceleration: |vdot'| U²/(L ω²)")
+        elif amplitude is None and "v_amplitude" in given:
+            amplitude = abs(given["v_amplitude"]) * speed / omega
+            notes.append("amplitude from the primed velocity: |v'| U/ω")
+        if yaw is None and "r_amplitude" in given:
+            yaw = abs(given["r_amplitude"]) * speed / length / omega
+            notes.append("yaw amplitude from the primed yaw rate: |r'| U/(L ω)")
+        elif yaw is None and "rdot_amplitude" in given:
+            yaw = abs(given["rdot_amplitude"]) * (speed / length / omega) ** 2
+            notes.append("yaw amplitude from the primed yaw acceleration: |rdot'| U²/(L² ω²)")
+    phase = _radians(given, "phase_deg") or 0.0
+    if turn_phase and frame.motion_sign(test) < 0:
+        phase += math.pi
+        notes.append("phase of the motion turned by 180° because the axis points the other way")
+    if yaw is not None and test == "sway_yaw" and frame.sign("r") != frame.sign("v"):
+        yaw = -yaw
+    drift, rudder = _radians(given, "drift_deg") or 0.0, _radians(given, "rudder_deg") or 0.0
+    if frame.drift_to_port and drift:
+        drift = -drift
+        notes.append("drift angle: stated positive with the bow to port, sign changed")
+    if frame.rudder_to_port and rudder:
+        rudder = -rudder
+        notes.append("rudder angle: stated positive to port, sign changed")
+    return (
+        Settings(
+            speed=speed,
+            drift=drift,
+            heel=_radians(given, "heel_deg") or 0.0,
+            rudder=rudder,
+            propeller_rps=given.get("propeller_rps"),
+            period=period,
+            amplitude=amplitude,
+            yaw_amplitude=yaw,
+            phase=phase,
+            yaw_rate=given.get("yaw_rate"),
+            radius=given.get("radius"),
+            switch=_radians(given, "switch_deg"),
+            repeat_of=given.get("repeat_of"),
+        ),
+        tuple(notes),
+    )
+
+
+def _period(given: Mapping[str, Any], rate: float, notes: list[str]) -> float | None:
+    if "frequency_hz" in given:
+        notes.append("period from the frequency in Hz")
+        return 1.0 / float(given["frequency_hz"])
+    if "period" in given:
+        return float(given["period"])
+    for top, bottom in (("rdot_amplitude", "r_amplitude"), ("vdot_amplitude", "v_amplitude")):
+        if top in given and bottom in given:
+            notes.append(f"period from the primed amplitudes: ω = |{top}/{bottom}| U/L")
+            return 2 * math.pi / (abs(float(given[top]) / float(given[bottom])) * rate)
+    return None
+
+
+def _radians(given: Mapping[str, Any], name: str) -> float | None:
+    return None if name not in given else math.radians(given[name])

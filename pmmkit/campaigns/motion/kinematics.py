@@ -1,0 +1,303 @@
+"""How the model moved: the measured motion where there is one, the nominal motion for the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pmmkit.campaigns.motion.nominal import (
+    YAW_LEAD,
+    YAW_TESTS,
+    as_times,
+    check_settings,
+    fixed_settings,
+    motion_at_phase,
+    nominal_motion,
+    nominal_phase,
+    refuse_free_running,
+    require_settings,
+    ship_axes,
+    tank_motion,
+    turn_rate,
+)
+from pmmkit.campaigns.motion.series import fit_series
+from pmmkit.campaigns.run import Run
+from pmmkit.effects.state import State
+from pmmkit.errors import CampaignError, Problem
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "YAW_LEAD",
+    "displacement_phase",
+    "measured_motion",
+    "motion_at_phase",
+    "move_motion",
+    "nominal_motion",
+]
+
+Array = NDArray[np.float64]
+
+_HEADING: Final = (("psi", False, "yaw_amplitude"), ("r", True, "yaw_amplitude"))
+_DISPLACEMENT: Final = {
+    "pure_surge": (("x", False, "amplitude"), ("u", True, "amplitude")),
+    "pure_sway": (("y", False, "amplitude"), ("v", True, "amplitude")),
+    "sway_yaw": (("y", False, "amplitude"), ("r", False, "yaw_amplitude")),
+    **dict.fromkeys(YAW_TESTS, _HEADING),
+}
+"""Channels that tell the phase, best first; whether they go with cos θ; whose sign counts."""
+_RATES: Final = ("udot", "vdot", "rdot", "pdot")
+_OSCILLATING: Final = ("u", "v", "r", "p", *_RATES, "x", "y", "psi")
+_HELD: Final = {"phi": "phi", "delta": "delta", "n": "rps", "T": "thrust"}
+_CLEAR: Final = 5.0
+
+
+def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
+    """Motion of the record: what was measured, and the nominal motion for the rest.
+
+    For each of u, v, r the order is: its own channel, what follows from the positions and heading
+    ``x, y, psi``, the nominal value (at the phase of the measured motion). Accelerations that were
+    not measured follow from the velocity: in an oscillating test through its least-squares Fourier
+    series (harmonics 0 to 5 at the frequency of the run, on the actual times), in a static test
+    they are zero. In a static test only the mean heading and the mean speeds are taken from
+    positions, of a circle only the yaw rate.
+
+    Parameters
+    ----------
+    run : Run
+        A captive test.
+    data : Dataset
+        The run's data, or a part of them. Channels ``u, v, r, p, phi, udot, vdot, rdot, pdot,
+        delta, n, T, x, y, psi`` are used; scalars hold for all times. A channel that is NaN
+        throughout counts as not measured, and so does a single value of what oscillates. ``x``
+        may count from the tank or from the carriage; its trend tells. Harmonics of a motion
+        (``v_cos``, ``v_sin``) are summed at the nominal phase.
+    times : array (n,)
+        Times of the samples [s], even or not.
+
+    Returns
+    -------
+    State
+        Referred to the point that the measurements refer to, see `move_motion`.
+
+    Raises
+    ------
+    CampaignError
+        If lengths differ, if a setting is needed and missing, or if the record is shorter than a
+        period and has to be differentiated.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> from pmmkit.campaigns.run import Settings
+    >>> run = Run(id="PS", test="pure_sway", kind="history", loader=None,
+    ...           settings=Settings(speed=1.5, period=8.0, amplitude=0.2))
+    >>> t = np.arange(0.0, 8.0, 0.5)
+    >>> data = xr.Dataset({"v": ("t", 0.3 * np.sin(2 * np.pi * t / 8.0))}, coords={"t": t})
+    >>> measured_motion(run, data, t).vdot[:2].round(4)
+    array([0.2356, 0.2177])
+    """
+    instants = as_times(run, times)
+    refuse_free_running(run)
+    channels = _channels(run, data, instants)
+    known = fixed_settings(run.settings) | {
+        target: channels[name] for name, target in _HELD.items() if name in channels
+    }
+    known |= {name: channels[name] for name in ("u", "v", "r", "p", *_RATES) if name in channels}
+    if not {"u", "v", "r"} <= set(channels):
+        rest = _rest(run, data, channels, instants)
+        for name in {"u", "v", "r"} - set(channels):
+            rate = f"{name}dot"
+            known[name] = getattr(rest, name)
+            known[rate] = channels.get(rate, getattr(rest, rate))
+    for source, target in (("phi", "p"), ("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+        if source in channels and target not in channels:
+            known[target] = _rate(run, instants, channels[source], source)
+    if "p" in known and "pdot" not in channels:
+        known["pdot"] = _rate(run, instants, np.asarray(known["p"]), "p")
+    return State.of(len(instants), **known)
+
+
+def displacement_phase(run: Run, data: xr.Dataset, times: ArrayLike) -> Array:
+    """Phase θ of the displacement of an oscillating test: the motion is ∝ sin θ.
+
+    The displacement is the heading in yaw tests, the sway displacement in sway tests, the surge
+    displacement in surge tests. The phase is that of the fundamental of the measured displacement
+    (``psi``; ``y``; ``x``), else of the velocity (``r``; ``v``; ``u``, which go with cos θ), else
+    the nominal ωt + phase. It is measured where the fundamental stands five standard errors clear
+    of zero. Tables of harmonics have the nominal phase.
+
+    Parameters
+    ----------
+    run : Run
+        An oscillating captive test; the settings' period counts.
+    data : Dataset
+        The run's data, or a part of them.
+    times : array (n,)
+        Times of the samples [s], even or not.
+
+    Returns
+    -------
+    array (n,)
+        θ [rad], rising with time, the branch nearest to ωt + phase.
+
+    Raises
+    ------
+    CampaignError
+        If the test does not oscillate, has no period, or the record is shorter than one.
+    """
+    instants = as_times(run, times)
+    if not run.dynamic:
+        raise CampaignError(
+            Problem(message=f"a {run.test} test has no phase: it does not oscillate.", run=run.id)
+        )
+    check_settings(run, ("period",))
+    nominal = nominal_phase(run, instants)
+    if run.kind == "harmonics":
+        return nominal
+    channels = _channels(run, data, instants)
+    for name, of_velocity, amplitude in _DISPLACEMENT[run.test]:
+        if name not in channels:
+            continue
+        series = fit_series(run, instants, channels[name], name)
+        cosine, sine = series.fundamental
+        if not math.hypot(cosine, sine) > _CLEAR * series.standard_error:
+            continue
+        lead = math.atan2(-sine, cosine) if of_velocity else math.atan2(cosine, sine)
+        lead += math.pi if (getattr(run.settings, amplitude) or 0.0) < 0 else 0.0
+        lead -= series.omega * series.start
+        return nominal + math.remainder(lead - run.settings.phase, 2 * math.pi)
+    return nominal
+
+
+def move_motion(state: State, x: float) -> State:
+    """Motion at midship from the motion of a point x forward of midship.
+
+    Parameters
+    ----------
+    state : State
+        Motion of the point.
+    x : float
+        Where the point is, forward of midship [m].
+
+    Returns
+    -------
+    State
+        v = v(x) - x r and v̇ = v̇(x) - x ṙ; everything else is the same.
+
+    Examples
+    --------
+    >>> move_motion(State.of(u=1.0, v=0.3, r=0.1), 2.0).v
+    array([0.1])
+    """
+    return state.with_(v=state.v - x * state.r, vdot=state.vdot - x * state.rdot)
+
+
+def _channels(run: Run, data: xr.Dataset, times: Array) -> dict[str, Array]:
+    """The measured motions, each (n,)."""
+    found: dict[str, Array] = {}
+    problems = []
+    for name in (*_OSCILLATING, *_HELD):
+        if name in data:
+            values = np.asarray(data[name].values, float)
+            if values.ndim == 0 and run.dynamic and name in _OSCILLATING:
+                continue
+            if values.ndim and values.shape != times.shape:
+                problems.append(
+                    Problem(
+                        message=f"{values.shape} values for {times.shape} times.",
+                        run=run.id,
+                        column=name,
+                    )
+                )
+                continue
+            values = np.array(np.broadcast_to(values, times.shape))
+        elif f"{name}_cos" in data or f"{name}_sin" in data:
+            values = _summed(run, data, name, times)
+        else:
+            continue
+        good = np.isfinite(values)
+        if name == "psi":
+            values[good] = np.unwrap(values[good])
+        if good.any():
+            found[name] = values
+    if problems:
+        raise CampaignError(problems)
+    return found
+
+
+def _summed(run: Run, data: xr.Dataset, name: str, times: Array) -> Array:
+    orders = np.asarray(data["harmonic"].values, float)
+    angles = np.multiply.outer(nominal_phase(run, times), orders)
+    total = np.zeros_like(times)
+    for part, function in (("cos", np.cos), ("sin", np.sin)):
+        if f"{name}_{part}" in data:
+            weights = np.nan_to_num(np.asarray(data[f"{name}_{part}"].values, float))
+            total = total + function(angles) @ weights
+    return total
+
+
+def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Array) -> State:
+    """The motion where no velocity is measured: from positions, else nominal."""
+    measured = {"x", "y", "psi"} & set(channels)
+    if not run.dynamic:
+        return _rest_static(run, channels, times)
+    if not measured:
+        return motion_at_phase(run, displacement_phase(run, data, times))
+    needed = {"y", "psi"} | ({"x"} if run.test == "pure_surge" else set())
+    if needed - measured:
+        require_settings(run)
+    tank = tank_motion(run, displacement_phase(run, data, times))
+    if "x" in measured:
+        series = fit_series(run, times, channels["x"], "x")
+        xdot = series.derivative(times, 1) + _carriage(run, series.slope)
+        tank = replace(tank, xdot=xdot, xddot=series.derivative(times, 2))
+    if "y" in measured:
+        series = fit_series(run, times, channels["y"], "y")
+        tank = replace(tank, ydot=series.derivative(times, 1), yddot=series.derivative(times, 2))
+    if "psi" in measured:
+        series = fit_series(run, times, channels["psi"], "psi")
+        psi, r, rdot = (series.derivative(times, order) for order in (0, 1, 2))
+        tank = replace(tank, psi=psi, r=r, rdot=rdot)
+    return State.of(len(times), **ship_axes(tank))
+
+
+def _rest_static(run: Run, channels: Mapping[str, Array], times: Array) -> State:
+    nominal = motion_at_phase(run, np.zeros_like(times))
+    slopes = {name: _slope(times, channels[name]) for name in ("x", "y", "psi") if name in channels}
+    if run.test == "circular_motion":
+        return nominal.with_(r=np.full_like(times, slopes.get("psi", turn_rate(run))))
+    if not slopes:
+        return nominal
+    speed = run.settings.speed
+    ahead = slopes["x"] + _carriage(run, slopes["x"]) if "x" in slopes else speed
+    aside = slopes.get("y", 0.0)
+    psi = float(np.nanmean(channels["psi"])) if "psi" in channels else run.settings.drift
+    return nominal.with_(
+        u=np.full_like(times, ahead * math.cos(psi) + aside * math.sin(psi)),
+        v=np.full_like(times, -ahead * math.sin(psi) + aside * math.cos(psi)),
+    )
+
+
+def _carriage(run: Run, slope: float) -> float:
+    """What to add to the trend of x: the carriage's speed where x counts from the carriage."""
+    return run.settings.speed if abs(slope) < abs(run.settings.speed) / 2 else 0.0
+
+
+def _slope(times: Array, values: Array) -> float:
+    good = np.isfinite(times) & np.isfinite(values)
+    away = times[good] - times[good].mean()
+    return float(away @ values[good] / (away @ away)) if np.ptp(away) > 0 else 0.0
+
+
+def _rate(run: Run, times: Array, values: Array, name: str) -> Array:
+    """Time derivative of a measured motion; zero in a static test and of a constant."""
+    if not run.dynamic or np.nanmin(values) == np.nanmax(values):
+        return np.zeros_like(times)
+    return fit_series(run, times, values, name).derivative(times, 1)

@@ -1,0 +1,1 @@
+"""The samples of a run: read, converted to SI and our axes, corrected."""

@@ -1,0 +1,143 @@
+"""What the campaign file corrects in a run, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pmmkit.campaigns.run import Correction
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.conventions import unit_factor
+from pmmkit.errors import CampaignError, Problem
+from pmmkit.readers.base import Array
+
+OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop"})
+"""Actions that change the numbers of a run; the others change what is said of it."""
+
+
+def correct(
+    data: Mapping[str, Array], corrections: Sequence[Correction], *, file: str, run: str
+) -> tuple[dict[str, Array], list[str]]:
+    """Channels with the corrections of the campaign file, in its order.
+
+    Values are SI, in ship axes and our signs: corrections come after all conversions. Of harmonics
+    ``scale`` and ``flip`` change all parts of a channel, ``shift`` its mean.
+
+    Parameters
+    ----------
+    data : mapping of str to array
+        A history with ``t``, means, or harmonics (``X_cos``, ``X_sin``).
+    corrections : sequence of Correction
+        Those that apply to the run.
+    file, run : str
+        For messages.
+
+    Returns
+    -------
+    corrected : dict
+        Channels; those dropped are not there.
+    notes : list of str
+        What was done and why.
+
+    Raises
+    ------
+    CampaignError
+        If a correction names a channel that the run has not, or trims everything away.
+    """
+    out = dict(data)
+    notes: list[str] = []
+    problems: list[Problem] = []
+    for correction in corrections:
+        if correction.action not in OF_SAMPLES:
+            continue
+        if correction.action == "trim":
+            kept = _trimmed(out, correction)
+            if kept is None:
+                problems.append(
+                    Problem(
+                        message=f"the correction {_range(correction)} leaves no samples; they are "
+                        f"from t = {out['t'][0]:g} to {out['t'][-1]:g} s."
+                        if "t" in out
+                        else "the correction trim needs a history; this is a row of a table.",
+                        file=file,
+                        run=run,
+                    )
+                )
+                continue
+            out = kept
+            notes.append(f"{_range(correction)} ({correction.reason})")
+            continue
+        for channel in correction.values["channels"]:
+            names = _names(out, channel)
+            if not names:
+                problems.append(
+                    Problem(
+                        message=f"the correction {correction.action!r} names channel {channel}, "
+                        f"which this run does not have: {', '.join(out)}.",
+                        file=file,
+                        run=run,
+                    )
+                )
+            out, note = _changed(out, names, channel, correction)
+            notes.append(f"{note} ({correction.reason})")
+    if problems:
+        raise CampaignError(problems)
+    return out, notes
+
+
+def shift_in_si(channel: str, value: float, unit: str | None) -> float | None:
+    """A shift in the SI unit of its channel; None if the unit measures something else."""
+    if unit is None:
+        return value
+    si, factor = unit_factor(unit)
+    return value * factor if si == CHANNEL_UNITS[channel] else None
+
+
+def _names(data: Mapping[str, Array], channel: str) -> list[str]:
+    return [
+        name
+        for name in (channel, f"{channel}_std", f"{channel}_cos", f"{channel}_sin")
+        if name in data
+    ]
+
+
+def _changed(
+    data: dict[str, Array], names: Sequence[str], channel: str, correction: Correction
+) -> tuple[dict[str, Array], str]:
+    out = dict(data)
+    if correction.action == "drop":
+        for name in names:
+            del out[name]
+        return out, f"correction: {channel} dropped"
+    if correction.action == "shift":
+        value = float(correction.values["value"])
+        for name in names:
+            if name == channel:
+                out[name] = out[name] + value
+            elif name.endswith("_cos"):
+                out[name] = out[name] + np.where(np.arange(len(out[name])) == 0, value, 0.0)
+        return out, f"correction: {channel} shifted by {value:g} {CHANNEL_UNITS[channel]}"
+    factor = float(correction.values["factor"]) if correction.action == "scale" else -1.0
+    for name in names:
+        out[name] = out[name] * (abs(factor) if name.endswith("_std") else factor)
+    how = f"times {factor:g}" if correction.action == "scale" else "sign changed"
+    return out, f"correction: {channel} {how}"
+
+
+def _trimmed(data: dict[str, Array], correction: Correction) -> dict[str, Array] | None:
+    if "t" not in data:
+        return None
+    start = correction.values.get("t_start", -np.inf)
+    end = correction.values.get("t_end", np.inf)
+    inside = (data["t"] >= start) & (data["t"] <= end)
+    return {name: numbers[inside] for name, numbers in data.items()} if inside.any() else None
+
+
+def _range(correction: Correction) -> str:
+    bounds = [
+        f"{word} t = {correction.values[key]:g} s"
+        for word, key in (("from", "t_start"), ("to", "t_end"))
+        if key in correction.values
+    ]
+    return f"correction: trimmed {' '.join(bounds)}"

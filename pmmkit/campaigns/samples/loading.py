@@ -1,0 +1,455 @@
+"""Reading the samples of a run when they are asked for."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
+from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
+from pmmkit.campaigns.run import Campaign, Correction, Kind, Run, Settings
+from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick, required_channels
+from pmmkit.campaigns.samples.conversions import Frame, stacked_harmonics, to_ours
+from pmmkit.campaigns.samples.corrections import correct
+from pmmkit.campaigns.samples.geodesy import out_of_range, placed
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.files import sha256
+from pmmkit.readers import files_of, reader_for, usual_of
+from pmmkit.readers.base import Array, Columns, Request
+from pmmkit.ship import Ship, Water
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+DOUBTFUL: Final = "doubtful: "
+"""How a note begins that somebody should look at."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Context:
+    """What the numbers of a run must be seen with to become SI.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        Particulars.
+    speed : float
+        Speed of the run [m/s].
+    frame : Frame
+        Axes, signs and system of the source.
+    corrections : tuple of Correction
+        Those that apply to the run.
+    notes : tuple of str
+        Conversions of the settings, in words.
+    antenna : tuple of float
+        Place of the antenna of a free-running record, forward of midship and to starboard [m].
+    solver : Solver
+        What the forces of a CFD refer to.
+    test : str
+        Kind of test.
+    settings : Settings or None
+        What it was set to.
+    """
+
+    ship: Ship
+    water: Water
+    speed: float
+    frame: Frame
+    corrections: tuple[Correction, ...] = ()
+    notes: tuple[str, ...] = ()
+    antenna: tuple[float, float] = (0.0, 0.0)
+    solver: Solver = field(default_factory=Solver)
+    test: str = ""
+    settings: Settings | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class HistoryLoader:
+    """Reads a history each time it is called.
+
+    Parameters
+    ----------
+    request : Request
+        The file.
+    columns : mapping of str to ColumnSpec
+        Where the channels stand.
+    context : Context
+        How to make them SI.
+    kind : str
+        Kind of campaign: says which channels must be there.
+    rows : int or None
+        Number of rows that the campaign file says the file has.
+    motion : Request or None
+        A further file with the path of the hull.
+    """
+
+    request: Request
+    columns: Mapping[str, ColumnSpec]
+    context: Context
+    kind: str = "captive"
+    rows: int | None = None
+    motion: Request | None = None
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.request.path
+
+    def __call__(self) -> xr.Dataset:
+        rate = self.request.options.sample_rate
+        required = [x for x in required_channels(self.kind) if x != "t" or rate is None]
+        read, picked, usual = _read(self.request, self.columns, required)
+        count = len(read.values[0])
+        check_rows(count + read.dropped, self.rows, self.request)
+        notes = [*read.notes, *(column.note for column in picked if column.note)]
+        notes += [
+            f"{column.name} from column {column.title!r}, its usual name"
+            for column in picked
+            if column.name in usual and column.name not in self.columns
+        ]
+        notes += [
+            f"{DOUBTFUL}{doubt}; settle it with {key} under [cfd]"
+            for key, doubt in read.unsettled.items()
+            if key not in self.context.solver.stated
+        ]
+        if read.dropped:
+            notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
+        values = {
+            column.name: column.apply(numbers)
+            for column, numbers in zip(picked, read.values, strict=True)
+        }
+        if rate is not None:
+            values["t"] = _counted_time(read, rate, self.request)
+            notes.append(f"t counted from 0 at {rate:g} samples a second")
+        return dataset(
+            "history",
+            values,
+            self.context,
+            notes,
+            request=self.request,
+            dimensional=frozenset(column.name for column in picked if column.unit is not None),
+            motion=None if self.motion is None else _motion_of(self.motion, self.context),
+        )
+
+
+def _read(
+    request: Request, specs: Mapping[str, ColumnSpec], required: Sequence[str]
+) -> tuple[Columns, list[Picked], Mapping[str, str]]:
+    """The columns of a file that are used, what each of them is, and usual names of the format."""
+    picked: list[Picked] = []
+    usual: dict[str, str] = {}
+
+    def choose(headers: Sequence[str], width: int) -> list[int]:
+        usual.update(usual_of(request, headers))
+        found, problems = pick(headers, width, specs, request, required=required, usual=usual)
+        if request.options.sample_rate is not None:
+            problems += _two_times(found, request)
+        if not found and not problems:
+            problems.append(request.problem("no column of the file is used."))
+        if problems:
+            raise request.error(*problems)
+        picked.extend(found)
+        return [column.position for column in found]
+
+    return reader_for(request).columns(request, choose), picked, usual
+
+
+def _motion_of(request: Request, context: Context) -> dict[str, Array]:
+    """The path of the hull from a file of its own, SI, our axes and signs."""
+    read, picked, _ = _read(request, {}, ("t",))
+    values = {
+        column.name: column.apply(numbers)
+        for column, numbers in zip(picked, read.values, strict=True)
+        if column.name in ("t", *PLACE, "u", "v", "r")
+    }
+    return to_ours(
+        values,
+        frame=context.frame,
+        ship=context.ship,
+        water=context.water,
+        speed=context.speed,
+    )[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RowLoader:
+    """Gives a row of a table, which was read when the campaign was opened.
+
+    Parameters
+    ----------
+    request : Request
+        The file the row stands in.
+    kind : {"means", "harmonics"}
+        What the row holds.
+    values : mapping of str to float
+        Channels, means and parts of harmonics after conversion of units.
+    dimensional : frozenset of str
+        Those whose unit was stated.
+    turned : bool
+        Whether the motion of the test changes sign with the axes.
+    context : Context
+        How to make them SI.
+    notes : tuple of str
+        Conversions of units.
+    """
+
+    request: Request
+    kind: Kind
+    values: Mapping[str, float]
+    context: Context
+    dimensional: frozenset[str] = frozenset()
+    turned: bool = False
+    notes: tuple[str, ...] = ()
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self.request.path
+
+    def __call__(self) -> xr.Dataset:
+        return dataset(
+            self.kind,
+            {name: np.array([value]) for name, value in self.values.items()},
+            self.context,
+            self.notes,
+            request=self.request,
+            dimensional=self.dimensional,
+            turned=self.turned,
+        )
+
+
+def dataset(
+    kind: Kind,
+    values: Mapping[str, Array],
+    context: Context,
+    notes: Sequence[str],
+    *,
+    request: Request,
+    dimensional: frozenset[str] = frozenset(),
+    turned: bool = False,
+    motion: Mapping[str, Array] | None = None,
+) -> xr.Dataset:
+    """Channels in SI, ship axes and our signs as a Dataset, with every conversion in ``attrs``.
+
+    Parameters
+    ----------
+    kind : {"history", "means", "harmonics"}
+        What the values are.
+    values : mapping of str to array
+        After conversion of units.
+    context : Context
+        How to make them SI.
+    notes : sequence of str
+        Conversions made before.
+    request : Request
+        The file, for messages.
+    dimensional : frozenset of str
+        Names whose unit was stated.
+    turned : bool
+        For harmonics: whether the motion changes sign with the axes.
+    motion : mapping of str to array, optional
+        Path of the hull from a file of its own.
+    """
+    import xarray as xr
+
+    said = [*context.notes, *notes]
+    wrong = out_of_range(values)
+    if wrong is not None:
+        raise request.error(
+            request.problem(wrong, remedy="Write degrees with decimals, west and south negative.")
+        )
+    on_earth = {"lat", "lon"} <= set(values) and not {"x", "y"} & set(values)
+    compass = {name: values[name] for name in ("psi", "cog") if on_earth and name in values}
+    converted, more = to_ours(
+        {name: numbers for name, numbers in values.items() if name not in compass},
+        frame=context.frame,
+        ship=context.ship,
+        water=context.water,
+        speed=context.speed,
+        dimensional=dimensional,
+        turn_harmonics=kind == "harmonics" and turned,
+    )
+    converted, moved = placed({**converted, **compass}, context.antenna)
+    said += moved
+    converted, seen = _seen(kind, converted, context, request, motion)
+    if kind == "harmonics":
+        others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
+        converted = {**others, **stacked_harmonics(converted)}
+    converted, corrections = correct(
+        converted, context.corrections, file=request.shown, run=request.run or ""
+    )
+    said += [*more, *seen, *corrections]
+    variables: dict[str, tuple[object, ...]] = {}
+    for name, numbers in converted.items():
+        unit = {"units": CHANNEL_UNITS[_channel(name)]}
+        if kind == "history":
+            variables[name] = ("t", numbers, unit)
+        elif len(numbers) > 1 or (name not in CHANNEL_UNITS and not name.endswith("_std")):
+            variables[name] = ("harmonic", numbers, unit)
+        else:
+            variables[name] = ((), numbers[0], unit)
+    coordinates = {}
+    if kind == "history":
+        coordinates["t"] = variables.pop("t")
+    elif kind == "harmonics":
+        size = max(len(numbers) for numbers in converted.values())
+        coordinates["harmonic"] = ("harmonic", np.arange(size))
+    return xr.Dataset(
+        variables,
+        coords=coordinates,
+        attrs={
+            "conversions": json.dumps(said, ensure_ascii=False),
+            "source": request.shown,
+            "run": request.run or "",
+        },
+    )
+
+
+def _seen(
+    kind: Kind,
+    values: Mapping[str, Array],
+    context: Context,
+    request: Request,
+    motion: Mapping[str, Array] | None,
+) -> tuple[dict[str, Array], list[str]]:
+    """Forces of a CFD as the hull feels them, without the start-up of the computation."""
+    run = request.run or ""
+    notes: list[str] = []
+    if kind == "history":
+        values, notes = without_ramp(values, context.solver.ramp, file=request.shown, run=run)
+    if context.settings is None:
+        return dict(values), notes
+    bare = set_to(kind, context.test, context.settings, run)
+    if motion is not None:
+        moved = recorded_in(motion, values["t"], bare, context.solver.needed)
+        values = {**values, **moved}
+        notes.append(f"motion from a file of its own: {', '.join(moved)}")
+    turned, more = seen_from_hull(values, context.solver, bare)
+    return turned, [*notes, *more]
+
+
+def _channel(name: str) -> str:
+    for suffix in ("_std", "_cos", "_sin"):
+        name = name.removesuffix(suffix)
+    return name
+
+
+def _two_times(picked: Sequence[Picked], request: Request) -> list[Problem]:
+    """The problem of a column of time beside a stated sample rate."""
+    return [
+        request.problem(
+            f"sample_rate = {request.options.sample_rate:g} is stated, and the file has a column "
+            "of time.",
+            column=column.title,
+            remedy="Leave sample_rate out, or write t = false under [columns].",
+        )
+        for column in picked
+        if column.name == "t"
+    ]
+
+
+def _counted_time(read: Columns, rate: float, request: Request) -> Array:
+    """Time of each row from its place in the file."""
+    if read.dropped:
+        raise request.error(
+            request.problem(
+                f"{read.dropped} rows lack a value and would be left out; time is counted by rows.",
+                remedy="Fill the gaps, or give the file a column of time.",
+            )
+        )
+    return np.arange(len(read.values[0])) / rate
+
+
+def check_rows(found: int, stated: int | None, request: Request) -> None:
+    """Refuse a file that has not as many rows as the campaign file says."""
+    if stated is not None and found != stated:
+        raise request.error(
+            request.problem(
+                f"there are {found} rows of numbers; the campaign file says {stated}.",
+                remedy="Copy the file again, or correct rows.",
+            )
+        )
+
+
+def validate(campaign: Campaign) -> list[Problem]:
+    """Read every run once and list what is wrong with any of their files.
+
+    Runs that are left out by a correction are not read.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        From `open_campaign`.
+
+    Returns
+    -------
+    list of Problem
+        Empty if every run can be read.
+    """
+    found: list[Problem] = []
+    for run in campaign.runs:
+        try:
+            run.data  # noqa: B018
+        except DataError as error:
+            found += [problem for problem in error.problems if problem not in found]
+    return found
+
+
+def data_files(run: Run) -> dict[str, Path]:
+    """The files that the data of a run come from, by the names that messages give them.
+
+    Parameters
+    ----------
+    run : Run
+        Of a campaign from `open_campaign`; of other runs nothing is known.
+
+    Raises
+    ------
+    CampaignError
+        If a folder holds nothing of its format.
+    """
+    loader = run.loader
+    requests = [loader.request] if isinstance(loader, (HistoryLoader, RowLoader)) else []
+    if isinstance(loader, HistoryLoader) and loader.motion is not None:
+        requests.append(loader.motion)
+    return {shown: path for request in requests for shown, path in files_of(request).items()}
+
+
+def file_hashes(campaign: Campaign) -> dict[str, str]:
+    """SHA-256 of every data file that the runs of a campaign come from, by the file's name.
+
+    Of a folder these are the files in it that are read.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        From `open_campaign`. Runs that do not come from a file of their own are passed over.
+
+    Raises
+    ------
+    CampaignError
+        If a file cannot be read.
+    """
+    hashes: dict[str, str] = {}
+    problems: list[Problem] = []
+    files: dict[str, Path] = {}
+    for run in (*campaign.runs, *(run for run, _ in campaign.excluded)):
+        try:
+            files |= data_files(run)
+        except DataError as error:
+            problems += [problem for problem in error.problems if problem not in problems]
+    for shown, path in files.items():
+        try:
+            hashes[shown] = sha256(path)
+        except OSError as error:
+            problems.append(Problem(message=f"cannot be read: {error.strerror}.", file=shown))
+    if problems:
+        raise CampaignError(problems)
+    return hashes

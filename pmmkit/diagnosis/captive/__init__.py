@@ -1,0 +1,1 @@
+"""What captive tests say that a model lacks."""

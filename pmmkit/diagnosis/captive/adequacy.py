@@ -1,0 +1,299 @@
+"""Whether an answer is the whole story: what it leaves that it should have explained."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.evidence import evidence_at, price
+from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.evidence import Entry
+from pmmkit.observations.channels import Channel
+from pmmkit.observations.views import View
+from pmmkit.observations.whitening import Piece, whitened
+
+Array = NDArray[np.float64]
+SMOOTH: Final = 3.0
+"""ln evidence from which something smooth is left that the answer does not explain."""
+LACK: Final = 6.0
+"""ln evidence from which the forces of some tests scatter more than noise lets them."""
+SIZES: Final = (0.0025, 0.005, 0.01, 0.02, 0.04)
+"""Sizes of a lack of fit that are tried, over the rms force of a channel."""
+MANY: Final = 3
+"""So many effects at once are more often one that is not in the catalogue."""
+FORM: Final = 4.0
+"""Floors as large as the errors of form that a catalogue's effect must be expected to have."""
+NEEDED: Final = 3.0
+"""ln evidence that an effect must keep beside others whose form may err."""
+KIN: Final = 0.25
+"""Share of the gain of another of its family below which an effect may be an error of its form."""
+LEAST: Final = 1.0
+"""Least ln evidence of a finding, the price of the catalogue's size taken off."""
+LOOKED_AT: Final = 80
+"""Oscillating runs that are looked at for a lack of fit."""
+HIGH: Final = 3
+"""First of the high harmonics, which a smooth force hardly has."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lack:
+    """Rows that scatter more about an answer than noise and run scatter let them.
+
+    Parameters
+    ----------
+    channel, test, harmonic : str
+        Which rows; ``all`` stands for every test or harmonic.
+    size : float
+        Best size of the scatter, over the rms force of the channel.
+    log_evidence : float
+        For such a scatter against none, averaged over sizes.
+    """
+
+    channel: str
+    test: str
+    harmonic: str
+    size: float
+    log_evidence: float
+
+
+def chosen(
+    system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
+) -> Entry | None:  # fmt: skip
+    """The best set of which every effect is needed.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    entries : sequence of Entry
+        Sets beside the effects that are given, best first.
+    given : sequence of Block
+        Effects that the base has already.
+
+    Returns
+    -------
+    Entry or None
+        Each effect adds to the others whatever error of form they have, and pays its price even
+        without the run that helps it most; nothing where no set is so. An effect that hangs on one
+        run in a better set is not tried again.
+    """
+    known = knowing(system, given)
+    least = price(known) + LEAST
+    alone: set[str] = set()
+    unneeded: list[set[str]] = []
+    for entry in entries:
+        if entry.log_evidence <= LEAST:
+            return None
+        names = set(entry.names)
+        if names & alone or any(names >= other for other in unneeded):
+            continue
+        blocks = blocks_of(known, entry)
+        if min(gains(known, blocks)) < NEEDED:
+            unneeded.append(names)
+            continue
+        left = least_gains(system, blocks, given)
+        if min(left)[0] >= least:
+            return entry
+        alone |= {name for name, (gain, _) in zip(entry.names, left, strict=True) if gain < least}
+    return None
+
+
+def blocks_of(system: System, entry: Entry) -> list[Block]:
+    """The effects of a set at their best grid points."""
+    return [
+        next(b for b in system.blocks if b.candidate.name == name and b.value == value)
+        for name, value in zip(entry.names, entry.values, strict=True)
+    ]
+
+
+def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
+    """ln evidence that each effect of a set adds to the others where their form may err.
+
+    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor.
+    One effect alone adds all there is: infinity.
+    """
+    if len(blocks) < 2:
+        return (math.inf,) * len(blocks)
+    whole = _with_floor(system, blocks, FORM)
+    return tuple(
+        whole - _with_floor(system, [other for other in blocks if other is not block], FORM)
+        for block in blocks
+    )
+
+
+def flags(
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = (),
+    first: Entry | None = None,
+) -> tuple[str, ...]:  # fmt: skip
+    """Reasons to think that something else is left beside an answer.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    blocks : sequence of Block
+        The answer; none where nothing was named.
+    given : sequence of Block
+        Effects that the base has already.
+    first : Entry, optional
+        The set of the greatest evidence, which need not be the answer.
+
+    Returns
+    -------
+    tuple of str
+        Empty where the answer is the whole story; otherwise ``not_the_whole_story`` and the
+        reasons in words.
+    """
+    known, reasons = knowing(system, given), []
+    if remainder(known, blocks) > SMOOTH:
+        reasons.append("something smooth in the motion is left")
+    for worst in lack_of_fit(system, [*given, *blocks])[:1]:
+        if worst.log_evidence > LACK:
+            reasons.append(f"{worst.harmonic} of {worst.channel} in {worst.test} is not explained")
+    if len(blocks) >= MANY:
+        reasons.append(f"{len(blocks)} effects are needed at once")
+    reasons += [
+        f"{name} may stand for an error of form of the others"
+        for name in _lesser_kin(known, blocks)
+    ]
+    if first is not None and first.log_evidence > LEAST:
+        reasons += _refused(system, blocks_of(known, first), blocks, given)
+    return ("not_the_whole_story", *reasons) if reasons else ()
+
+
+def _refused(
+    system: System, first: Sequence[Block], blocks: Sequence[Block], given: Sequence[Block]
+) -> list[str]:
+    """Why effects of the set of the greatest evidence are not in the answer."""
+    answered = [block.candidate for block in blocks]
+    least = price(knowing(system, given)) + LEAST
+    return [
+        f"{block.candidate.name} hangs on the run {run} alone"
+        if left < least
+        else f"{block.candidate.name} may stand for an error of form of the others"
+        for block, (left, run) in zip(first, least_gains(system, first, given), strict=True)
+        if block.candidate not in answered
+    ]
+
+
+def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
+    """Effects that add little beside another of their family: what its form may err by."""
+    added = list(zip(blocks, gains(system, blocks), strict=True))
+    return [
+        block.candidate.name
+        for block, gain in added
+        if any(
+            other.candidate.family == block.candidate.family and gain < KIN * most
+            for other, most in added
+        )
+    ]
+
+
+def remainder(system: System, blocks: Sequence[Block]) -> float:
+    """ln evidence that something smooth is left beside some effects, larger than the floor."""
+    without = _with_floor(system, blocks, 1.0)
+    return max(_with_floor(system, blocks, factor) - without for factor in (2.0, 4.0, 8.0))
+
+
+def _with_floor(system: System, blocks: Sequence[Block], factor: float) -> float:
+    """ln evidence of blocks beside a floor larger by a factor, against the floor as it is."""
+    floor = np.arange(system.floor_columns.start, system.floor_columns.stop)
+    parts = [block.places for block in blocks]
+    if factor > 1.0:
+        parts.append(floor)
+    if not parts:
+        return 0.0
+    at = np.concatenate(parts)
+    size = np.where(at >= system.floor_columns.start, math.sqrt(factor**2 - 1.0), 1.0)
+    return evidence_at(system, at, size)
+
+
+def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
+    """Scatter of the oscillating runs beyond noise, by channel, test and harmonic; worst first.
+
+    A force that no run repeats, or that jumps, has no smooth form; but it makes a harmonic of one
+    kind of test scatter more about the answer than the noise between the harmonics allows. Means
+    are left out: what each run draws as its offset is not normal on every rig.
+    """
+    at = np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
+    covariance = np.linalg.inv(system.gram[np.ix_(at, at)] + np.eye(len(at)))
+    gram = system.gram[np.ix_(at, at)]
+    fitted = system.centre[at] + covariance @ (system.score[at] - gram @ system.centre[at])
+    found = [
+        lack
+        for piece in system.pieces
+        for lack in _lacks(system.views, piece, columns_at(piece, at), fitted, covariance)
+    ]
+    return tuple(sorted(found, key=lambda item: -item.log_evidence))
+
+
+def _lacks(
+    views: Sequence[View], piece: Piece, columns: Array, fitted: Array, covariance: Array
+) -> list[Lack]:
+    channel = piece.projection.channel
+    groups, unit = _units(views, channel)
+    if not groups:
+        return []
+    n = len(channel.y)
+    white = whitened(channel, unit, piece.projection.own, piece.projection.scatter)
+    explained = piece.projection.span[:n].T @ white
+    shared = white.T @ columns[:n]
+    gram = white.T @ white - explained.T @ explained - shared @ covariance @ shared.T
+    score = white.T @ (piece.data - columns @ fitted)[:n]
+    found = []
+    for (test, harmonic), members in groups.items():
+        values, vectors = np.linalg.eigh(gram[np.ix_(members, members)])
+        values, power = np.maximum(values, 0.0), (vectors.T @ score[members]) ** 2
+        growth = np.square(SIZES)[:, None]
+        tried = 0.5 * np.sum(
+            growth * power / (1.0 + growth * values) - np.log1p(growth * values), axis=1
+        )
+        top = float(tried.max())
+        found.append(
+            Lack(
+                channel=channel.name, test=test, harmonic=harmonic,
+                size=SIZES[int(np.argmax(tried))],
+                log_evidence=top + math.log(float(np.mean(np.exp(tried - top)))),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _units(
+    views: Sequence[View], channel: Channel
+) -> tuple[Mapping[tuple[str, str], list[int]], Array]:
+    """A column for each harmonic of each oscillating run, all its cycles alike; and their groups.
+
+    Columns have the rms force of the channel at the speed of the run. Of very many runs `LOOKED_AT`
+    are taken, evenly.
+    """
+    ids = list(dict.fromkeys(views[i].run.id for i in channel.views if views[i].run.dynamic))
+    looked_at = set(ids[:: max(-(-len(ids) // LOOKED_AT), 1)])
+    columns: dict[tuple[str, int], Array] = {}
+    groups: dict[tuple[str, str], list[int]] = {}
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        view = views[i]
+        if view.run.id not in looked_at:
+            continue
+        for row in range(1, view.rows):
+            if (view.run.id, row) not in columns:
+                for group in _groups(view.run.test, row):
+                    groups.setdefault(group, []).append(len(columns))
+                columns[view.run.id, row] = np.zeros(len(channel.y))
+            columns[view.run.id, row][rows.start + row] = channel.scale * view.speed**2
+    return groups, np.stack([*columns.values()], axis=1) if columns else np.zeros((0, 0))
+
+
+def _groups(test: str, row: int) -> list[tuple[str, str]]:
+    order = (row + 1) // 2
+    harmonics = [f"{'CS'[(row + 1) % 2]}{order}", "all"]
+    if order >= HIGH:
+        harmonics.append("high")
+    return [(kind, harmonic) for kind in (test, "all") for harmonic in harmonics]

@@ -1,0 +1,85 @@
+"""The base model of a diagnosis: derivatives fitted to all runs at once, and what they predict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import Convention
+from pmmkit.effects.hull import regressors
+from pmmkit.effects.state import State
+from pmmkit.observations.views import View
+from pmmkit.ship import Ship, Water
+
+Array = NDArray[np.float64]
+Forces = dict[str, Array]
+"""Histories (n,) or (n, q), or their harmonics, by channel."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Base:
+    """Derivatives with their meaning and values.
+
+    Parameters
+    ----------
+    names : mapping of channel to names
+        Derivatives.
+    values : mapping of str to float
+        Fitted values.
+    ship, water : Ship, Water
+        Of the tests.
+    convention : Convention
+        What the derivatives mean.
+    reference : float
+        Speed [m/s] at which F = (U/reference)² - 1 is zero.
+    """
+
+    names: Mapping[str, tuple[str, ...]]
+    values: Mapping[str, float]
+    ship: Ship
+    water: Water
+    convention: Convention
+    reference: float
+
+    def columns(self, names: Sequence[str], motion: State, speed: float) -> Array:
+        """What derivatives multiply along a motion [N, N m], (n, len(names))."""
+        return regressors(
+            names, motion, ship=self.ship, water=self.water, convention=self.convention,
+            approach_speed=speed,
+        )  # fmt: skip
+
+    def forces(self, motion: State, speed: float) -> Forces:
+        """Predicted forces of the water along a motion [N, N m]."""
+        return {
+            channel: self.columns(names, motion, speed) @ [self.values[name] for name in names]
+            for channel, names in self.names.items()
+        }
+
+    def expected(self, view: View) -> Forces:
+        """All harmonics of the forces that are predicted in a view."""
+        if view.expected:
+            return dict(view.expected)
+        forces = self.forces(view.motion, view.speed)
+        return {channel: view.harmonics(history) for channel, history in forces.items()}
+
+    def design(self, view: View, channel: str) -> Array:
+        """Harmonics of what the derivatives of a channel multiply in a view, (m, p)."""
+        return view.project(self.columns(self.names[channel], view.motion, view.speed))
+
+    def change(
+        self, view: View, moved: Callable[[View], tuple[State, float]], step: float
+    ) -> Forces:
+        """Harmonics of how the prediction changes per unit of something, by a small step."""
+        motion, speed = moved(view)
+        after = self.forces(motion, speed)
+        return {
+            channel: view.pick(view.harmonics(after[channel]) - before) / step
+            for channel, before in self.expected(view).items()
+        }
+
+    def law(self, speed: float) -> float:
+        """F = (U/reference)² - 1, in which the literature writes the dependence on speed."""
+        return (speed / self.reference) ** 2 - 1.0

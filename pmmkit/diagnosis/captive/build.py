@@ -1,0 +1,229 @@
+"""From runs, a base and candidates to the system that the contest asks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.faults import fault_of
+from pmmkit.diagnosis.captive.system import (
+    FEATURES,
+    TRANSIENT,
+    TYPICAL_TRANSIENT,
+    WIDER,
+    Block,
+    System,
+    candidate_columns,
+    channels_of,
+    floor_features,
+    offset_column,
+    run_columns,
+    transient_columns,
+)
+from pmmkit.observations.channels import Channel, Places, Scatter
+from pmmkit.observations.views import View
+from pmmkit.observations.whitening import FLOOR, Piece, Projection, estimated_scatter, whitened
+
+Array = NDArray[np.float64]
+ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
+"""Run scatter for the first fit of the base."""
+
+
+def build(
+    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float = FLOOR,
+    scatter: Scatter | None = None,
+) -> System:  # fmt: skip
+    """The system of a campaign.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Runs.
+    base : Base
+        Names of the derivatives; values are fitted.
+    candidates : sequence of Candidate
+        All that take part.
+    floor : float
+        Size of what is too small to matter, over the largest force of a channel: the user's
+        uncertainty of everything that is smooth in the motion.
+    scatter : Scatter, optional
+        Run scatter, where it is known; by default it is estimated.
+    """
+    channels = channels_of(views, base)
+    base = fitted(base, channels, views)
+    views = [replace(view, expected=base.expected(view)) for view in views]
+    predicted = {
+        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
+    }
+    raw = [
+        _Raw(candidate, value, candidate_columns(candidate, value, channels, views, base))
+        for candidate in candidates
+        for value in candidate.grid
+    ]
+    own = run_columns(channels, views, base, predicted)
+    floors = {c.name: floor * floor_features(c, views, base) for c in channels}
+    if scatter is None:
+        models = {c.name: _largest(c, raw) for c in channels}
+        scatter = estimated_scatter(channels, own, models, floors)
+    fading = [
+        [transient_columns(c, views, base, predicted[c.name], decay) for decay in TRANSIENT]
+        for c in channels
+    ]
+    layout = _layout(raw, [x[0].shape[1] for x in fading])
+    gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
+    square, rows = 0.0, 0
+    pieces: list[Piece] = []
+    for number, c in enumerate(channels):
+        at = layout.of_channel(number, c.name, raw)
+        columns = np.column_stack(
+            [item.columns[c.name] * prior_sizes(item.candidate) for item in raw
+             if c.name in item.columns]
+            + [WIDER * TYPICAL_TRANSIENT * x for x in fading[number]] + [floors[c.name]]
+        )  # fmt: skip
+        projection = _projection(c, floors[c.name], own[c.name], scatter)
+        left = projection.left(np.column_stack([columns, c.y]))
+        piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
+        pieces.append(piece)
+        gram[np.ix_(at, at)] += piece.columns.T @ piece.columns
+        score[at] += piece.columns.T @ piece.data
+        square += float(piece.data @ piece.data)
+        rows += projection.freedom
+    prior, centre = np.ones(layout.width), np.zeros(layout.width)
+    for block in layout.blocks[: len(raw)]:
+        prior[block.columns] = prior_sizes(block.candidate)
+        if block.candidate.centre:
+            centre[block.columns] = np.array(block.candidate.centre) / prior[block.columns]
+    return System(
+        views=tuple(views), base=base, channels=channels, scatter=scatter, blocks=layout.blocks,
+        gram=gram, score=score, square=square, rows=rows, floor=floor, floor_columns=layout.floor,
+        prior=prior, centre=centre, pieces=tuple(pieces),
+    )  # fmt: skip
+
+
+def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Base:
+    """The base with values by weighted least squares, run scatter at usual sizes."""
+    values: dict[str, float] = dict(base.values)
+    for c in channels:
+        own = np.zeros((len(c.y), 3))
+        own[:, 0] = offset_column(c, views, base)
+        white = whitened(c, np.column_stack([c.design, c.y]), own, ROUGH)
+        size = np.linalg.norm(white[:, :-1], axis=0)
+        size = np.where(size > 0, size, 1.0)
+        found = np.linalg.lstsq(white[:, :-1] / size, white[:, -1], rcond=1e-10)[0] / size
+        values |= dict(zip(base.names[c.name], found.tolist(), strict=True))
+    return replace(base, values=values)
+
+
+def prior_sizes(candidate: Candidate) -> Array:
+    """Prior standard deviations of the coefficients of a candidate."""
+    return np.array([WIDER * abs(size) for size in candidate.typical])
+
+
+@dataclass(frozen=True)
+class _Raw:
+    """One candidate at one grid point: its columns by channel, as they are."""
+
+    candidate: Candidate
+    value: float
+    columns: Mapping[str, Array]
+
+
+def _largest(channel: Channel, raw: Sequence[_Raw]) -> Array:
+    """The base with every candidate once."""
+    seen: dict[str, Array] = {}
+    for item in raw:
+        if channel.name in item.columns:
+            seen.setdefault(item.candidate.name, item.columns[channel.name])
+    return np.concatenate([channel.design, *seen.values()], axis=1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Layout:
+    """Where columns stand: candidates, a transient of each run and channel, the floor's features.
+
+    A candidate has one place for all channels; transients have one per channel and run.
+    """
+
+    blocks: tuple[Block, ...]
+    transients: tuple[tuple[Places, ...], ...]
+    floors: tuple[Places, ...]
+    floor: slice
+    width: int
+
+    def of_channel(self, number: int, name: str, raw: Sequence[_Raw]) -> Places:
+        """Places of the columns of a channel: its candidates, transients, features."""
+        own = [
+            block.places
+            for block, item in zip(self.blocks, raw, strict=False)
+            if name in item.columns
+        ]
+        return np.concatenate([*own, *self.transients[number], self.floors[number]])
+
+
+def _layout(raw: Sequence[_Raw], runs: Sequence[int]) -> _Layout:
+    blocks, at = [], 0
+    for item in raw:
+        end = at + item.candidate.size
+        blocks.append(Block(candidate=item.candidate, value=item.value, columns=slice(at, end)))
+        at = end
+    transients: list[list[Places]] = [[] for _ in runs]
+    for decay in TRANSIENT:
+        begin = at
+        for number, count in enumerate(runs):
+            transients[number].append(np.arange(at, at + count))
+            at += count
+        if at > begin:
+            blocks.append(
+                Block(candidate=TRANSIENT_FAULT, value=decay, columns=slice(begin, at))
+            )  # fmt: skip
+    begin = at
+    floors = []
+    for _ in runs:
+        floors.append(np.arange(at, at + FEATURES))
+        at += FEATURES
+    return _Layout(
+        blocks=tuple(blocks), transients=tuple(tuple(x) for x in transients),
+        floors=tuple(floors), floor=slice(begin, at), width=at,
+    )  # fmt: skip
+
+
+def _projection(c: Channel, floor: Array, own: Array, scatter: Scatter) -> Projection:
+    """Whitening of a channel, and what the base and the smooth floor span in it.
+
+    The floor stands as columns with a unit prior, rows of their own below the data; what is left
+    after a projection has the products of the inverse covariance of noise, scatter and floor.
+    """
+    p, q = c.design.shape[1], floor.shape[1]
+    white = whitened(c, np.column_stack([c.design, floor]), own, scatter)
+    size = np.linalg.norm(white[:, :p], axis=0)
+    design = white[:, :p] / np.where(size > 0, size, 1.0)
+    below = np.zeros((q, p + q))
+    below[:, p:] = np.eye(q)
+    Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p:]]), below]))
+    rank = int(np.sum(np.abs(np.diagonal(R)) > 1e-9 * abs(R[0, 0])))
+    return Projection(
+        channel=c, own=own, scatter=scatter, span=Q[:, :rank], freedom=len(white) - (rank - q)
+    )
+
+
+def _pivoted(matrix: Array) -> tuple[Array, Array, Places]:
+    from scipy.linalg import qr
+
+    found: tuple[Array, Array, Places] = qr(
+        matrix, mode="economic", pivoting=True, check_finite=False
+    )
+    return found
+
+
+def _no_columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
+    del view, base, value
+    return {}
+
+
+TRANSIENT_FAULT: Final = fault_of("fault_transient", _no_columns, grid=TRANSIENT)

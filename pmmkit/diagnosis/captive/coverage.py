@@ -1,0 +1,117 @@
+"""What these runs could show at all, before anybody looks at the residuals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.evidence import wide
+from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
+from pmmkit.diagnosis.captive.system import WIDER, Block, System
+from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
+
+Array = NDArray[np.float64]
+
+
+def coverage(system: System) -> tuple[Visible, ...]:
+    """Coverage of every candidate by the runs of a system; the forces do not enter but by noise.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+
+    Returns
+    -------
+    tuple of Visible
+        The most visible first.
+    """
+    best: dict[str, tuple[float, Block]] = {}
+    for block in system.blocks:
+        signal = _signal(system, block)
+        name = block.candidate.name
+        if name not in best or signal > best[name][0]:
+            best[name] = (signal, block)
+    found = []
+    robust = _without_a_run(system, [block for _, block in best.values()])
+    for (name, (signal, block)), (left, run) in zip(best.items(), robust, strict=True):
+        shown = left >= SHOWS
+        found.append(
+            Visible(
+                name=name,
+                family=block.candidate.family,
+                signal=signal,
+                without_a_run=left,
+                hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
+                shown=shown,
+                why="" if shown else _why(block.candidate, signal, run),
+                mimics=_mimics(system, block, signal, best) if shown else {},
+            )
+        )
+    return tuple(sorted(found, key=lambda item: -item.signal))
+
+
+def _at_usual_size(block: Block) -> Array:
+    """Coefficients at the usual size, in units of the prior."""
+    count = block.columns.stop - block.columns.start
+    if block.candidate is TRANSIENT_FAULT:
+        return np.full(count, 1.0 / WIDER)
+    sizes = np.array(block.candidate.typical)
+    centre = block.candidate.centre
+    usual: Array = np.array(centre) / (WIDER * np.abs(sizes)) if centre else np.sign(sizes) / WIDER
+    return usual
+
+
+def _signal(system: System, block: Block) -> float:
+    a = _at_usual_size(block)
+    return float(a @ system.gram[block.columns, block.columns] @ a)
+
+
+def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float, str]]:
+    """What is left of each signal without the run that shows most of it, and that run."""
+    sizes = [_at_usual_size(block) for block in blocks]
+    columns = [
+        np.column_stack(
+            [columns_at(piece, b.places) @ a for b, a in zip(blocks, sizes, strict=True)]
+        )
+        for piece in system.pieces
+    ]
+    taken = {run: np.diagonal(x) for run, x in taken_with(system, columns).items()}
+    runs = list(taken)
+    lost = np.stack([taken[run] for run in runs])
+    return [
+        (_signal(system, block) - float(lost[:, k].max()), runs[int(np.argmax(lost[:, k]))])
+        for k, block in enumerate(blocks)
+    ]
+
+
+def _why(candidate: Candidate, signal: float, run: str) -> str:
+    if candidate.excites and signal == 0.0:
+        return f"these runs hold no {' and no '.join(candidate.excites)}"
+    if signal < 0.1:
+        return "the base absorbs it: its coefficients take it over"
+    if signal >= SHOWS:
+        return f"the run {run} shows it alone; repeat that run"
+    return "too small beside noise, run scatter and floor"
+
+
+def _mimics(
+    system: System, block: Block, signal: float, others: Mapping[str, tuple[float, Block]]
+) -> dict[str, float]:
+    """Effects that reproduce most of a signature."""
+    a = _at_usual_size(block)
+    found = {}
+    for name, (_, other) in others.items():
+        if name == block.candidate.name or wide(other):
+            continue
+        G = system.gram[other.columns, other.columns]
+        cross = system.gram[other.columns, block.columns] @ a
+        share = float(cross @ np.linalg.lstsq(G, cross, rcond=1e-9)[0]) / signal
+        if share >= MIMICS:
+            found[name] = share
+    return dict(sorted(found.items(), key=lambda item: -item[1]))

@@ -1,0 +1,287 @@
+"""From captive tests to a verdict: noise, a missing effect with its rivals, or unexplained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.conventions import Convention
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.build import build
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.captive.own import candidate_of
+from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis.captive.refit import effects_of
+from pmmkit.diagnosis.captive.system import LEAST, System
+from pmmkit.diagnosis.captive.verdict import answer
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.own import OwnEffect
+from pmmkit.errors import DataError, Problem
+from pmmkit.models import Model, load_model
+from pmmkit.observations.views import View, views_of
+from pmmkit.observations.whitening import FLOOR
+from pmmkit.reduction.derivatives import columns_of
+from pmmkit.structures import STRUCTURES, Structure, structure_of
+
+FLOOR_LEAST: Final = 0.001
+
+
+@dataclass(frozen=True, kw_only=True)
+class BaseModel:
+    """What a model or a structure gives as base of a diagnosis.
+
+    Parameters
+    ----------
+    source : Model, str, tuple of str or Structure
+        Where it comes from.
+    structure : str, tuple of str or Structure
+        Derivatives.
+    effects : tuple of str
+        Effects beside them that a diagnosis knows.
+    """
+
+    source: Model | str | tuple[str, ...] | Structure
+    structure: str | tuple[str, ...] | Structure
+    effects: tuple[str, ...] = ()
+
+
+def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> BaseModel:
+    """Derivatives and effects that a model, a structure or a list of derivatives has.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        As for `diagnose`.
+    """
+    if isinstance(model, Structure) or (isinstance(model, str) and model in STRUCTURES):
+        return BaseModel(source=model, structure=model)
+    if isinstance(model, (str, Path)):
+        model = load_model(model)
+    if not isinstance(model, Model):
+        return BaseModel(source=tuple(model), structure=tuple(model))
+    names = tuple(
+        name
+        for effect in ("hull_polynomial", "added_mass")
+        if effect in model.parts
+        for name in model.parts[effect].values
+        if catalogue()[effect].parameter(name) is None
+    )
+    return BaseModel(source=model, structure=names, effects=effects_of(model))
+
+
+def diagnose_captive(
+    campaign: Campaign,
+    structure: str | Sequence[str] | Structure = "cubic",
+    *,
+    floor: float | None = None,
+    candidates: Sequence[Candidate] | None = None,
+    given: Sequence[str] = (),
+    noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
+    seed: int = 0,
+) -> Diagnosis:
+    """Name the physical effect, or the fault of the measurement, that captive tests show.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests with histories.
+    structure : str, sequence of str or Structure
+        The base: derivatives of one set over all speeds. Rudder and heel runs add their linear
+        terms.
+    floor : float, optional
+        Everything smooth in the motion below this share of the rms force of a channel does not
+        matter: the user's uncertainty of the forces beside noise. By default the numerical
+        uncertainty U_SN of the campaign file, 0.005 for measured forces; CFD without U_SN must say.
+    candidates : sequence of Candidate, optional
+        Who takes part; by default the whole catalogue of effects and faults.
+    given : sequence of str
+        Effects that the base has already, beside its derivatives: they are fitted with it.
+    noise : float, optional
+        Standard uncertainty of a mean or harmonic over the rms force of its channel, of runs that
+        state none (tables, CFD).
+    own : sequence of OwnEffect
+        Effects of the user, who take part on equal terms.
+    seed : int
+        Of the draws that calibrate chance.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running, holds no run with a known noise, or forces without noise
+        and no floor.
+
+    Notes
+    -----
+    Forces of all runs are projected onto means and harmonics, the second cycle apart from later
+    ones; whitened by the noise between the harmonics, run scatter of the greatest restricted
+    likelihood, and a smooth floor; and the base projected off. Each effect is one block of columns
+    over all channels and runs, a fault has one size for all of them; nonlinear parameters are
+    averaged over a grid. Sets of up to three effects are ranked by marginal likelihood with prior
+    sizes from the catalogue and a price of ln 2K per effect. Nothing is named unless chance gives
+    so much evidence in less than 1 % of campaigns without any effect.
+    """
+    system = captive_system(
+        campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
+    )
+    return answer(system, given, floor=system.floor, seed=seed)
+
+
+def captive_system(
+    campaign: Campaign,
+    structure: str | Sequence[str] | Structure = "cubic",
+    *,
+    floor: float | None = None,
+    candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
+) -> System:
+    """Runs, base and candidates, ready to be asked more than once.
+
+    Parameters
+    ----------
+    campaign, structure, floor, candidates, noise, own
+        As for `diagnose_captive`.
+
+    Returns
+    -------
+    System
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running, or holds no run with a known noise.
+    """
+    usable = _usable(views_of(campaign, unknown_noise=True), noise)
+    channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
+    names = columns_of(structure_of(structure), campaign.runs, channels).required
+    if "X" in names and any(np.any(view.motion.thrust) for view in usable):
+        names = {**names, "X": tuple(dict.fromkeys((*names["X"], "XT")))}
+    speeds = sorted({round(view.speed, 6) for view in usable})
+    base = Base(
+        names=names, values={}, ship=campaign.ship, water=campaign.water, convention=Convention(),
+        reference=float(np.median(speeds)),
+    )  # fmt: skip
+    every = contestants(base, speeds) if candidates is None else tuple(candidates)
+    every = (*every, *(candidate_of(item) for item in own))
+    with threadpool_limits(1):
+        return build(usable, base, every, floor=floor_for(campaign, usable, floor))
+
+
+def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) -> float:
+    """What is smooth and too small to matter: as stated, else U_SN, else 0.5 % of measured forces.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        With `cfd` and `numerical`.
+    views : sequence of View
+        Its forces.
+    floor : float, optional
+        The user's.
+
+    Raises
+    ------
+    DataError
+        If the forces are computed, or have no noise of their own, and nothing is stated.
+    """
+    if floor is not None:
+        return floor
+    scale = _scales(views)
+    middle = float(np.median([view.speed for view in views])) ** 2
+    shares = [size / (scale[c] * middle) for c, size in campaign.numerical.items() if c in scale]
+    if shares:
+        return max(*shares, FLOOR_LEAST)
+    noise = [
+        float(np.sqrt(np.mean(np.diagonal(V)))) / (scale[name] * view.speed**2)
+        for view in views
+        for name, V in view.covariance.items()
+        if name in scale
+    ]
+    if campaign.cfd or float(np.median(noise)) < LEAST:
+        raise DataError(
+            Problem(
+                message="These forces have no noise of their own (CFD): every small difference "
+                "would be evidence.",
+                remedy="State what they are uncertain by: U_SN = { X = …, Y = …, N = … } under "
+                "[cfd] from a grid study or from cycle to cycle, or floor = 0.02 of the rms force "
+                "(--floor 0.02).",
+            )
+        )
+    return FLOOR
+
+
+def _scales(views: Sequence[View]) -> dict[str, float]:
+    """Root mean square of the force over U² by channel."""
+    sizes: dict[str, list[float]] = {}
+    for view in views:
+        for name, values in view.force.items():
+            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
+    return {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
+
+
+def _usable(views: Sequence[View], noise: float | None) -> list[View]:
+    """Views whose noise is known, or is stated here."""
+    if noise is None:
+        kept = [_with_known(view) for view in views]
+        if found := [view for view in kept if view.force]:
+            return found
+        raise DataError(
+            Problem(
+                message="No run states its noise, so nothing can be said of what is beyond it.",
+                remedy="Give histories or repeats (repeat_of), state [uncertainty] Y_gauge … or "
+                "[cfd] U_SN in the campaign file, or state the uncertainty of a mean or harmonic "
+                "yourself: noise = 0.01 of the rms force (--noise 0.01).",
+            )
+        )
+    scale = _scales(views)
+    return [_with_stated(view, scale, noise) for view in views]
+
+
+def _with_known(view: View) -> View:
+    """A view without the channels of unknown noise."""
+    return replace(
+        view, force={name: x for name, x in view.force.items() if view.known(name)}
+    )  # fmt: skip
+
+
+def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
+    """A view with a stated noise where none is known."""
+    given = {
+        name: (noise * scale[name] * view.speed**2) ** 2 * np.eye(view.rows)
+        for name in view.force
+        if not view.known(name)
+    }
+    return replace(view, covariance={**view.covariance, **given})
+
+
+def contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
+    """The catalogue, without what the base has already.
+
+    Parameters
+    ----------
+    base : Base
+        Derivatives.
+    speeds : sequence of float
+        Of the tests [m/s].
+    """
+    known = {name for names in base.names.values() for name in names}
+    found = [
+        item for item in (*PHYSICS, *FAULTS)
+        if not set(item.coefficients) <= known
+    ]  # fmt: skip
+    if len(speeds) > 1:
+        found.append(carriage_fault(tuple(speeds)))
+    return tuple(found)

@@ -1,0 +1,168 @@
+"""The evidence for effects, one or several at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.evidence import Entry
+from pmmkit.observations.channels import Places
+
+Array = NDArray[np.float64]
+MOST: Final = 3
+"""Effects in a set."""
+MANY: Final = 200
+"""Columns from which a block is wide."""
+AHEAD: Final = 8
+"""Best single effects that are combined with all others."""
+
+
+def log_evidence(gram: Array, score: Array, centre: Array) -> float:
+    """ln of how much better the data are explained with columns than without.
+
+    Parameters
+    ----------
+    gram, score : array (q, q), (q,)
+        Of the columns, in units of their prior standard deviation.
+    centre : array (q,)
+        Expected coefficients, in the same.
+
+    Returns
+    -------
+    float
+        For z ~ N(E c, I + E E') against N(0, I).
+    """
+    shifted = score - gram @ centre
+    root = np.linalg.cholesky(gram + np.eye(len(centre)))
+    half = np.linalg.solve(root, shifted)
+    gained = float(score @ centre - 0.5 * centre @ gram @ centre)
+    return gained + float(0.5 * half @ half - np.sum(np.log(np.diagonal(root))))
+
+
+def evidence_at(system: System, at: Places, size: Array | None = None) -> float:
+    """`log_evidence` of some columns of a system, of other size where asked for."""
+    scale = np.ones(len(at)) if size is None else size
+    return log_evidence(
+        system.gram[np.ix_(at, at)] * np.outer(scale, scale), system.score[at] * scale,
+        system.centre[at] / scale,
+    )  # fmt: skip
+
+
+def price(system: System) -> float:
+    """ln evidence that an effect must pay for the size of the catalogue."""
+    return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
+
+
+def contest(system: System, *, most: int = MOST) -> list[Entry]:
+    """All single effects, and the sets that deserve it, best first."""
+    by_name: dict[str, list[Block]] = {}
+    for block in system.blocks:
+        by_name.setdefault(block.candidate.name, []).append(block)
+    paid = price(system)
+    index = {id(block): np.arange(block.columns.start, block.columns.stop)
+             for block in system.blocks}  # fmt: skip
+
+    near = {name: _near(system, index, own) for name, own in by_name.items()}
+    beside = {
+        id(block): (evidence_at(system, block.places), knowing(system, [block]))
+        for own in near.values() for block in own if wide(block)
+    }  # fmt: skip
+
+    def value_of(blocks: Sequence[Block]) -> float:
+        """ln evidence of a set; one with many columns is taken into account once for all sets."""
+        many = [block for block in blocks if id(block) in beside]
+        if len(blocks) == 1 or len(many) != 1:
+            return evidence_at(system, np.concatenate([index[id(block)] for block in blocks]))
+        alone, rest = beside[id(many[0])]
+        at = np.concatenate([index[id(block)] for block in blocks if block is not many[0]])
+        return alone + evidence_at(rest, at)
+
+    def entry(names: Sequence[str]) -> Entry:
+        grids = [by_name[name] for name in names]
+        if len(names) > 1:
+            grids = [near[name] for name in names]
+        found = []
+        for blocks in _product(grids):
+            found.append((value_of(blocks), tuple(block.value for block in blocks)))
+        top = max(found)
+        total = sum(math.exp(value - top[0]) for value, _ in found)
+        share = math.prod(len(by_name[name]) for name in names)
+        return Entry(
+            names=tuple(names), values=top[1],
+            log_evidence=top[0] + math.log(total / share) - paid * len(names),
+        )  # fmt: skip
+
+    singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
+    found = list(singles)
+    best = [x.names[0] for x in singles[:AHEAD]]
+    pairs: list[Entry] = []
+    if most > 1:
+        wanted = {tuple(sorted(pair)) for pair in combinations(best, 2)}
+        wanted |= {tuple(sorted((a, b))) for a in best[:4] for b in by_name if b != a}
+        pairs = sorted((entry(pair) for pair in sorted(wanted)), key=lambda x: -x.log_evidence)
+        found += pairs
+    if most > 2 and pairs:
+        triples = {
+            tuple(sorted((*pair.names, name)))
+            for pair in pairs[:3]
+            for name in by_name
+            if name not in pair.names
+        }
+        found += [entry(names) for names in sorted(triples)]
+    return sorted(found, key=lambda x: -x.log_evidence)
+
+
+def wide(block: Block) -> bool:
+    """Whether a block has so many columns (one per run) that sets with it need another way."""
+    return len(block.places) > MANY
+
+
+def _near(system: System, index: Mapping[int, Places], own: Sequence[Block]) -> list[Block]:
+    """The two grid points of an effect that explain most by themselves."""
+    ranked = sorted(own, key=lambda b: -evidence_at(system, index[id(b)]))
+    return ranked[:2]
+
+
+def _product(grids: Sequence[Sequence[Block]]) -> list[tuple[Block, ...]]:
+    found: list[tuple[Block, ...]] = [()]
+    for own in grids:
+        found = [(*blocks, block) for blocks in found for block in own]
+    return found
+
+
+def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> float:
+    """Probability that no effect at all gives a single effect as good as the best.
+
+    Scores of the null are drawn from their own covariance, the Gram matrix; the largest evidence
+    over the whole catalogue and its grids is kept of each draw (Westfall and Young 1993). Blocks of
+    very many columns, which chance hardly ever favours, are left out.
+    """
+    used = [block for block in system.blocks if not wide(block)]
+    at = np.arange(max(block.columns.stop for block in used))
+    values, vectors = np.linalg.eigh(system.gram[np.ix_(at, at)])
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    drawn = np.random.default_rng(seed).normal(size=(draws, len(at))) @ root.T
+    largest = np.full(draws, -np.inf)
+    by_name: dict[str, list[Array]] = {}
+    for block in used:
+        own = np.arange(block.columns.start, block.columns.stop)
+        G, c = system.gram[np.ix_(own, own)], system.centre[own]
+        L = np.linalg.cholesky(G + np.eye(len(own)))
+        half = np.linalg.solve(L, (drawn[:, own] - G @ c).T)
+        value = drawn[:, own] @ c - 0.5 * c @ G @ c
+        value = value + 0.5 * np.sum(half**2, axis=0) - np.sum(np.log(np.diagonal(L)))
+        by_name.setdefault(block.candidate.name, []).append(value)
+    paid = price(system)
+    for own_values in by_name.values():
+        stacked = np.stack(own_values)
+        top = stacked.max(axis=0)
+        mean = top + np.log(np.mean(np.exp(stacked - top), axis=0))
+        largest = np.maximum(largest, mean - paid)
+    return float((1 + np.sum(largest >= best)) / (draws + 1))

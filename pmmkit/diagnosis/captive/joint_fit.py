@@ -1,0 +1,159 @@
+"""Base and effects fitted together, nonlinear parameters off the grid, with uncertainty."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.least_squares import DEPENDENT, Stack, sizes_of, solved, stacked
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.observations.views import View
+
+Array = NDArray[np.float64]
+PARAMETER: Final = "nonlinear parameter"
+"""Name of what a fit moves a nonlinear parameter by, to know its uncertainty."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointFit:
+    """Values of the base's derivatives and of effects, fitted to all runs at once.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives of the base, then the effects' coefficients as ``effect: coefficient``.
+    values : array (n,)
+        Fitted; NaN where the runs do not determine one.
+    covariance : array (n, n)
+        With noise, run scatter, the smooth floor, the effects' prior sizes, and what is not known
+        of their nonlinear parameters.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    covariance: Array
+
+    @property
+    def std(self) -> Array:
+        """Standard deviations."""
+        found: Array = np.sqrt(np.diagonal(self.covariance))
+        return found
+
+    def of(self, names: Sequence[str]) -> tuple[Array, Array]:
+        """Values and standard deviations of some names."""
+        at = [self.names.index(name) for name in names]
+        return self.values[at], self.std[at]
+
+
+def joint_fit(system: System, effects: Sequence[Block] = (), *, floor: float) -> JointFit:
+    """Base and effects fitted to all runs at once.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    effects : sequence of Block
+        Effects at a value of their nonlinear parameter.
+    floor : float
+        Size of what is smooth and does not matter; it widens the uncertainty.
+
+    Returns
+    -------
+    JointFit
+    """
+    tangents = _tangents(system, effects)
+    stack = stacked(system, [*effects, *tangents], floor=floor)
+    found = solved(stack)
+    inverse = np.linalg.inv(found.R) / found.size[:, None]
+    count = len(stack.names)
+    lost = np.diagonal(found.R)[:count] > 0.5 / DEPENDENT
+    covariance = (inverse @ inverse.T)[:count, :count] * np.outer(stack.unit, stack.unit)
+    values = np.where(lost, np.nan, found.solution[:count] * stack.unit)
+    return JointFit(names=stack.names, values=values, covariance=covariance)
+
+
+def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
+    """The change of each effect with its nonlinear parameter, as effects of their own."""
+    if not any(block.candidate.continuous for block in effects):
+        return []
+    solution = solved(stacked(system, effects)).solution
+    made = []
+    at = len([name for c in system.channels for name in system.base.names[c.name]])
+    for block in effects:
+        width = len(block.places)
+        if block.candidate.continuous:
+            sizes = solution[at : at + width] * sizes_of(block)
+            made.append(_tangent(block, sizes))
+        at += width
+    return made
+
+
+def _tangent(block: Block, sizes: Array) -> Block:
+    c, value, step = block.candidate, block.value, 0.02 * block.value
+
+    def columns(view: View, base: Base, _: float) -> Mapping[str, Array]:
+        more, less = c.columns(view, base, value + step), c.columns(view, base, value - step)
+        return {
+            name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more
+        }  # fmt: skip
+
+    spread = 0.5 * (max(c.grid) - min(c.grid)) / len(c.grid)
+    own = Candidate(
+        name=c.name, family=c.family, kind=c.kind, summary=c.summary, columns=columns,
+        coefficients=(PARAMETER,), typical=(spread,),
+    )  # fmt: skip
+    return Block(candidate=own, value=0.0, columns=slice(0, 1))
+
+
+def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
+    """Effects with their nonlinear parameters off the grid, where the runs are explained best.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    effects : sequence of Block
+        Effects at points of their grids.
+
+    Returns
+    -------
+    tuple of Block
+        One parameter after another, each searched between the neighbours of its grid point.
+    """
+    from scipy.optimize import minimize_scalar
+
+    found = list(effects)
+    for place, block in enumerate(effects):
+        if not block.candidate.continuous:
+            continue
+        grid = sorted(block.candidate.grid)
+        at = grid.index(block.value)
+        low, high = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
+        if at == 0:
+            low = max(2 * grid[0] - grid[1], 0.5 * grid[0])
+        if at == len(grid) - 1:
+            high = 2 * grid[-1] - grid[-2]
+
+        def misfit(value: float, place: int = place, block: Block = block) -> float:
+            others = [*found[:place], replace(block, value=value), *found[place + 1 :]]
+            return _misfit(stacked(system, others))
+
+        result = minimize_scalar(
+            misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
+        )
+        found[place] = replace(block, value=float(result.x))
+    return tuple(found)
+
+
+def _misfit(stack: Stack) -> float:
+    """Squared residuals with those of the prior, at the best coefficients."""
+    found = solved(stack)
+    left = stack.white[:, -1] - stack.white[:, :-1] @ found.solution
+    away = found.solution[stack.begin :] - stack.centre
+    return float(left @ left + away @ away)

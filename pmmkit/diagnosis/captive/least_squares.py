@@ -1,0 +1,194 @@
+"""All channels as one weighted least-squares problem: base, effects, and the smooth floor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.system import (
+    TYPICAL_TRANSIENT,
+    WIDER,
+    Block,
+    System,
+    candidate_columns,
+    floor_features,
+    transient_columns,
+)
+from pmmkit.observations.whitening import whitened
+
+Array = NDArray[np.float64]
+DEPENDENT: Final = 1e-10
+"""A column with less than this that others do not explain is left out."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stack:
+    """Rows of all channels, columns of base, effects and the floor's features.
+
+    Parameters
+    ----------
+    plain, white : array (n, q + 1)
+        As they are, and over the root of their covariance; the data are the last column.
+    places : mapping of channel to slice
+        Rows of each channel.
+    names : tuple of str
+        Derivatives, then coefficients of effects.
+    unit : array
+        What gives the values of `names` back.
+    centre : array
+        Expected values of the columns from `begin` on, which have a unit prior.
+    begin : int
+        First column with a prior.
+    """
+
+    plain: Array
+    white: Array
+    places: Mapping[str, slice]
+    names: tuple[str, ...]
+    unit: Array
+    centre: Array
+    begin: int
+
+
+def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> Stack:
+    """All channels below each other, whitened run by run.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    effects : sequence of Block
+        Effects at a value of their nonlinear parameter.
+    floor : float
+        Size of the smooth floor, whose features stand as columns; none at zero.
+    """
+    base, views, channels = system.base, system.views, system.channels
+    predicted = {
+        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
+    }
+    own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
+    known = [name for c in channels for name in base.names[c.name]]
+    parts = [_columns(block, system, predicted) for block in effects]
+    features = {c.name: floor * floor_features(c, views, base) for c in channels if floor > 0}
+    widths = [next(iter(part.values())).shape[1] for part in parts]
+    total = len(known) + sum(widths) + sum(x.shape[1] for x in features.values())
+    plain, white, places, row = [], [], {}, 0
+    for number, c in enumerate(channels):
+        block = np.zeros((len(c.y), total + 1))
+        first = sum(len(base.names[x.name]) for x in channels[:number])
+        block[:, first : first + c.design.shape[1]] = c.design
+        at = len(known)
+        for part, width in zip(parts, widths, strict=True):
+            if c.name in part:
+                block[:, at : at + width] = part[c.name]
+            at += width
+        for name, feature in features.items():
+            if name == c.name:
+                block[:, at : at + feature.shape[1]] = feature
+            at += feature.shape[1]
+        block[:, -1] = c.y
+        plain.append(block)
+        white.append(whitened(c, block, own[c.name], system.scatter))
+        places[c.name] = slice(row, row + len(c.y))
+        row += len(c.y)
+    names = [*known, *(label for block in effects for label in _labels(block))]
+    unit = np.concatenate([np.ones(len(known)), *(sizes_of(block) for block in effects)])
+    centre = np.zeros(total - len(known))
+    expected = [x for block in effects for x in _expected(block)]
+    centre[: len(expected)] = expected / unit[len(known) :]
+    return Stack(
+        plain=np.concatenate(plain), white=np.concatenate(white), places=places,
+        names=tuple(names), unit=unit, centre=centre, begin=len(known),
+    )  # fmt: skip
+
+
+def _columns(
+    block: Block, system: System, predicted: Mapping[str, Array]
+) -> Mapping[str, Array]:  # fmt: skip
+    """Columns of an effect in units of its prior."""
+    if block.candidate is not TRANSIENT_FAULT:
+        found = candidate_columns(
+            block.candidate, block.value, system.channels, system.views, system.base
+        )
+        return {name: x * prior_sizes(block.candidate) for name, x in found.items()}
+    parts = {
+        c.name: transient_columns(c, system.views, system.base, predicted[c.name], block.value)
+        for c in system.channels
+    }
+    edges = np.cumsum([0, *(x.shape[1] for x in parts.values())])
+    whole = {}
+    for (name, own), begin in zip(parts.items(), edges, strict=False):
+        whole[name] = np.zeros((len(own), edges[-1]))
+        whole[name][:, begin : begin + own.shape[1]] = WIDER * TYPICAL_TRANSIENT * own
+    return whole
+
+
+def _labels(block: Block) -> list[str]:
+    c = block.candidate
+    if c is TRANSIENT_FAULT:
+        return [f"{c.name}: share {number + 1} [-]" for number in range(len(block.places))]
+    return labels(c)
+
+
+def labels(candidate: Candidate) -> list[str]:
+    """Names of an effect's coefficients in a joint fit."""
+    return [f"{candidate.name}: {name}" for name in candidate.coefficients]
+
+
+def sizes_of(block: Block) -> Array:
+    """Prior standard deviations of the coefficients of an effect, a transient's of each run."""
+    if block.candidate is TRANSIENT_FAULT:
+        return np.full(len(block.places), WIDER * TYPICAL_TRANSIENT)
+    return prior_sizes(block.candidate)
+
+
+def _expected(block: Block) -> tuple[float, ...]:
+    """Values about which the coefficients are expected."""
+    return block.candidate.centre or (0.0,) * len(block.places)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solved:
+    """Least squares with a unit prior on the later columns.
+
+    Parameters
+    ----------
+    Q : array (n, q)
+        Orthonormal, the rows of the data.
+    R : array (q, q)
+        Triangular, of scaled columns.
+    solution : array (q,)
+        In the units of the columns.
+    size : array (q,)
+        Scales of the columns.
+    """
+
+    Q: Array
+    R: Array
+    solution: Array
+    size: Array
+
+
+def solved(stack: Stack) -> Solved:
+    """The weighted least squares of a stack, by QR of scaled columns."""
+    count = stack.white.shape[1] - 1
+    free = count - stack.begin
+    below = np.zeros((free, count + 1))
+    below[:, stack.begin : count] = np.eye(free)
+    below[:, -1] = stack.centre
+    whole = np.vstack([stack.white, below])
+    size = np.linalg.norm(whole[:, :-1], axis=0)
+    size = np.where(size > 0, size, 1.0)
+    Q, R = np.linalg.qr(whole[:, :-1] / size)
+    pivots = np.abs(np.diagonal(R))
+    R = R + np.diag(np.where(pivots > DEPENDENT, 0.0, 1.0 / DEPENDENT))
+    return Solved(
+        Q=Q[: len(stack.white)], R=R, size=size,
+        solution=np.linalg.solve(R, Q.T @ whole[:, -1]) / size,
+    )  # fmt: skip

@@ -1,0 +1,97 @@
+"""What is left of an effect without the one run that shows it best: a run may be wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.evidence import log_evidence
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.observations.channels import Places
+from pmmkit.observations.whitening import Piece
+
+Array = NDArray[np.float64]
+
+
+def columns_at(piece: Piece, at: Places) -> Array:
+    """Columns of a piece at places of the system, zeros where it has none (n + D, q)."""
+    where = {place: i for i, place in enumerate(piece.places.tolist())}
+    found = np.zeros((len(piece.data), len(at)))
+    for k, place in enumerate(at.tolist()):
+        if place in where:
+            found[:, k] = piece.columns[:, where[place]]
+    return found
+
+
+def taken_with(system: System, columns: Sequence[Array]) -> Mapping[str, Array]:
+    """Products of columns that go when a run is left out, base and floor fitted without it.
+
+    Parameters
+    ----------
+    system : System
+        Runs and base.
+    columns : sequence of array (n + D, q)
+        Projected columns of each channel.
+
+    Returns
+    -------
+    mapping of run to array (q, q)
+
+    Notes
+    -----
+    Whitening is run by run: to leave a run out is to leave its rows out. With S the basis of base
+    and floor at these rows, B the columns there, it takes B' (I - S S')⁻¹ B of their products.
+    """
+    found: dict[str, Array] = {}
+    for piece, own in zip(system.pieces, columns, strict=True):
+        projection = piece.projection
+        for rows, inverse in zip(projection.channel.runs, projection.alone, strict=True):
+            run = _run_of(system, piece, int(rows[0]))
+            part = own[rows].T @ inverse @ own[rows]
+            found[run] = found[run] + part if run in found else part
+    return found
+
+
+def _run_of(system: System, piece: Piece, row: int) -> str:
+    channel = piece.projection.channel
+    return next(
+        system.views[i].run.id
+        for i, rows in zip(channel.views, channel.rows, strict=True)
+        if rows.start <= row < rows.stop
+    )
+
+
+def least_gains(
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = ()
+) -> tuple[tuple[float, str], ...]:
+    """ln evidence that each effect of a set adds without the run that helps it most, and that run.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates; of the base alone.
+    blocks : sequence of Block
+        The set.
+    given : sequence of Block
+        Effects that the base has already.
+
+    Returns
+    -------
+    tuple of (float, str)
+    """
+    at = np.concatenate([block.places for block in (*blocks, *given)])
+    columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
+    gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
+    edges = np.cumsum([0, *(len(block.places) for block in blocks)])
+    rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
+    found = [(np.inf, "")] * len(blocks)
+    for run, taken in taken_with(system, columns).items():
+        G, s = gram - taken[:-1, :-1], score - taken[:-1, -1]
+        whole = log_evidence(G, s, centre)
+        for k, keep in enumerate(rest):
+            without = log_evidence(G[np.ix_(keep, keep)], s[keep], centre[keep])
+            found[k] = min(found[k], (whole - without, run))
+    return tuple(found)

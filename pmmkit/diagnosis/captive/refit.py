@@ -1,0 +1,285 @@
+"""From a joint fit to a model: derivatives with their covariance, effects with their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.joint_fit import JointFit
+from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.system import Block
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.own import OwnEffect
+from pmmkit.effects.terms import BY_SPEED
+from pmmkit.errors import UnknownNameError
+from pmmkit.models import Model
+from pmmkit.models.edit import with_effect, without_effect
+from pmmkit.models.model import Part, needs_roll
+from pmmkit.models.terms import HULL
+from pmmkit.tables import DerivativeTable, converted
+
+Array = NDArray[np.float64]
+ADDED: Final = "Added "
+"""How a step begins in the history of a model."""
+
+
+def fitted_table(
+    fit: JointFit, base: Base, campaign: Campaign, Fn: Sequence[float] = (),
+    own: Sequence[OwnEffect] = (),
+) -> DerivativeTable:  # fmt: skip
+    """The derivatives of a joint fit, those of effects that are derivatives among them.
+
+    Parameters
+    ----------
+    fit : JointFit
+        Of the base with effects.
+    base : Base
+        What the derivatives mean, and the speed at which F is zero.
+    campaign : Campaign
+        The tests.
+    Fn : sequence of float
+        Froude numbers of the rows; one pooled row without them. Needed where derivatives change
+        with the speed.
+    own : sequence of OwnEffect
+        Effects of the user, whose coefficients stand for derivatives.
+
+    Returns
+    -------
+    DerivativeTable
+        In the convention of the base. Derivatives that the runs do not determine are NaN.
+    """
+    rows = np.asarray(Fn, float) if len(Fn) else np.array([np.nan])
+    law = [base.law(campaign.ship.speed(x, campaign.water.g)) if len(Fn) else 0.0 for x in rows]
+    places = [_places(label, own) for label in fit.names]
+    names = tuple(dict.fromkeys(item.derivative for found in places for item in found))
+    weights = np.zeros((len(rows), len(names), len(fit.names)))
+    for column, found in enumerate(places):
+        for item in found:
+            weight = np.array(law) if item.by_speed else np.ones(len(rows))
+            weights[:, names.index(item.derivative), column] += item.share * weight
+    shape = (len(rows), len(names))
+    known = np.isfinite(fit.values)
+    lost = np.any(weights[:, :, ~known] != 0.0, axis=2)
+    inside = weights[:, :, known]
+    value = np.where(lost, np.nan, inside @ fit.values[known])
+    flat = inside.reshape(-1, int(known.sum()))
+    covariance = flat @ fit.covariance[np.ix_(known, known)] @ flat.T
+    covariance[lost.ravel()], covariance[:, lost.ravel()] = np.nan, np.nan
+    return DerivativeTable(
+        names=names, Fn=rows, value=value, covariance=covariance.reshape(*shape, *shape),
+        dof=np.full(shape, np.inf), method=np.full(shape, "joint fit"),
+        runs=np.full(shape, len(campaign.runs)), convention=base.convention, ship=campaign.ship,
+        water=campaign.water,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Place:
+    """A derivative that a coefficient adds to, by which share, and whether with the speed."""
+
+    derivative: str
+    share: float = 1.0
+    by_speed: bool = False
+
+
+def _places(label: str, own: Sequence[OwnEffect]) -> tuple[_Place, ...]:
+    """Where a coefficient of a fit belongs; nowhere if its effect is no derivative."""
+    effect, _, name = label.rpartition(": ")
+    for item in own:
+        if item.name == effect:
+            return tuple(_Place(derivative=x, share=y) for x, y in item.shares[name].items())
+    if effect in catalogue() and catalogue()[effect].enters:
+        return ()
+    plain = name.removesuffix(BY_SPEED)
+    try:
+        parse_derivative(plain)
+    except UnknownNameError:
+        return ()
+    return (_Place(derivative=plain, by_speed=plain != name),)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Refit:
+    """A model with fitted values, and what could not be taken over.
+
+    Parameters
+    ----------
+    model : Model
+        With the values.
+    notes : tuple of str
+        Derivatives that were kept or left out, and why.
+    """
+
+    model: Model
+    notes: tuple[str, ...]
+
+
+def refitted(
+    model: Model, fit: JointFit, effects: Sequence[Block], base: Base, campaign: Campaign,
+    own: Sequence[OwnEffect] = (),
+) -> Refit:  # fmt: skip
+    """A model with the values of a joint fit.
+
+    Parameters
+    ----------
+    model : Model
+        Gives its convention, its scale and all other parts.
+    fit : JointFit
+        Of the model's derivatives together with effects.
+    effects : sequence of Block
+        The effects of the fit. Those of the ship enter the model; faults of the measurement do
+        not: they correct what the fit saw.
+    base : Base
+        Of the fit.
+    campaign : Campaign
+        The tests.
+    own : sequence of OwnEffect
+        Effects of the user.
+
+    Returns
+    -------
+    Refit
+        Non-dimensional values carry over to the model's scale. A derivative that the runs do not
+        determine keeps its value.
+    """
+    varies = any(item.by_speed for label in fit.names for item in _places(label, own))
+    Fn = (model.Fn or _froude_numbers(campaign)) if varies else ()
+    table = converted(fitted_table(fit, base, campaign, Fn, own), _target(model.convention))
+    known = [name for name in table.names if np.isfinite(table[name]).all()]
+    kept = [name for name in table.names if name not in known]
+    rudder = [name for name in known if parse_derivative(name).count("d")]
+    steered = "rudder_abkowitz" in model.parts
+    roll = [] if model.rolls else [name for name in known if needs_roll(name)]
+    left = [*([] if steered else rudder), *roll]
+    notes = []
+    if kept:
+        notes.append(f"Not determined by these runs, kept as they were: {', '.join(kept)}.")
+    if left:
+        notes.append(f"Fitted, but the model has no place for them: {', '.join(left)}.")
+    taken = table.select([name for name in known if name not in left])
+    changed = _with_table(model, taken, Fn, rudder if steered else [], campaign)
+    for block in effects:
+        if (
+            block.candidate.kind == "physics"
+            and block.candidate.name in catalogue()
+            and (catalogue()[block.candidate.name].enters)
+        ):
+            changed = _with_part(changed, block, fit, _froude_numbers(campaign))
+    return Refit(model=changed, notes=tuple(notes))
+
+
+def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -> Model:
+    """A model with an effect that is a part of its own, at the values of a fit."""
+    c = block.candidate
+    values, _ = fit.of(labels(c))
+    bare = without_effect(model, c.name) if c.name in model.parts else model
+    made = with_effect(
+        bare, c.name, value=block.value, Fn=Fn,
+        coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
+    )  # fmt: skip
+    return made.with_(history=model.history)
+
+
+def _target(convention: Convention) -> Convention:
+    """What a table can be converted to: expansions about other points cannot be reached."""
+    surge = "u" if convention.surge == "delta-u" else convention.surge
+    return replace(convention, surge=surge, U="instantaneous")
+
+
+def _froude_numbers(campaign: Campaign) -> tuple[float, ...]:
+    found = {
+        round(campaign.ship.froude(run.settings.speed, campaign.water.g), 6)
+        for run in campaign.runs
+    }
+    return tuple(sorted(found))
+
+
+def _with_table(
+    model: Model, table: DerivativeTable, Fn: Sequence[float], rudder: Sequence[str],
+    campaign: Campaign,
+) -> Model:  # fmt: skip
+    """A model with the values and the covariance of a table."""
+    parts = dict(model.parts)
+    source = f"measured: {campaign.title or campaign.ship.name}"
+    for name in table.names:
+        home = _home(name, rudder)
+        part = parts.get(home, Part(effect=home))
+        column = table[name]
+        value = tuple(column.tolist()) if len(Fn) else float(column[0])
+        parts[home] = replace(
+            part, values=MappingProxyType({**part.values, name: value}),
+            sources=MappingProxyType({**part.sources, name: source}),
+        )  # fmt: skip
+    size = table.value.size
+    covariance = table.covariance.reshape(size, size)
+    rows = model.Fn or tuple(Fn)
+    copies = max(len(rows), 1) // max(len(Fn), 1)
+    spread = np.tile(covariance, (copies, copies))
+    return model.with_(
+        parts=MappingProxyType(parts), Fn=rows, covariance=(spread + spread.T) / 2,
+        covariance_names=table.names, convention=_target(model.convention),
+    )  # fmt: skip
+
+
+def _home(name: str, rudder: Sequence[str]) -> str:
+    if name in rudder:
+        return "rudder_abkowitz"
+    accelerates = any(factor.endswith("dot") for factor in parse_derivative(name).factors)
+    return "added_mass" if accelerates else HULL
+
+
+def effects_of(model: Model) -> tuple[str, ...]:
+    """What of a model is fitted beside its derivatives.
+
+    Parameters
+    ----------
+    model : Model
+        A model: its effects with coefficients of usual sizes, and the faults of the measurement
+        that its history knows.
+    """
+    parts = [name for name in model.parts if catalogue()[name].coefficients]
+    steps = [name_of_step(line) for line in model.history if line.startswith(ADDED)]
+    varying = [name for name, own in _OF_SPEED.items() if any(_varies(model, x) for x in own)]
+    faults = [name for name in steps if is_fault(name)]
+    return tuple(dict.fromkeys([*parts, *varying, *faults]))
+
+
+_OF_SPEED: Final = {
+    "froude_linear": ("Yv", "Yr", "Nv", "Nr"),
+    "froude_nonlinear": ("Yvvv", "Yrrr", "Nvvv", "Nrrr"),
+    "froude_coupling": ("Yvvr", "Yvrr", "Nvvr", "Nvrr", "Xvr"),
+    "froude_surge": ("Xvv", "Xrr"),
+    "resistance_curve": ("Xuu",),
+}
+"""Effects of the speed, and the derivatives that vary with it where a model has them."""
+
+
+def _varies(model: Model, name: str) -> bool:
+    """Whether a model has different values of a derivative at its Froude numbers."""
+    value = model.parts[HULL].values.get(name) if HULL in model.parts else None
+    return isinstance(value, tuple) and len(set(value)) > 1
+
+
+def name_of_step(line: str) -> str:
+    """The effect that a line of a model's history added.
+
+    Examples
+    --------
+    >>> name_of_step("Added memory (over 1000 to 1): error of left-out conditions …")
+    'memory'
+    """
+    return line.removeprefix(ADDED).split(":")[0].split(" (")[0]
+
+
+def is_fault(effect: str) -> bool:
+    """Whether an effect is a fault of the measurement."""
+    known = catalogue().get(effect)
+    return known is not None and known.kind == "observation"

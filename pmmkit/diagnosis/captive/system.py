@@ -1,0 +1,252 @@
+"""All runs as one linear system by channel: forces, base, and the columns of what may differ."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.state import State
+from pmmkit.observations.channels import Channel, Places, Scatter
+from pmmkit.observations.views import View
+from pmmkit.observations.whitening import Piece
+
+Array = NDArray[np.float64]
+WIDER: Final = 1.5
+"""Prior standard deviation of a coefficient over its typical size."""
+FEATURES: Final = 96
+"""Random features of the smooth floor, per channel."""
+SMOOTH: Final = 0.8
+"""Length scale of the floor over the range of each variable."""
+STEP: Final = 1e-4
+"""Change of the drift for its derivative [rad]."""
+LEAST: Final = 1e-4
+"""Least standard deviation of a mean or harmonic, over the channel's rms force."""
+TRANSIENT: Final = (0.7, 1.5, 3.0)
+TYPICAL_TRANSIENT: Final = effect_of("fault_transient").coefficients[0].typical or 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Block:
+    """One candidate at one grid point: its columns, whitened and projected, over prior sizes."""
+
+    candidate: Candidate
+    value: float
+    columns: slice
+
+    @property
+    def places(self) -> Places:
+        """Places of the columns in the system."""
+        return np.arange(self.columns.start, self.columns.stop)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """Everything the contest needs.
+
+    Parameters
+    ----------
+    views : tuple of View
+        Runs.
+    base : Base
+        With fitted values.
+    channels : tuple of Channel
+        Rows.
+    scatter : Scatter
+        Estimated.
+    blocks : tuple of Block
+        Candidates; columns in units of their prior standard deviation.
+    gram : array (q, q)
+        Products of all columns.
+    score : array (q,)
+        Products of the columns with the data.
+    square : float
+        Of the data.
+    rows : int
+        Rows less base coefficients.
+    floor : float
+        What is smooth and too small to matter, over the rms force of a channel.
+    floor_columns : slice
+        Where the features of the smooth floor stand, at the size of the floor.
+    prior : array (q,)
+        Prior standard deviation of each column, to give coefficients back.
+    centre : array (q,)
+        Expected value of each column's coefficient, in those.
+    pieces : tuple of Piece
+        The channels, one by one.
+    """
+
+    views: tuple[View, ...]
+    base: Base
+    channels: tuple[Channel, ...]
+    scatter: Scatter
+    blocks: tuple[Block, ...]
+    gram: Array
+    score: Array
+    square: float
+    rows: int
+    floor: float
+    floor_columns: slice
+    prior: Array
+    centre: Array
+    pieces: tuple[Piece, ...]
+
+
+def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
+    """Rows of every channel, in the order of the views."""
+    found = []
+    for name, names in base.names.items():
+        having = [i for i, view in enumerate(views) if name in view.force]
+        if not having:
+            continue
+        edges = np.cumsum([0, *(views[i].rows for i in having)]).tolist()
+        rows = tuple(slice(a, b) for a, b in pairwise(edges))
+        y = np.concatenate([views[i].force[name] for i in having])
+        design = (
+            np.concatenate([base.design(views[i], name) for i in having])
+            if names else np.zeros((len(y), 0))
+        )  # fmt: skip
+        sizes = [float(np.linalg.norm(views[i].force[name])) / views[i].speed ** 2 for i in having]
+        scale = float(np.sqrt(np.mean(np.square(sizes))))
+        groups: dict[str, list[int]] = {}
+        for place, i in enumerate(having):
+            groups.setdefault(views[i].run.id, []).append(place)
+        found.append(
+            Channel(
+                name=name, views=tuple(having), rows=rows, y=y, design=design,
+                runs=tuple(
+                    np.concatenate([np.arange(rows[p].start, rows[p].stop) for p in own])
+                    for own in groups.values()
+                ),
+                noise=tuple(
+                    _diagonal([_noise(views[having[p]], name, scale) for p in own])
+                    for own in groups.values()
+                ),
+                scale=scale,
+            )
+        )  # fmt: skip
+    return tuple(found)
+
+
+def _noise(view: View, channel: str, scale: float) -> Array:
+    """Covariance of the harmonics of a view; none is known better than a share of the force."""
+    least = (LEAST * scale * view.speed**2) ** 2
+    found: Array = view.covariance[channel] + least * np.eye(view.rows)
+    return found
+
+
+def _diagonal(blocks: Sequence[Array]) -> Array:
+    """Blocks along the diagonal of a square array."""
+    size = sum(len(block) for block in blocks)
+    whole, begin = np.zeros((size, size)), 0
+    for block in blocks:
+        end = begin + len(block)
+        whole[begin:end, begin:end] = block
+        begin = end
+    return whole
+
+
+def offset_column(channel: Channel, views: Sequence[View], base: Base) -> Array:
+    """An offset of each run in a channel, at size one (n,)."""
+    found = np.zeros(len(channel.y))
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        if views[i].has_mean:
+            found[rows.start] = channel.scale * base.reference**2
+    return found
+
+
+def run_columns(
+    channels: Sequence[Channel], views: Sequence[View], base: Base, predicted: Mapping[str, Array]
+) -> dict[str, Array]:
+    """What each run draws for itself, at size one: offset, gain, degree of drift (n, 3)."""
+    turned = {
+        i: base.change(view, _turned, math.degrees(STEP))
+        for i, view in enumerate(views)
+        if view.run.settings.drift and not view.run.dynamic
+    }
+    found = {}
+    for c in channels:
+        drift = np.zeros(len(c.y))
+        for i, rows in zip(c.views, c.rows, strict=True):
+            if i in turned:
+                drift[rows] = turned[i][c.name]
+        found[c.name] = np.stack([offset_column(c, views, base), predicted[c.name], drift], axis=1)
+    return found
+
+
+def _turned(view: View) -> tuple[State, float]:
+    """The motion of a model that drifts a little more."""
+    m = view.motion
+    c, s = math.cos(STEP), math.sin(STEP)
+    return m.with_(u=c * m.u + s * m.v, v=c * m.v - s * m.u), view.speed
+
+
+def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: int = 12345) -> Array:
+    """A smooth function of the motion as random features, of unit size over the scale (n, D)."""
+    variables = [_variables(views[i], base) for i in channel.views]
+    ranges = np.max([np.max(np.abs(x), axis=0) for x in variables], axis=0)
+    live = ranges > 1e-9
+    rng = np.random.default_rng([seed, ord(channel.name)])
+    omega = rng.normal(size=(int(live.sum()), FEATURES)) / SMOOTH
+    phase = rng.uniform(0, 2 * math.pi, FEATURES)
+    rows = []
+    for i, x in zip(channel.views, variables, strict=True):
+        view = views[i]
+        features = math.sqrt(2.0 / FEATURES) * np.cos((x[:, live] / ranges[live]) @ omega + phase)
+        unit = channel.scale * view.motion.speed**2
+        rows.append(view.project(features * unit[:, None]))
+    return np.concatenate(rows)
+
+
+def _variables(view: View, base: Base) -> Array:
+    m, L = view.motion, base.ship.L
+    U = m.speed
+    return np.stack(
+        [m.v / U, m.r * L / U, m.vdot * L / U**2, m.rdot * L**2 / U**2, m.delta, m.phi,
+         np.full_like(U, base.law(view.speed))],
+        axis=1,
+    )  # fmt: skip
+
+
+def transient_columns(
+    channel: Channel, views: Sequence[View], base: Base, predicted: Array, decay: float
+) -> Array:
+    """A share of each run's force that dies away, one column per oscillating run (n, runs)."""
+    ids = list(dict.fromkeys(views[i].run.id for i in channel.views if views[i].run.dynamic))
+    found = np.zeros((len(channel.y), len(ids)))
+    sizes: dict[str, float] = {}
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        if views[i].run.dynamic and not views[i].early:
+            sizes[views[i].run.id] = float(np.linalg.norm(predicted[rows]))
+    for i, rows in zip(channel.views, channel.rows, strict=True):
+        view = views[i]
+        if view.run.dynamic:
+            fading = np.exp(-view.t * view.speed / (decay * base.ship.L))
+            size = sizes.get(view.run.id, float(np.linalg.norm(predicted[rows])))
+            found[rows, ids.index(view.run.id)] = size * view.project(fading)
+    return found
+
+
+def candidate_columns(
+    candidate: Candidate, value: float, channels: Sequence[Channel], views: Sequence[View],
+    base: Base,
+) -> Mapping[str, Array]:  # fmt: skip
+    """Columns of a candidate by channel (n, q)."""
+    by_view = [candidate.columns(view, base, value) for view in views]
+    found = {}
+    for channel in channels:
+        block = np.zeros((len(channel.y), candidate.size))
+        for i, rows in zip(channel.views, channel.rows, strict=True):
+            if channel.name in by_view[i]:
+                block[rows] = by_view[i][channel.name]
+        if np.any(block):
+            found[channel.name] = block
+    return found

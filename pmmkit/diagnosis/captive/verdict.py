@@ -1,0 +1,203 @@
+"""What a system answers: nothing, effects with their rivals, or something unknown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags
+from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT
+from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.coverage import coverage
+from pmmkit.diagnosis.captive.evidence import contest, gate
+from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.evidence import Entry, Visible
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
+from pmmkit.effects.terms import BY_SPEED
+
+Array = NDArray[np.float64]
+CHANCE: Final = 0.01
+"""A best effect that chance alone gives more often than this is no finding."""
+RIVALS: Final = math.log(20.0)
+"""Sets within these odds of the best cannot be told from it."""
+
+
+def answer(
+    system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0
+) -> Diagnosis:  # fmt: skip
+    """Ask a system which effects the base lacks.
+
+    Parameters
+    ----------
+    system : System
+        As `captive_system` gives it.
+    given : sequence of str
+        Effects that the base has already; they are fitted with it.
+    floor : float
+        What counts as too small to matter, over the rms force of a channel.
+    seed : int
+        Of the draws that calibrate chance.
+
+    Returns
+    -------
+    Diagnosis
+
+    Raises
+    ------
+    UnknownNameError
+        If an effect that is given does not take part.
+    """
+    with threadpool_limits(1):
+        return _answered(system, tuple(given), floor, seed)
+
+
+def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
+    known = taken_as_given(system, given)
+    entries = contest(known.system)
+    covered = coverage(known.system)
+    singles = [item for item in entries if len(item.names) == 1]
+    chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
+    best = chosen(system, entries, known.used) if chance < CHANCE else None
+    blocks = blocks_of(known.system, best) if best else []
+    doubts = flags(system, blocks, known.used, entries[0] if chance < CHANCE else None)
+    verdict: Verdict = "missing_effect" if best else "unexplained" if doubts else "noise"
+    return Diagnosis(
+        verdict=verdict, group=_group(entries, best) if best else (), flags=doubts,
+        findings=_findings(system, best, known.blocks, blocks, covered, floor) if best else (),
+        chance=chance,
+        covered=covered, entries=tuple(entries), floor=floor, base=system.base.values, given=given,
+    )  # fmt: skip
+
+
+def _group(
+    entries: Sequence[Entry], best: Entry
+) -> tuple[tuple[tuple[str, ...], float], ...]:  # fmt: skip
+    """Sets of no greater size within `RIVALS` of the best, which stands first."""
+    rivals = [
+        item
+        for item in entries
+        if item is not best
+        and len(item.names) <= len(best.names)
+        and 0.0 <= best.log_evidence - item.log_evidence < RIVALS
+    ]
+    return tuple(
+        (item.names, math.exp(item.log_evidence - best.log_evidence)) for item in (best, *rivals)
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Given:
+    """A system that knows effects, the grid points that stand for them, and the best of each."""
+
+    system: System
+    used: tuple[Block, ...]
+    blocks: tuple[Block, ...]
+
+
+def taken_as_given(system: System, names: Sequence[str]) -> Given:
+    """A system beside effects that the base has, one after another at their best grid points.
+
+    Two neighbouring points stand for a value between them.
+
+    Parameters
+    ----------
+    system : System
+        Of the base alone.
+    names : sequence of str
+        Effects.
+
+    Raises
+    ------
+    UnknownNameError
+        If one does not take part.
+    """
+    used, blocks = [], []
+    for name in names:
+        near = best_blocks(system, name, 2)
+        system = knowing(system, near)
+        used += near
+        blocks.append(near[0])
+    return Given(system=_askable(system, blocks), used=tuple(used), blocks=tuple(blocks))
+
+
+def _askable(system: System, given: Sequence[Block]) -> System:
+    """Without what changes a derivative with the speed that the base does not have yet.
+
+    Where most runs have one speed, the term and its change with the speed are one.
+    """
+    known = {name for names in system.base.names.values() for name in names}
+    known |= {name for block in given for name in block.candidate.coefficients}
+    blocks = [
+        block for block in system.blocks
+        if all(
+            name.removesuffix(BY_SPEED) in known
+            for name in block.candidate.coefficients
+            if name.endswith(BY_SPEED)
+        )
+    ]  # fmt: skip
+    return replace(system, blocks=tuple(blocks))
+
+
+def _findings(
+    system: System, entry: Entry, given: Sequence[Block], blocks: Sequence[Block],
+    covered: Sequence[Visible], floor: float,
+) -> tuple[Finding, ...]:  # fmt: skip
+    """Each effect of a set, with the held-out errors without and with it; the largest first."""
+    if not blocks:
+        return ()
+    together = refined(system, [*given, *blocks])
+    blocks = together[len(given) :]
+    fit = joint_fit(system, together, floor=floor)
+    after = held_out(system, together)
+    visible = {item.name: item for item in covered}
+    found = [
+        _finding(
+            block,
+            fit,
+            visible[block.candidate.name],
+            odds(entry.log_evidence),
+            held_out(system, [item for item in together if item is not block]),
+            after,
+        )
+        for block in blocks
+    ]
+    return tuple(sorted(found, key=lambda item: -item.error_before))  # fmt: skip
+
+
+def _finding(
+    block: Block, fit: JointFit, visible: Visible, evidence: str, before: HeldOut, after: HeldOut
+) -> Finding:
+    c = block.candidate
+    values, std = _coefficients(block, fit)
+    old, new = before.of_channel(), after.of_channel()
+    return Finding(
+        effect=c.name, family=c.family, kind=c.kind, summary=c.summary,
+        coefficients=dict(zip(c.coefficients, values, strict=True)),
+        std=dict(zip(c.coefficients, std, strict=True)),
+        typical=dict(zip(c.coefficients, c.typical, strict=True)),
+        value=block.value, parameter=c.parameter, evidence=evidence,
+        rivals=tuple(visible.mimics), separating_test=c.check,
+        error_before=before.share(), error_after=after.share(),
+        errors={name: (old[name], new[name]) for name in new},
+    )  # fmt: skip
+
+
+def _coefficients(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
+    """Values and standard deviations; of a transient its rms share over runs and channels."""
+    if block.candidate is not TRANSIENT_FAULT:
+        values, std = fit.of(labels(block.candidate))
+        return values.tolist(), std.tolist()
+    at = [i for i, name in enumerate(fit.names) if name.startswith(TRANSIENT_FAULT.name)]
+    values, std = fit.values[at], fit.std[at]
+    size = float(np.sqrt(np.mean(values**2)))
+    return [size], [float(np.sqrt(np.sum((values * std) ** 2)) / (len(at) * size))]

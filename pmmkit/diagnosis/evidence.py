@@ -1,0 +1,66 @@
+"""Evidence and coverage, as captive tests and free-running records both give them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+SHOWS: Final = 12.0
+"""Squared signal over noise at its usual size from which an effect can be seen, whichever run is
+left out."""
+HIDES: Final = 15.0
+"""Squared signal over noise that an effect hidden from these runs cannot exceed (95 %)."""
+MIMICS: Final = 0.6
+"""Share of a signature from which another effect is called its mimic."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """A set of effects with its evidence.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Effects.
+    log_evidence : float
+        Against no effect, averaged over the grids, with the price of the catalogue's size.
+    values : tuple of float
+        Best grid value of each.
+    """
+
+    names: tuple[str, ...]
+    log_evidence: float
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Visible:
+    """What the runs could show of one effect.
+
+    Parameters
+    ----------
+    name, family : str
+        The effect.
+    signal : float
+        Squared signal over noise at its usual size, what the base can absorb taken off.
+    without_a_run : float
+        The same without the run that shows most of it.
+    hides : float
+        Share of the usual size that could hide.
+    shown : bool
+        Whether these runs can show it.
+    why : str
+        Why not, in words.
+    mimics : mapping of str to float
+        Effects that can stand for it, with the share of its signature that they reproduce.
+    """
+
+    name: str
+    family: str
+    signal: float
+    without_a_run: float
+    hides: float
+    shown: bool
+    why: str
+    mimics: Mapping[str, float]

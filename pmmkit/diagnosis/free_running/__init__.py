@@ -1,0 +1,1 @@
+"""What free-running records say that a model lacks."""

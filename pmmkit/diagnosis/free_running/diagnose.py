@@ -1,0 +1,380 @@
+"""From free-running records to a verdict: noise, a missing effect with its rivals, unexplained."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.adequacy import LEAST
+from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
+from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.findings import Diagnosis, Verdict
+from pmmkit.diagnosis.free_running.candidates import (
+    CURRENT,
+    RUDDER_ZERO,
+    FreeCandidate,
+    candidates_for,
+)
+from pmmkit.diagnosis.free_running.evidence import (
+    Basis,
+    Fit,
+    Point,
+    Screen,
+    basis_of,
+    chance_of,
+    fitted,
+    point_at,
+    screen,
+    widened,
+)
+from pmmkit.diagnosis.free_running.findings import (
+    BEYOND,
+    LEFT,
+    Names,
+    Settled,
+    coverage_of,
+    errors_held_out,
+    errors_of,
+    findings_of,
+    flags_of,
+    left_over,
+    model_of,
+)
+from pmmkit.diagnosis.free_running.scores import Judge, courses_of
+from pmmkit.diagnosis.free_running.system import (
+    FreeSystem,
+    agile,
+    build_free,
+    held,
+    log_likelihood,
+    sized,
+)
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import DataError, ModelError
+from pmmkit.identification.from_run import free_records
+from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Model
+
+Array = NDArray[np.float64]
+WINDOW: Final = 5.0
+"""Length of the windows by which sets are judged, in ship lengths over the speed."""
+TOLERANCE: Final = (math.radians(0.5), 0.005)
+"""Errors of heading [rad] and of speed over the approach that do not matter over a window."""
+AHEAD: Final = 4
+"""Best pairs that are combined with every third."""
+REFITTED: Final = 6
+"""Best sets that are fitted through the equations."""
+FAR: Final = 2.0 * RIVALS
+"""A set so far behind the best by the linear problem is not fitted."""
+TURNS: Final = 8
+"""Most turns in which the sizes of unknown forces and the values of the largest model are found."""
+LONGEST: Final = 6
+"""A group of more sets names nothing."""
+BASE: Final = {
+    "rudder_mmg": ("epsilon", "aH", "gamma_positive", "gamma_negative", "gamma", "cRr"),
+    "propeller": ("wp",),
+    "crossflow_drag": ("CD",),
+    "wind": ("cx", "cy", "cn"),
+}
+"""Values beside the derivatives that no model knows exactly."""
+
+
+def base_prior(
+    model: Model, speed: float, *, spread: float = 0.05, loose: float = 0.1,
+    extrapolate: bool = False,
+) -> Prior:  # fmt: skip
+    """What is known of the values of a model before records are looked at.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    speed : float
+        Speed of the approach [m/s].
+    spread : float
+        By how much of each value another ship of the same lines differs: relative standard
+        deviation, beside the covariance of the model.
+    loose : float
+        Relative standard deviation of values of which the model holds no covariance.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Returns
+    -------
+    Prior
+        Derivatives of hull, rudder and added mass, and of rudder and propeller what `BASE` lists.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> found = base_prior(load_model("kvlcc2-l7"), 1.179, loose=0.03)
+    >>> len(found.names), round(float(found.std[found.names.index("Yv")]), 4)
+    (25, 0.0184)
+    """
+    known = catalogue()
+    names = [
+        name for part in ("hull_polynomial", "rudder_abkowitz", "added_mass") if part in model.parts
+        for name in model.parts[part].values if known[part].parameter(name) is None
+    ] + [
+        f"{part}.{name}" for part, own in BASE.items() if part in model.parts
+        for name in own if name in model.parts[part].values
+    ]  # fmt: skip
+    relative = {name: loose for name in names if name not in model.covariance_names}
+    found = prior_of(model, names, speed, spread=relative, extrapolate=extrapolate)
+    more = np.diag((spread * found.mean) ** 2)
+    return replace(found, covariance=found.covariance + more)
+
+
+def diagnose_free(
+    model: Model, records: Sequence[FreeRecord] | Campaign, *, prior: Prior | None = None,
+    spread: float = 0.05, loose: float = 0.1, floor: float = 0.02,
+    tolerance: tuple[float, float] = TOLERANCE, window: float | None = None,
+    held_out: Sequence[FreeRecord] = (), held_out_window: float | None = None,
+    candidates: Sequence[FreeCandidate] | None = None,
+    windage: tuple[float, float] | None = None, sensors: Mapping[str, float] | None = None,
+    most: int = 3, extrapolate: bool = False, seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:  # fmt: skip
+    """Name what a model lacks that free-running records show.
+
+    Parameters
+    ----------
+    model : Model
+        Complete, for example from captive tests, with their covariance.
+    records : sequence of FreeRecord or Campaign
+        At least two; zigzags and turns to both sides.
+    prior : Prior, optional
+        What is known of the values of the model; by default `base_prior` with `spread` and `loose`.
+    spread, loose : float
+        As for `base_prior`.
+    floor : float
+        Unknown forces below this share of the rms force of a channel do not matter.
+    tolerance : (float, float)
+        Errors of heading [rad] and of speed over the approach that do not matter over a window.
+    window : float, optional
+        Length of the windows by which sets are judged [s]; by default 5 ship lengths.
+    held_out : sequence of FreeRecord
+        Records that take no part but in the errors before and after.
+    held_out_window : float, optional
+        Length of their windows [s]; by default that of the others.
+    candidates : sequence of FreeCandidate, optional
+        Who takes part; by default all of `candidates_for`.
+    windage : (float, float), optional
+        Frontal and lateral area above water [m²].
+    sensors : mapping of str to float, optional
+        Standard deviations of channels.
+    most : int
+        Effects in a set.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    seed : int
+        Of the draws that calibrate chance.
+    progress : callable, optional
+        Is told what is being done.
+
+    Returns
+    -------
+    Diagnosis
+        The evidence of an `Entry` is how much more probable it makes records left out one after
+        another, less ln 2K for each effect.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two records long enough.
+
+    Notes
+    -----
+    Each record is followed by a Kalman filter that holds the model and unknown forces, a fast and
+    a slow one per channel, of the size that the records make most likely under the largest model
+    (all candidates) but not below `floor`. Its innovations are white up to a factor, found from
+    the scores of stretches of four ship lengths, by which all information is divided. They are
+    made linear in all values, so the values of any set follow from any choice of records.
+
+    That is not the verdict yet: such evidence is large for everything that happens fast, and an
+    effect that matters over a manoeuvre is slow. So each record is left out in turn, the base and
+    the set fitted to the others, and it is predicted over windows with its measured rudder. One
+    error of heading and one of speed count as independent per length of a window. Sets of up to
+    `most` effects are ranked by that, the best fitted again by Gauss-Newton. Nothing is named
+    unless the records are more probable by more than e after the price, and chance gives the
+    filter's evidence of the best effect in less than 1 % of campaigns without any.
+    """
+    tell = progress or (lambda _: None)
+    if isinstance(records, Campaign):
+        records = [x for run in records.runs for x in free_records(run, model)]
+    if not records:
+        raise DataError("There is no record to diagnose.")
+    speed = records[0].speed
+    prior = prior or base_prior(
+        model, speed, spread=spread, loose=loose, extrapolate=extrapolate
+    )  # fmt: skip
+    every = tuple(
+        candidates_for(model, records, windage=windage) if candidates is None else candidates
+    )
+    large = model
+    for item in every:
+        large = item.added_to(large)
+    values = tuple(dict.fromkeys((*prior.names, *(v for item in every for v in item.values))))
+    tell("Records and equations")
+    system = build_free(
+        large, records, values, sensors=sensors, floor=floor, extrapolate=extrapolate
+    )
+    basis = basis_of(system, prior, every)
+    tell("Size of what nothing explains")
+    system, largest = _weighed(system, basis, [item.name for item in every])
+    wider = widened(largest)
+    null = fitted(system, basis, (), wider=wider, begin=largest.z)
+    here = point_at(system, basis, null.z)
+    seen = screen(here, basis, wider)
+    courses = courses_of(system, window or WINDOW * model.ship.L / speed, extrapolate=extrapolate)
+    judge = Judge(
+        system=system, basis=basis, courses=courses, tolerance=np.array(tolerance), wider=wider
+    )
+    before = judge.left_out(here, ())
+    price = math.log(2.0 * len(every))
+
+    def gain(names: Names) -> float:
+        return judge.gain(before, judge.left_out(here, names)) - price * len(names)
+
+    tell("Sets of effects")
+    sets = _sets([item.name for item in every], gain, most)
+    tell("Best sets through the equations")
+    settled = _settled(sets, judge, null, before, price, (model, every))
+    best = settled[0] if settled else None
+    single = max((seen.evidence([n]) for n in best.names), default=-math.inf) if best else -math.inf
+    chance = chance_of(seen, single, seed=seed)
+    named = best is not None and chance < CHANCE and best.gain > LEAST
+    group = [
+        (item.names, math.exp(item.gain - settled[0].gain)) for item in settled
+        if item.gain > settled[0].gain - RIVALS and len(item.names) <= len(settled[0].names)
+    ]  # fmt: skip
+    many = named and len(group) > LONGEST
+    left = left_over(judge, judge.kept_in((best.fit if named and best else null).z))
+    forced = _forced(system, system.start + basis.T @ null.z) / wider > BEYOND
+    verdict: Verdict = "missing_effect" if named and not many else "noise"
+    if many or (not named and forced and left > LEFT):
+        verdict = "unexplained"
+    told = named and not many and best is not None
+    fit = best.fit if told and best else null
+    made = model_of(model, every, system, basis, fit)
+    refitted = model_of(model, every, system, basis, null)
+    numbers = dict(zip(system.names, (system.start + basis.T @ fit.z).tolist(), strict=True))
+    current = (numbers.get(CURRENT[0], 0.0), numbers.get(CURRENT[1], 0.0))
+    zero = numbers.get(RUDDER_ZERO, 0.0)
+    tell("Errors of the records held out")
+    errors = errors_of(judge, before, best.errors if told and best else None)
+    if held_out:
+        errors |= errors_held_out(
+            model, refitted, made if told else None, held_out,
+            window=held_out_window or window or WINDOW * model.ship.L / speed, current=current,
+            zero=zero, sensors=sensors, extrapolate=extrapolate,
+        )  # fmt: skip
+    covered = coverage_of(seen, _fewer(here, basis, wider), judge.likeness(null.z), every)
+    return Diagnosis(
+        verdict=verdict, group=tuple(group) if told else (),
+        flags=flags_of(told, many, left),
+        findings=findings_of(best, judge, before, every, covered) if told and best else (),
+        chance=chance, covered=covered,
+        entries=_entries(sets, settled), floor=floor,
+        base=MappingProxyType({name: numbers[name] for name in prior.names}),
+        errors=MappingProxyType(errors), model=made, refitted=refitted,
+        current=current, rudder_zero=zero,
+        notes=(
+            f"information divided by {wider:.2g}; unknown forces hang together over "
+            f"{system.memories[0]:g} and {system.memories[1]:g} ship lengths",
+            f"{sum(item.count for item in courses):.0f} independent windows",
+        ),
+    )  # fmt: skip
+
+
+def _entries(
+    sets: Sequence[tuple[Names, float]], settled: Sequence[Settled]
+) -> tuple[Entry, ...]:  # fmt: skip
+    """All sets, those that were fitted through the equations with what they gave then."""
+    gains = dict(sets) | {item.names: item.gain for item in settled}
+    order = sorted(gains.items(), key=lambda item: -item[1])
+    return tuple(Entry(names=names, log_evidence=gain, values=()) for names, gain in order)
+
+
+def _forced(system: FreeSystem, values: Array) -> float:
+    """ln of how much more likely the records are with unknown forces than with the floor's."""
+    small = system.with_shares(system.least)
+    return log_likelihood(system, values) - log_likelihood(small, values)
+
+
+def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
+    """The linear problem without one record after another."""
+    found = []
+    for number in np.unique(here.linear.owners):
+        kept = here.linear.owners != number
+        found.append(screen(replace(here, G=here.G[kept], y=here.y[kept]), basis, wider))
+    return found
+
+
+def _weighed(
+    system: FreeSystem, basis: Basis, every: Sequence[str]
+) -> tuple[FreeSystem, Fit]:  # fmt: skip
+    """Unknown forces of their most likely size under the largest model, and its fit.
+
+    It begins with large unknown forces: the filter then follows the ship whatever the values are,
+    and what is left is almost linear in them. With small ones a fit hangs on where it begins. The
+    sizes and the values are found in turns for as long as the records become more probable.
+    """
+    largest = fitted(agile(system), basis, every)
+    best, known = (system, largest), -math.inf
+    for _ in range(TURNS):
+        found = sized(best[0], system.start + basis.T @ best[1].z)
+        largest = fitted(found, basis, every, begin=best[1].z)
+        values = system.start + basis.T @ largest.z
+        new = log_likelihood(found, values) + largest.log_width
+        if new < known + LEAST:
+            break
+        best, known = (held(found, values), largest), new
+    return best
+
+
+def _sets(
+    names: Sequence[str], gain: Callable[[Names], float], most: int
+) -> list[tuple[Names, float]]:
+    """All single effects and pairs, and the best pairs with every third, best first."""
+    found: dict[Names, float] = {(name,): gain((name,)) for name in names}
+    if most > 1:
+        found |= {pair: gain(pair) for pair in combinations(names, 2)}
+    if most > 2:
+        order = {name: i for i, name in enumerate(names)}
+        pairs = sorted((item for item in found if len(item) == 2), key=lambda x: -found[x])
+        for pair in pairs[:AHEAD]:
+            for other in names:
+                three: Names = tuple(sorted({*pair, other}, key=order.__getitem__))
+                if len(three) == 3 and three not in found:
+                    found[three] = gain(three)
+    return sorted(found.items(), key=lambda item: -item[1])
+
+
+def _settled(
+    sets: Sequence[tuple[Names, float]], judge: Judge, null: Fit, before: Array, price: float,
+    asked: tuple[Model, Sequence[FreeCandidate]],
+) -> list[Settled]:  # fmt: skip
+    """The best sets fitted through the equations; what no model can have is left out."""
+    found = []
+    for names, linear in sets[:REFITTED]:
+        if linear < sets[0][1] - FAR:
+            break
+        fit = fitted(judge.system, judge.basis, names, wider=judge.wider, begin=null.z)
+        try:
+            model_of(*asked, judge.system, judge.basis, fit)
+        except ModelError:
+            continue
+        errors = judge.left_out(fit.here, names)
+        value = judge.gain(before, errors) - price * len(names)
+        found.append(Settled(names=names, gain=value, fit=fit, errors=errors))
+    return sorted(found, key=lambda item: -item.gain)

@@ -1,0 +1,323 @@
+"""A user's own effect from text: products of the motion, read by a small grammar."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import DataError, Problem, UnknownNameError
+from pmmkit.toml_files import read_toml
+
+Array = NDArray[np.float64]
+FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
+MOST: Final = 9
+"""Largest power of a factor."""
+SCALES: Final = {"X": 6e-4, "Y": 3.2e-3, "N": 1.3e-3, "K": 1e-4}
+MOTIONS: Final = {"v": 0.2, "r": 0.4, "u": 1.0, "p": 0.1, "phi": 0.1, "d": 0.35, "0": 1.0}
+"""Usual forces and motions in the prime system; a tenth of such a force is a usual size."""
+_TOKEN: Final = re.compile(
+    r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
+    r"|(?P<modulus>\|\s*[A-Za-z]+\s*\|)|(?P<mark>\*\*|[*^+:-])|(?P<stray>\S))"
+)
+_NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
+_KEYS: Final = ("name", "family", "summary", "terms", "typical", "check")
+
+
+@dataclass(frozen=True, kw_only=True)
+class OwnEffect:
+    """An effect that a user wrote down as products of the motion.
+
+    Parameters
+    ----------
+    name, family, summary, check : str
+        As in the catalogue.
+    shares : mapping of str to (mapping of str to float)
+        By coefficient, the derivatives that it stands for, each with its share of it.
+    typical : mapping of str to float
+        Usual size of each coefficient, prime system.
+    """
+
+    name: str
+    family: str = "own"
+    summary: str = ""
+    check: str = ""
+    shares: Mapping[str, Mapping[str, float]]
+    typical: Mapping[str, float]
+
+    def derivatives(self, coefficients: Mapping[str, float]) -> dict[str, float]:
+        """Values of the derivatives from those of the coefficients.
+
+        Examples
+        --------
+        >>> keel = own_effect("keel", "Y: a*v*|v|; N: -0.4*a*v*|v|; a ~ -0.01")
+        >>> keel.derivatives({"a": -0.02})
+        {'Yv|v|': -0.02, 'Nv|v|': 0.008}
+        """
+        found: dict[str, float] = {}
+        for label, own in self.shares.items():
+            for name, share in own.items():
+                found[name] = found.get(name, 0.0) + share * coefficients[label]
+        return found
+
+
+def own_effect(
+    name: str, text: str, *, family: str = "own", summary: str = "", check: str = "",
+    typical: Mapping[str, float] | None = None,
+) -> OwnEffect:  # fmt: skip
+    """An effect from text such as ``Y: v*|v|*r; N: v*v*r``.
+
+    Parameters
+    ----------
+    name : str
+        Small letters, digits and ``_``; not a name of the catalogue.
+    text : str
+        Statements parted by ``;`` or line breaks. ``Y: v*|v|*r + v^3`` gives products of v, r, u,
+        p, phi, d (delta) and their moduli in a channel; each has its derivative as coefficient.
+        ``Y: a*v*|v|; N: -0.4*a*v*|v|; a ~ -0.01`` has one coefficient for both, with its usual
+        size; a number is a share of a named coefficient.
+    family, summary, check : str
+        Family by which an answer is given first; one sentence; a run that would show it.
+    typical : mapping of str to float, optional
+        Usual sizes, as ``~`` in the text gives them, prime system with the speed of the instant;
+        by default a tenth of a usual force.
+
+    Returns
+    -------
+    OwnEffect
+
+    Raises
+    ------
+    DataError
+        If the text cannot be read; the message shows the place.
+
+    Examples
+    --------
+    >>> own_effect("fins", "Y: v*|v|*r; N: v*v*r; Nvvr ~ -0.04").typical
+    mappingproxy({'Yv|v|r': 0.01..., 'Nvvr': -0.04})
+    """
+    if not _NAME.fullmatch(name) or name in catalogue():
+        known = "it is one of the catalogue" if name in catalogue() else "use a to z, 0 to 9, _"
+        raise DataError(f"{name!r:.40} cannot be the name of an own effect: {known}.")
+    if not isinstance(text, str):
+        raise DataError(f"The terms of {name} must be a text such as 'Y: v*|v|*r'.")
+    given = {_label(key): (float(size), "", 0) for key, size in (typical or {}).items()}
+    channels = []
+    for statement, start in _statements(text):
+        if "~" in statement:
+            label, size = _size(name, text, statement, start)
+            given[label] = (size, text, start)
+        else:
+            channels.append((statement, start))
+    shares: dict[str, dict[str, float]] = {}
+    for statement, start in channels:
+        for label, derivative, share, place in _terms(name, text, statement, start, set(given)):
+            own = shares.setdefault(label, {})
+            if derivative in own:
+                _stop(name, text, place, f"{derivative} stands there twice")
+            own[derivative] = share
+    if not shares:
+        raise DataError(f"Own effect {name}: {text!r:.60} holds no term such as 'Y: v*|v|*r'.")
+    for label, (size, where, start) in given.items():
+        if label not in shares:
+            _stop(name, where or label, start, f"{label} stands in no term")
+        if not math.isfinite(size) or size == 0.0:
+            _stop(name, where or label, start, f"the usual size of {label} must not be {size:g}")
+    return OwnEffect(
+        name=name, family=family, summary=summary, check=check,
+        shares=MappingProxyType({k: MappingProxyType(v) for k, v in shares.items()}),
+        typical=MappingProxyType(
+            {label: given[label][0] if label in given else _usual(label) for label in shares}
+        ),
+    )  # fmt: skip
+
+
+def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
+    """Own effects from a TOML file.
+
+    Parameters
+    ----------
+    path : path
+        With a table ``[[effects]]`` for each: ``name`` and ``terms``, and where wanted ``family``,
+        ``summary``, ``check`` and ``typical``, a table of usual sizes.
+
+    Returns
+    -------
+    tuple of OwnEffect
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong, and where.
+    """
+    entries = read_toml(Path(path)).get("effects")
+    if not isinstance(entries, list) or not entries:
+        raise DataError(
+            Problem(file=str(path), message="there is no effect.", remedy="Write [[effects]].")
+        )
+    found: list[OwnEffect] = []
+    wrong: list[Problem] = []
+    for number, entry in enumerate(entries, start=1):
+        try:
+            found.append(_entry(entry, [item.name for item in found]))
+        except DataError as error:
+            place = f"[[effects]] #{number}"
+            wrong += [
+                Problem(file=str(path), entry=place, message=item.message)
+                for item in error.problems
+            ]
+    if wrong:
+        raise DataError(wrong, title="Own effects not read")
+    return tuple(found)
+
+
+def _entry(entry: Any, taken: list[str]) -> OwnEffect:
+    if not isinstance(entry, dict):
+        raise DataError("an effect is a table of name, terms and more.")
+    stray = [key for key in entry if key not in _KEYS]
+    lost = [key for key in ("name", "terms") if key not in entry]
+    wrong = [key for key in entry if key in _KEYS and key != "typical"
+             and not isinstance(entry[key], str)]  # fmt: skip
+    sizes = entry.get("typical", {})
+    sound = isinstance(sizes, dict) and all(
+        isinstance(x, (int, float)) and not isinstance(x, bool) for x in sizes.values()
+    )
+    found = [f"there is no key {key!r}; an effect has {', '.join(_KEYS)}." for key in stray]
+    found += [f"{key} is missing." for key in lost]
+    found += [f"{key} must be a text." for key in wrong]
+    found += [] if sound else ["typical must be a table of numbers."]
+    if not lost and entry["name"] in taken:
+        found.append(f"the name {entry['name']!r} stands there twice.")
+    if found:
+        raise DataError(found)
+    texts = {key: entry[key] for key in ("family", "summary", "check") if key in entry}
+    return own_effect(entry["name"], entry["terms"], typical=sizes, **texts)
+
+
+def _statements(text: str) -> Iterator[tuple[str, int]]:
+    for found in re.finditer(r"[^;\n]+", text):
+        if found.group().strip():
+            yield found.group(), found.start()
+
+
+def _label(text: str) -> str:
+    """A coefficient's name: derivatives in their canonical spelling."""
+    try:
+        return canonical(text.strip())
+    except UnknownNameError:
+        return text.strip()
+
+
+def _size(name: str, text: str, statement: str, start: int) -> tuple[str, float]:
+    left, _, right = statement.partition("~")
+    try:
+        return _label(left), float(right)
+    except ValueError:
+        _stop(name, text, start + len(left) + 1, "a usual size is a number")
+
+
+def _terms(
+    name: str, text: str, statement: str, start: int, named: set[str]
+) -> Iterator[tuple[str, str, float, int]]:
+    """Coefficient, derivative, share and place of each term of a channel."""
+    tokens = [
+        (str(kind), found.group(kind), start + found.start(kind))
+        for found in _TOKEN.finditer(statement)
+        if (kind := found.lastgroup) is not None
+    ]
+    end = start + len(statement.rstrip())
+    for kind, word, place in tokens:
+        if kind == "stray":
+            _stop(name, text, place, f"{word!r} has no meaning here")
+    if len(tokens) < 2 or tokens[0][1] not in CHANNELS or tokens[1][1] != ":":
+        place = tokens[0][2] if tokens else start
+        _stop(name, text, place, "a statement begins with X:, Y:, N: or K:")
+    channel, at = tokens[0][1], 2
+    while True:
+        term: list[tuple[str, str, int]] = []
+        sign = 1.0
+        first = tokens[at][2] if at < len(tokens) else end
+        while at < len(tokens) and not term and tokens[at][1] in "+-":
+            sign = -sign if tokens[at][1] == "-" else sign
+            at += 1
+        while at < len(tokens) and tokens[at][1] not in ("+", "-"):
+            term.append(tokens[at])
+            at += 1
+        yield _term(name, text, channel, term, sign, named, first, end)
+        if at >= len(tokens):
+            return
+
+
+def _term(
+    name: str, text: str, channel: str, term: list[tuple[str, str, int]], sign: float,
+    named: set[str], first: int, end: int,
+) -> tuple[str, str, float, int]:  # fmt: skip
+    """One product: an optional share and coefficient, then factors with their powers."""
+    share, label, factors, at = sign, "", "", 0
+    while at < len(term) or not factors:
+        if at >= len(term):
+            _stop(name, text, end if not term else term[-1][2], "a factor is missing")
+        kind, word, place = term[at]
+        inner = word.strip("| ")
+        if kind == "number" and at == 0:
+            share *= float(word)
+            if len(term) == 1 and share == 1.0:
+                factors = "0"
+        elif kind == "word" and word in named and not label and not factors:
+            label = word
+        elif kind in ("word", "modulus") and inner in FACTORS:
+            factor = FACTORS[inner] if kind == "word" else f"|{FACTORS[inner]}|"
+            if factor == "|phi|":
+                _stop(name, text, place, "there is no modulus of phi")
+            at, power = _power(name, text, term, at)
+            factors += factor * power
+        else:
+            hint = f" and no coefficient with a usual size ('{word} ~ 0.01')"
+            _stop(
+                name, text, place, f"{word!r} is no factor ({', '.join(FACTORS)})"
+                f"{hint if kind == 'word' else ''}",
+            )  # fmt: skip
+        at += 1
+        if at < len(term):
+            if term[at][1] != "*" or at + 1 == len(term):
+                _stop(name, text, term[at][2], "factors are joined by * and end with a factor")
+            at += 1
+    derivative = canonical(channel + factors)
+    if not label and share != 1.0:
+        _stop(
+            name, text, first, "a number or a minus belongs to a coefficient with a name and a "
+            "usual size, as in 'N: -0.4*a*v; a ~ 0.01'",
+        )  # fmt: skip
+    return label or derivative, derivative, share, first
+
+
+def _power(name: str, text: str, term: list[tuple[str, str, int]], at: int) -> tuple[int, int]:
+    """Place after a power, and the power."""
+    if at + 1 >= len(term) or term[at + 1][1] not in ("^", "**"):
+        return at, 1
+    kind, word, place = term[at + 2] if at + 2 < len(term) else ("", "", term[at + 1][2])
+    if kind != "number" or not word.isdigit() or not 1 <= int(word) <= MOST:
+        _stop(name, text, place, f"a power is a whole number from 1 to {MOST}")
+    return at + 2, int(word)
+
+
+def _stop(name: str, text: str, place: int, message: str) -> NoReturn:
+    line = text[text.rfind("\n", 0, place) + 1 :].split("\n", 1)[0]
+    column = place - (text.rfind("\n", 0, place) + 1)
+    raise DataError(
+        f"Own effect {name}: {message} (character {place + 1}).\n    {line}\n    {' ' * column}^"
+    )
+
+
+def _usual(derivative: str) -> float:
+    facts = parse_derivative(derivative)
+    return 0.1 * SCALES[facts.channel] / math.prod(MOTIONS[bare(x)] for x in facts.factors)

@@ -1,0 +1,480 @@
+"""Filters, smoothers and windows over measured histories; runs below a structure's equations.
+
+As `engine`, this file is written into a module in which `rates`, `complete` and NS are those of one
+structure; it takes arrays and runs compiled.
+
+The state of a filter is ``z``: the NS states of the ship, then `m` parameters, which may wander.
+Parameters act through the constants ``k``: ``k = base + Σ slope (θ - θ0)`` in the few places that
+each touches (`starts`, `places`, `slopes`, as a sparse matrix by rows). `inputs` holds a row per
+instant: rudder, revolutions, bucket, speed and direction of the true wind; controls are straight
+lines between instants. `kinds` says what each column of `measured` is: the number of a state, 100
+and 101 the velocity over ground to north and east, 102 its size.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.equations.integrator import NS
+
+Array = NDArray[np.float64]
+Places = NDArray[np.int64]
+
+
+def rates(y: Array, delta: float, turn: float, bucket: float, k: Array, out: Array) -> None:
+    """Stands for the equations of a structure: fills `out` with the rates of the states."""
+    raise NotImplementedError
+
+
+def complete(k: Array) -> int:
+    """Stands for the function of `engine`: fills in the inverse of the mass matrix."""
+    raise NotImplementedError
+
+
+def constants(
+    base: Array, starts: Places, places: Places, slopes: Array, change: Array, k: Array
+) -> int:
+    """Fill the constants for a change of the parameters; 1 if the mass matrix is not positive."""
+    for i in range(len(base)):
+        k[i] = base[i]
+    for j in range(len(change)):
+        for s in range(starts[j], starts[j + 1]):
+            k[places[s]] += slopes[s] * change[j]
+    return complete(k)
+
+
+def blown(speed: float, direction: float, k: Array) -> None:
+    """Set the wind that the drifting water feels from that over ground."""
+    k[39], k[40] = speed, direction
+    if k[42] != 0.0 or k[43] != 0.0:
+        north = -speed * math.cos(direction) - k[42]
+        east = -speed * math.sin(direction) - k[43]
+        k[39], k[40] = math.sqrt(north * north + east * east), math.atan2(-east, -north)
+
+
+def advance(
+    y: Array, start: Array, stop: Array, time: float, longest: float, k: Array, work: Array
+) -> None:
+    """Carry the states over an interval by the classical Runge-Kutta method."""
+    count = max(math.ceil(time / longest - 1e-9), 1)
+    h = time / count
+    z, k1, k2, k3, k4 = work[0], work[1], work[2], work[3], work[4]
+    blown(start[3], start[4], k)
+    for i in range(count):
+        a, c = i / count, (i + 1.0) / count
+        b = 0.5 * (a + c)
+        d0, d1 = start[0], stop[0] - start[0]
+        n0, n1 = start[1], stop[1] - start[1]
+        b0, b1 = start[2], stop[2] - start[2]
+        rates(y, d0 + a * d1, n0 + a * n1, b0 + a * b1, k, k1)
+        for j in range(NS):
+            z[j] = y[j] + 0.5 * h * k1[j]
+        rates(z, d0 + b * d1, n0 + b * n1, b0 + b * b1, k, k2)
+        for j in range(NS):
+            z[j] = y[j] + 0.5 * h * k2[j]
+        rates(z, d0 + b * d1, n0 + b * n1, b0 + b * b1, k, k3)
+        for j in range(NS):
+            z[j] = y[j] + h * k3[j]
+        rates(z, d0 + c * d1, n0 + c * n1, b0 + c * b1, k, k4)
+        for j in range(NS):
+            y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
+
+
+def expected(kind: int, z: Array, k: Array, h: Array) -> float:
+    """What a channel should show, and its slopes over the states."""
+    for i in range(len(h)):
+        h[i] = 0.0
+    if kind < 100:
+        h[kind] = 1.0
+        return float(z[kind])
+    ahead, aside = math.cos(z[2]), math.sin(z[2])
+    north = z[3] * ahead - z[4] * aside + k[42]
+    east = z[3] * aside + z[4] * ahead + k[43]
+    if kind == 100:
+        h[2], h[3], h[4] = k[43] - east, ahead, -aside
+        return float(north)
+    if kind == 101:
+        h[2], h[3], h[4] = north - k[42], aside, ahead
+        return float(east)
+    size = max(math.sqrt(north * north + east * east), 1e-9)
+    h[3] = (north * ahead + east * aside) / size
+    h[4] = (east * ahead - north * aside) / size
+    h[2] = (north * (k[43] - east) + east * (north - k[42])) / size
+    return size
+
+
+def drifted(kind: int, z: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
+    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
+    if kind < 100:
+        return
+    ahead, aside = math.cos(z[2]), math.sin(z[2])
+    north, east = h[3] * ahead - h[4] * aside, h[3] * aside + h[4] * ahead
+    for j in range(len(starts) - 1):
+        for s in range(starts[j], starts[j + 1]):
+            if places[s] == 42:
+                h[NS + j] += slopes[s] * north
+            elif places[s] == 43:
+                h[NS + j] += slopes[s] * east
+
+
+def correct(
+    z: Array, P: Array, h: Array, residual: float, variance: float, gain: Array, left: Array
+) -> float:
+    """Take in one measurement, in Joseph's form; gives the variance of its residual."""
+    n = len(z)
+    seen = 0.0
+    for i in range(n):
+        left[i] = 0.0
+    for j in range(n):
+        if h[j] != 0.0:
+            for i in range(n):
+                left[i] += P[i, j] * h[j]
+    for j in range(n):
+        seen += h[j] * left[j]
+    total = seen + variance
+    for i in range(n):
+        gain[i] = left[i] / total
+        z[i] += gain[i] * residual
+    for i in range(n):
+        again = variance * gain[i] - (left[i] - gain[i] * seen)
+        for j in range(i + 1):
+            P[i, j] += again * gain[j] - gain[i] * left[j]
+    for i in range(n):
+        for j in range(i):
+            P[j, i] = P[i, j]
+    return total
+
+
+def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
+    """Carry a covariance over an interval: states by A and B, parameters by `keep`."""
+    m = len(keep)
+    yy, yt, tt = P[:NS, :NS].copy(), P[:NS, NS:].copy(), P[NS:, NS:].copy()
+    W = A @ yt
+    V = A @ yy
+    if m > 0:
+        W += B @ tt
+        V += B @ yt.T.copy()
+    new = V @ A.T.copy()
+    if m > 0:
+        new += W @ B.T.copy()
+    for i in range(NS):
+        for j in range(NS):
+            P[i, j] = 0.5 * (new[i, j] + new[j, i])
+        P[i, i] += noise[i]
+        for j in range(m):
+            P[i, NS + j] = W[i, j] * keep[j]
+            P[NS + j, i] = P[i, NS + j]
+    for i in range(m):
+        for j in range(m):
+            P[NS + i, NS + j] = keep[i] * tt[i, j] * keep[j]
+        P[NS + i, NS + i] += noise[NS + i]
+
+
+def linearised(
+    z: Array, y: Array, start: Array, stop: Array, time: float, longest: float, base: Array,
+    starts: Places, places: Places, slopes: Array, change: Array, steps: Array, k: Array,
+    work: Array, A: Array, B: Array,
+) -> int:  # fmt: skip
+    """States after an interval into `y`, and their slopes over states and parameters."""
+    m = len(change)
+    if constants(base, starts, places, slopes, change, k) != 0:
+        return 1
+    for i in range(NS):
+        y[i] = z[i]
+    advance(y, start, stop, time, longest, k, work)
+    moved = work[5]
+    for j in range(NS):
+        if j < 2:
+            for i in range(NS):
+                A[i, j] = 1.0 if i == j else 0.0
+            continue
+        for i in range(NS):
+            moved[i] = z[i]
+        moved[j] += steps[j]
+        advance(moved, start, stop, time, longest, k, work)
+        for i in range(NS):
+            A[i, j] = (moved[i] - y[i]) / steps[j]
+    for j in range(m):
+        kept = change[j]
+        change[j] = kept + steps[NS + j]
+        lost = constants(base, starts, places, slopes, change, k)
+        change[j] = kept
+        if lost != 0:
+            return 1
+        for i in range(NS):
+            moved[i] = z[i]
+        advance(moved, start, stop, time, longest, k, work)
+        for i in range(NS):
+            B[i, j] = (moved[i] - y[i]) / steps[NS + j]
+    return 0
+
+
+def turned_back(residual: float, kind: int) -> float:
+    """A residual of the heading taken the short way round."""
+    if kind != 2:
+        return residual
+    return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
+
+
+def take_in(
+    measured: Array, kinds: Places, variances: Array, z: Array, P: Array, k: Array,
+    starts: Places, places: Places, slopes: Array, about: Array, change: Array, gate: float,
+    h: Array, gain: Array, left: Array, residuals: Array, spreads: Array,
+) -> None:  # fmt: skip
+    """Take in the measurements of an instant, one after another, but for those beyond the gate."""
+    n, m = len(z), len(z) - NS
+    for q in range(len(kinds)):
+        residuals[q] = math.nan
+        spreads[q] = math.nan
+        if math.isnan(measured[q]):
+            continue
+        shown = expected(kinds[q], z, k, h)
+        drifted(kinds[q], z, h, starts, places, slopes)
+        for j in range(m):
+            shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
+        residual = turned_back(measured[q] - shown, kinds[q])
+        spread = variances[q]
+        for i in range(n):
+            if h[i] != 0.0:
+                for j in range(n):
+                    spread += h[i] * P[i, j] * h[j]
+        residuals[q], spreads[q] = residual, spread
+        if residual * residual > gate * gate * spread:
+            continue
+        correct(z, P, h, residual, variances[q], gain, left)
+
+
+def grown(diffusion: float, fading: float, time: float) -> float:
+    """Variance that process noise adds over an interval to a value that may forget."""
+    if fading > 0.0:
+        rate = 2.0 * fading
+        return diffusion * (1.0 - math.exp(-rate * time)) / rate
+    return diffusion * time
+
+
+def extended(
+    times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
+    starts: Places, places: Places, slopes: Array, about: Array, frozen: Array, z: Array,
+    P: Array, fading: Array, diffusion: Array, steps: Array, longest: float, gate: float,
+    means: Array, residuals: Array, spreads: Array, kept: Array,
+) -> int:  # fmt: skip
+    """Extended Kalman filter over one record; `z` and `P` end as those of the last instant.
+
+    `fading` are the inverse times in which parameters forget, `diffusion` the growth of the
+    variances per second. `about` is the point about which frozen parameters are linearised. Where
+    `kept` has room (N rows), filtered and predicted means and covariances and A, B of each
+    interval go there for the smoother. Gives 0; 1 if the mass matrix becomes indefinite, 2 if the
+    motion is lost.
+    """
+    N, n = len(times), len(z)
+    m = n - NS
+    k, work = np.zeros(len(base)), np.zeros((6, NS))
+    A, B = np.zeros((NS, NS)), np.zeros((NS, m))
+    y, h, gain, left = np.zeros(NS), np.zeros(n), np.zeros(n), np.zeros(n)
+    change, keep, noise = np.zeros(m), np.ones(m), np.zeros(n)
+    store = len(kept) == N
+    nn = n * n
+    for t in range(N):
+        if t > 0:
+            time = times[t] - times[t - 1]
+            for j in range(m):
+                change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
+                keep[j] = math.exp(-fading[j] * time)
+            lost = linearised(
+                z, y, inputs[t - 1], inputs[t], time, longest, base, starts, places, slopes,
+                change, steps, k, work, A, B,
+            )  # fmt: skip
+            if lost != 0:
+                return 1
+            for i in range(NS):
+                for j in range(m):
+                    if frozen[j] > 0.0:
+                        y[i] += B[i, j] * (z[NS + j] - about[j])
+                if not math.fabs(y[i]) < 1e12:
+                    return 2
+            for i in range(n):
+                noise[i] = grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
+            predict(P, A, B, keep, noise)
+            for i in range(NS):
+                z[i] = y[i]
+            for j in range(m):
+                z[NS + j] *= keep[j]
+            if store:
+                for i in range(NS):
+                    for j in range(NS):
+                        kept[t, 2 * nn + 2 * n + i * NS + j] = A[i, j]
+                    for j in range(m):
+                        kept[t, 2 * nn + 2 * n + NS * NS + i * m + j] = B[i, j]
+                for j in range(m):
+                    kept[t, 2 * nn + 2 * n + NS * n + j] = keep[j]
+        if store:
+            for i in range(n):
+                kept[t, i] = z[i]
+                for j in range(n):
+                    kept[t, 2 * n + i * n + j] = P[i, j]
+        for j in range(m):
+            change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
+        constants(base, starts, places, slopes, change, k)
+        take_in(
+            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
+            gain, left, residuals[t], spreads[t],
+        )  # fmt: skip
+        if store:
+            for i in range(n):
+                kept[t, n + i] = z[i]
+                for j in range(n):
+                    kept[t, 2 * n + nn + i * n + j] = P[i, j]
+        for i in range(n):
+            means[t, i] = z[i]
+            means[t, n + i] = P[i, i]
+    return 0
+
+
+def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
+    """Rauch, Tung and Striebel's smoother over what `extended` kept."""
+    N, m, nn = len(kept), n - NS, n * n
+    F = np.zeros((n, n))
+    for i in range(n):
+        means[N - 1, i] = kept[N - 1, n + i]
+        for j in range(n):
+            covariances[N - 1, i, j] = kept[N - 1, 2 * n + nn + i * n + j]
+    for t in range(N - 2, -1, -1):
+        row = kept[t + 1]
+        at = 2 * nn + 2 * n
+        for i in range(n):
+            for j in range(n):
+                F[i, j] = 0.0
+        for i in range(NS):
+            for j in range(NS):
+                F[i, j] = row[at + i * NS + j]
+            for j in range(m):
+                F[i, NS + j] = row[at + NS * NS + i * m + j]
+        for j in range(m):
+            F[NS + j, NS + j] = row[at + NS * n + j]
+        ahead = row[2 * n : 2 * n + nn].copy().reshape((n, n))
+        here = kept[t, 2 * n + nn : 2 * n + 2 * nn].copy().reshape((n, n))
+        scale = np.zeros(n)
+        for i in range(n):
+            scale[i] = 1.0 / math.sqrt(max(ahead[i, i], 1e-300))
+        for i in range(n):
+            for j in range(n):
+                ahead[i, j] *= scale[i] * scale[j]
+            ahead[i, i] += 1e-13
+        cross = F @ here
+        for i in range(n):
+            for j in range(n):
+                cross[i, j] *= scale[i]
+        G = np.linalg.solve(ahead, cross).T.copy()
+        for i in range(n):
+            for j in range(n):
+                G[i, j] *= scale[j]
+        difference = covariances[t + 1] - row[2 * n : 2 * n + nn].copy().reshape((n, n))
+        change = G @ difference
+        change = change @ G.T.copy()
+        for i in range(n):
+            total = kept[t, n + i]
+            for j in range(n):
+                total += G[i, j] * (means[t + 1, j] - row[j])
+                covariances[t, i, j] = here[i, j] + 0.5 * (change[i, j] + change[j, i])
+            means[t, i] = total
+
+
+def unscented(
+    times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
+    starts: Places, places: Places, slopes: Array, about: Array, z: Array, P: Array,
+    fading: Array, diffusion: Array, longest: float, gate: float, means: Array,
+    residuals: Array, spreads: Array,
+) -> int:  # fmt: skip
+    """Unscented Kalman filter with 2n equally weighted points; as `extended`."""
+    N, n = len(times), len(z)
+    m = n - NS
+    k, work, h = np.zeros(len(base)), np.zeros((6, NS)), np.zeros(n)
+    points, y, change = np.zeros((2 * n, n)), np.zeros(NS), np.zeros(m)
+    gain, left = np.zeros(n), np.zeros(n)
+    root = math.sqrt(float(n))
+    for t in range(N):
+        if t > 0:
+            time = times[t] - times[t - 1]
+            scale = np.zeros(n)
+            for i in range(n):
+                scale[i] = math.sqrt(max(P[i, i], 1e-300))
+            S = np.zeros((n, n))
+            for i in range(n):
+                for j in range(n):
+                    S[i, j] = P[i, j] / (scale[i] * scale[j])
+                S[i, i] += 1e-12
+            L = np.linalg.cholesky(S)
+            for p in range(n):
+                for i in range(n):
+                    shift = root * scale[i] * L[i, p]
+                    points[2 * p, i] = z[i] + shift
+                    points[2 * p + 1, i] = z[i] - shift
+            for p in range(2 * n):
+                for j in range(m):
+                    change[j] = points[p, NS + j] - about[j]
+                if constants(base, starts, places, slopes, change, k) != 0:
+                    return 1
+                for i in range(NS):
+                    y[i] = points[p, i]
+                advance(y, inputs[t - 1], inputs[t], time, longest, k, work)
+                for i in range(NS):
+                    if not math.fabs(y[i]) < 1e12:
+                        return 2
+                    points[p, i] = y[i]
+                for j in range(m):
+                    points[p, NS + j] *= math.exp(-fading[j] * time)
+            for i in range(n):
+                total = 0.0
+                for p in range(2 * n):
+                    total += points[p, i]
+                z[i] = total / (2.0 * n)
+            for p in range(2 * n):
+                for i in range(n):
+                    points[p, i] -= z[i]
+            P[:, :] = points.T.copy() @ points / (2.0 * n)
+            for i in range(n):
+                P[i, i] += grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
+        for j in range(m):
+            change[j] = z[NS + j] - about[j]
+        constants(base, starts, places, slopes, change, k)
+        take_in(
+            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
+            gain, left, residuals[t], spreads[t],
+        )  # fmt: skip
+        for i in range(n):
+            means[t, i] = z[i]
+            means[t, n + i] = P[i, i]
+    return 0
+
+
+def windows(
+    times: Array, inputs: Array, begins: Places, first: Array, k: Array, longest: float,
+    out: Array,
+) -> None:  # fmt: skip
+    """States at every instant of windows, each from its own first states."""
+    work, y = np.zeros((6, NS)), np.zeros(NS)
+    for w in range(len(begins) - 1):
+        for i in range(NS):
+            y[i] = first[w, i]
+            out[begins[w], i] = y[i]
+        for t in range(begins[w] + 1, begins[w + 1]):
+            advance(y, inputs[t - 1], inputs[t], times[t] - times[t - 1], longest, k, work)
+            for i in range(NS):
+                out[t, i] = y[i]
+
+
+def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> None:
+    """Rates of the states at every instant, with more forces than those of the effects."""
+    y, rate = np.zeros(NS), np.zeros(NS)
+    for t in range(len(states)):
+        blown(inputs[t, 3], inputs[t, 4], k)
+        for i in range(4):
+            k[45 + i] = more[t, i]
+        for i in range(NS):
+            y[i] = states[t, i]
+        rates(y, inputs[t, 0], inputs[t, 1], inputs[t, 2], k, rate)
+        for i in range(NS):
+            out[t, i] = rate[i]

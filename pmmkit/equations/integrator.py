@@ -1,0 +1,500 @@
+"""Integration of a model's equations of motion: the functions that run compiled or interpreted.
+
+`pmmkit.equations.code_generation` writes the functions of this file below the equations of one
+structure into a module, where `rates` and the capital names are that structure's. They use flat
+lists of floats (arrays when compiled), each other and `math`, nothing else.
+
+Steps are those of Dormand and Prince (1980), order 5 with an error estimate of order 4 and dense
+output of order 4 (Hairer, Nørsett and Wanner 1993, II.6). A kept step is ``t, h``, the states,
+and four coefficients of the dense output for each. Where a control has a corner a step ends.
+
+Flat lists: `k` the constants (`pmmkit.equations.constants`); `gear` five numbers for each of
+rudder, revolutions and bucket: since, start, order, rate, lag; `phases`, `settings`, `probes` as
+`pmmkit.simulation.run` lays them out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+NS = 6
+N_AT = -1
+TURNS = 1
+FREE: tuple[int, ...] = (3, 4, 5)
+BALANCE: tuple[int, ...] = (3, 4, 5)
+STRIDE: Final = 2 + 5 * NS
+TWICE: Final = 2.0 * math.pi
+
+
+def rates(
+    y: list[float], delta: float, turn: float, bucket: float, k: list[float], out: list[float]
+) -> None:
+    """Stands for the equations of a structure: fills `out` with the rates of the states."""
+    raise NotImplementedError
+
+
+def vector(size: int) -> list[float]:
+    """Room for floats."""
+    return [0.0] * size
+
+
+def control(t: float, since: float, start: float, order: float, rate: float, lag: float) -> float:
+    """A steering gear in closed form: at most at its rate, with a first-order lag at the end."""
+    error = order - start
+    if error == 0.0:
+        return order
+    gone = t - since
+    size = math.fabs(error)
+    side = 1.0 if error >= 0.0 else -1.0
+    straight = (size - rate * lag) / rate
+    if straight < 0.0:
+        straight = 0.0
+    if gone <= straight:
+        return start + side * rate * gone
+    rest = size - rate * straight
+    if lag <= 0.0 or rest <= 0.0:
+        return order
+    return order - side * rest * math.exp(-(gone - straight) / lag)
+
+
+def controlled(t: float, gear: list[float], which: int) -> float:
+    """One of the controls at an instant."""
+    g = 5 * which
+    return control(t, gear[g], gear[g + 1], gear[g + 2], gear[g + 3], gear[g + 4])
+
+
+def corner(gear: list[float], which: int) -> float:
+    """When a control leaves its constant rate; before it began if it has none."""
+    g = 5 * which
+    straight = (math.fabs(gear[g + 2] - gear[g + 1]) - gear[g + 3] * gear[g + 4]) / gear[g + 3]
+    return gear[g] + straight if straight > 0.0 else gear[g] - 1.0
+
+
+def evaluate(t: float, y: list[float], gear: list[float], k: list[float], out: list[float]) -> None:
+    """Rates of the states at an instant, with the controls of that instant."""
+    rates(y, controlled(t, gear, 0), controlled(t, gear, 1), controlled(t, gear, 2), k, out)
+
+
+def complete(k: list[float]) -> int:
+    """Fill the inverse of the mass matrix into the constants; 1 if it is not positive."""
+    mass, xG, zG, Izz, Ixx, rolls = k[3], k[8], k[9], k[10], k[11], k[12]
+    a11, a12, a13 = mass - k[14], mass * xG - k[15], -mass * zG - k[16]
+    a21, a22, a23 = mass * xG - k[17], Izz - k[18], -k[19]
+    a31, a32, a33 = -mass * zG - k[20], -k[21], Ixx - k[22]
+    if rolls == 0.0:
+        a13, a23, a31, a32, a33 = 0.0, 0.0, 0.0, 0.0, 1.0
+    k[26] = mass - k[13]
+    minor = a11 * a22 - a12 * a21
+    c11, c12, c13 = a22 * a33 - a23 * a32, a13 * a32 - a12 * a33, a12 * a23 - a13 * a22
+    det = a11 * c11 + a21 * c12 + a31 * c13
+    if not (k[26] > 0.0 and a11 > 0.0 and a22 > 0.0 and a33 > 0.0 and minor > 0.0 and det > 0.0):
+        return 1
+    k[27], k[28], k[29] = c11 / det, c12 / det, c13 / det
+    k[30], k[31] = (a23 * a31 - a21 * a33) / det, (a11 * a33 - a13 * a31) / det
+    k[32] = (a13 * a21 - a11 * a23) / det
+    k[33], k[34] = (a21 * a32 - a22 * a31) / det, (a12 * a31 - a11 * a32) / det
+    k[35] = minor / det
+    return 0
+
+
+def surge_rate(n: float, speed: float, k: list[float], y: list[float], out: list[float]) -> float:
+    """Surge acceleration straight ahead, rudder amidships [m/s²]."""
+    for i in range(NS):
+        y[i] = 0.0
+    y[3] = speed
+    if N_AT >= 0:
+        y[N_AT] = n
+    rates(y, 0.0, n, 0.0, k, out)
+    return out[3]
+
+
+def self_propulsion(speed: float, k: list[float], y: list[float], out: list[float]) -> float:
+    """Revolutions that hold a speed straight ahead; NaN if none do, 0 without a propeller.
+
+    Bracketed by growing steps from almost none, then found by the method of Illinois.
+    """
+    if TURNS == 0:
+        return 0.0
+    low = 0.1 * speed / k[0]
+    f_low = surge_rate(low, speed, k, y, out)
+    high, f_high = low, f_low
+    if not f_low < 0.0:
+        return math.nan
+    for _ in range(100):
+        high = 1.5 * high
+        f_high = surge_rate(high, speed, k, y, out)
+        if f_high >= 0.0:
+            break
+        low, f_low = high, f_high
+    if not f_high >= 0.0:
+        return math.nan
+    for _ in range(100):
+        if high - low <= 4e-16 * high or f_high == f_low:
+            break
+        middle = high - f_high * (high - low) / (f_high - f_low)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+        f_middle = surge_rate(middle, speed, k, y, out)
+        if f_middle == 0.0:
+            return middle
+        if f_middle > 0.0:
+            high, f_high = middle, f_middle
+            f_low = 0.5 * f_low
+        else:
+            low, f_low = middle, f_middle
+            f_high = 0.5 * f_high
+    return high
+
+
+def dense(steps: list[float], at: int, theta: float, state: int) -> float:
+    """One state inside the step that begins at `at`; `theta` runs from 0 to 1."""
+    a = at + 2 + state
+    rest = 1.0 - theta
+    return steps[a] + theta * (
+        steps[a + NS]
+        + rest * (steps[a + 2 * NS] + theta * (steps[a + 3 * NS] + rest * steps[a + 4 * NS]))
+    )
+
+
+def keep(
+    steps: list[float], at: int, t: float, h: float, y: list[float], new: list[float],
+    k1: list[float], k3: list[float], k4: list[float], k5: list[float], k6: list[float],
+    k7: list[float],
+) -> None:  # fmt: skip
+    """Write a step and the coefficients of its dense output."""
+    steps[at] = t
+    steps[at + 1] = h
+    for i in range(NS):
+        a = at + 2 + i
+        change = new[i] - y[i]
+        bend = h * k1[i] - change
+        steps[a] = y[i]
+        steps[a + NS] = change
+        steps[a + 2 * NS] = bend
+        steps[a + 3 * NS] = change - h * k7[i] - bend
+        steps[a + 4 * NS] = h * (
+            -12715105075.0 / 11282082432.0 * k1[i]
+            + 87487479700.0 / 32700410799.0 * k3[i]
+            - 10690763975.0 / 1880347072.0 * k4[i]
+            + 701980252875.0 / 199316789632.0 * k5[i]
+            - 1453857185.0 / 822651844.0 * k6[i]
+            + 69997945.0 / 29380423.0 * k7[i]
+        )
+
+
+def step(
+    t: float, h: float, y: list[float], gear: list[float], k: list[float], z: list[float],
+    k1: list[float], k2: list[float], k3: list[float], k4: list[float], k5: list[float],
+    k6: list[float], k7: list[float], new: list[float],
+) -> None:  # fmt: skip
+    """One step of Dormand and Prince from the rates `k1`: fills the stages and `new`."""
+    for i in range(NS):
+        z[i] = y[i] + h * 0.2 * k1[i]
+    evaluate(t + 0.2 * h, z, gear, k, k2)
+    for i in range(NS):
+        z[i] = y[i] + h * (3.0 / 40.0 * k1[i] + 9.0 / 40.0 * k2[i])
+    evaluate(t + 0.3 * h, z, gear, k, k3)
+    for i in range(NS):
+        z[i] = y[i] + h * (44.0 / 45.0 * k1[i] - 56.0 / 15.0 * k2[i] + 32.0 / 9.0 * k3[i])
+    evaluate(t + 0.8 * h, z, gear, k, k4)
+    for i in range(NS):
+        z[i] = y[i] + h * (
+            19372.0 / 6561.0 * k1[i]
+            - 25360.0 / 2187.0 * k2[i]
+            + 64448.0 / 6561.0 * k3[i]
+            - 212.0 / 729.0 * k4[i]
+        )
+    evaluate(t + 8.0 / 9.0 * h, z, gear, k, k5)
+    for i in range(NS):
+        z[i] = y[i] + h * (
+            9017.0 / 3168.0 * k1[i]
+            - 355.0 / 33.0 * k2[i]
+            + 46732.0 / 5247.0 * k3[i]
+            + 49.0 / 176.0 * k4[i]
+            - 5103.0 / 18656.0 * k5[i]
+        )
+    evaluate(t + h, z, gear, k, k6)
+    for i in range(NS):
+        new[i] = y[i] + h * (
+            35.0 / 384.0 * k1[i]
+            + 500.0 / 1113.0 * k3[i]
+            + 125.0 / 192.0 * k4[i]
+            - 2187.0 / 6784.0 * k5[i]
+            + 11.0 / 84.0 * k6[i]
+        )
+    evaluate(t + h, new, gear, k, k7)
+
+
+def error_of(
+    h: float, y: list[float], new: list[float], rtol: float, size: list[float], k1: list[float],
+    k3: list[float], k4: list[float], k5: list[float], k6: list[float], k7: list[float],
+) -> float:  # fmt: skip
+    """Root of the mean square of the error over the tolerance."""
+    total = 0.0
+    for i in range(NS):
+        e = h * (
+            71.0 / 57600.0 * k1[i]
+            - 71.0 / 16695.0 * k3[i]
+            + 71.0 / 1920.0 * k4[i]
+            - 17253.0 / 339200.0 * k5[i]
+            + 22.0 / 525.0 * k6[i]
+            - 1.0 / 40.0 * k7[i]
+        )
+        scale = rtol * (size[i] + max(math.fabs(y[i]), math.fabs(new[i])))
+        total += (e / scale) * (e / scale)
+    return math.sqrt(total / NS)
+
+
+def root(
+    steps: list[float], at: int, state: int, level: float, side: float, low: float, high: float
+) -> float:
+    """Where a state passes a level inside a step, between two places of which one is beyond."""
+    f_low = side * (dense(steps, at, low, state) - level)
+    f_high = side * (dense(steps, at, high, state) - level)
+    for _ in range(200):
+        if high - low <= 1e-15 or f_high == f_low:
+            break
+        middle = high - f_high * (high - low) / (f_high - f_low)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+        f_middle = side * (dense(steps, at, middle, state) - level)
+        if f_middle == 0.0:
+            return middle
+        if f_middle > 0.0:
+            high, f_high = middle, f_middle
+            f_low = 0.5 * f_low
+        else:
+            low, f_low = middle, f_middle
+            f_high = 0.5 * f_high
+    return high
+
+
+def solve(a: list[float], b: list[float], m: int) -> int:
+    """Solve a small system in place by elimination with pivots; 1 if it is singular."""
+    for c in range(m):
+        best = c
+        for r in range(c + 1, m):
+            if math.fabs(a[r * m + c]) > math.fabs(a[best * m + c]):
+                best = r
+        if not math.fabs(a[best * m + c]) > 0.0:
+            return 1
+        if best != c:
+            for j in range(m):
+                a[c * m + j], a[best * m + j] = a[best * m + j], a[c * m + j]
+            b[c], b[best] = b[best], b[c]
+        for r in range(c + 1, m):
+            share = a[r * m + c] / a[c * m + c]
+            for j in range(c, m):
+                a[r * m + j] -= share * a[c * m + j]
+            b[r] -= share * b[c]
+    for c in range(m - 1, -1, -1):
+        for j in range(c + 1, m):
+            b[c] -= a[c * m + j] * b[j]
+        b[c] = b[c] / a[c * m + c]
+    return 0
+
+
+def settle(
+    y: list[float], delta: float, turn: float, bucket: float, speed: float, n0: float,
+    k: list[float], found: list[float],
+) -> int:  # fmt: skip
+    """The motion without accelerations next to the states `y`, by Newton's method.
+
+    Fills `found` and gives 0; gives 1 if there is none near.
+    """
+    m = len(FREE)
+    size, unit = vector(m), vector(m)
+    a, b, above, below = vector(m * m), vector(m), vector(NS), vector(NS)
+    pace = speed / k[0]
+    for i in range(m):
+        at = FREE[i]
+        if at < 5:
+            size[i], unit[i] = speed, speed * pace
+        elif at == 5:
+            size[i], unit[i] = pace, pace * pace
+        elif at == N_AT:
+            size[i], unit[i] = max(n0, 1e-9), max(n0, 1e-9) * pace
+        elif at == 7:
+            size[i], unit[i] = 1.0, pace * pace
+        else:
+            size[i], unit[i] = 1.0, pace
+    for i in range(NS):
+        found[i] = y[i]
+    if k[12] > 0.0:
+        found[6] = 0.0
+    for _ in range(40):
+        rates(found, delta, turn, bucket, k, above)
+        worst = 0.0
+        for i in range(m):
+            b[i] = above[BALANCE[i]] / unit[i]
+            worst = max(worst, math.fabs(b[i]))
+        if math.isnan(worst):
+            return 1
+        if worst < 1e-11:
+            break
+        for j in range(m):
+            kept = found[FREE[j]]
+            found[FREE[j]] = kept + 1e-6 * size[j]
+            rates(found, delta, turn, bucket, k, above)
+            found[FREE[j]] = kept - 1e-6 * size[j]
+            rates(found, delta, turn, bucket, k, below)
+            found[FREE[j]] = kept
+            for i in range(m):
+                a[i * m + j] = (above[BALANCE[i]] - below[BALANCE[i]]) / (2e-6 * unit[i])
+        if solve(a, b, m) == 1:
+            return 1
+        largest = 0.0
+        for i in range(m):
+            found[FREE[i]] -= b[i] * size[i]
+            largest = max(largest, math.fabs(b[i]))
+        if not largest <= 1.0:
+            return 1
+        if largest < 1e-11:
+            break
+    else:
+        return 1
+    for i in range(m):
+        if math.fabs(found[FREE[i]] - y[FREE[i]]) > 0.02 * size[i]:
+            return 1
+    return 0
+
+
+def run(
+    k: list[float], phases: list[float], count: int, settings: list[float], steps: list[float],
+    room: int, events: list[float],
+) -> tuple[int, int, float]:  # fmt: skip
+    """Integrate one ship through its phases.
+
+    Gives a status (0 done, 1 mass matrix, 2 motion without bound, 3 steps too small, 4 no more
+    room, 5 no self-propulsion), the number of kept steps and the revolutions of the approach.
+    """
+    y, z, new = vector(NS), vector(NS), vector(NS)
+    k1, k2, k3, k4 = vector(NS), vector(NS), vector(NS), vector(NS)
+    k5, k6, k7 = vector(NS), vector(NS), vector(NS)
+    size, gear = vector(NS), vector(15)
+    if complete(k) == 1:
+        return 1, 0, math.nan
+    rtol, longest, speed = settings[0], settings[1], settings[2]
+    pace = speed / k[0]
+    n0 = settings[9]
+    if not n0 > 0.0:
+        n0 = self_propulsion(speed, k, y, z)
+        if math.isnan(n0):
+            return 5, 0, n0
+    for i in range(NS):
+        y[i], size[i] = 0.0, 1.0
+    size[0], size[1], size[3], size[4], size[5] = k[0], k[0], speed, speed, pace
+    if k[12] > 0.0:
+        size[6] = pace
+    y[3] = speed
+    if N_AT >= 0:
+        y[N_AT], size[N_AT] = n0, n0
+    for i in range(3):
+        gear[5 * i + 3], gear[5 * i + 4] = settings[3 + 2 * i], settings[4 + 2 * i]
+    gear[6], gear[7], gear[8] = n0, n0, settings[5] * max(n0, 1e-9)
+    t, h, kept = 0.0, 0.05 / pace, 0
+    before, lost = 1e-4, 0
+    for p in range(count):
+        a, e = 8 * p, 9 * p
+        for c in range(3):
+            order = phases[a + c] * n0 if c == 1 else phases[a + c]
+            now = controlled(t, gear, c)
+            events[e + 1 + c] = now
+            if order == order:
+                gear[5 * c], gear[5 * c + 1], gear[5 * c + 2] = t, now, order
+            events[e + 4 + c] = gear[5 * c + 2]
+        events[e], events[e + 7], events[e + 8] = t, kept, 0.0
+        kind, level, side = int(phases[a + 3]), phases[a + 4], phases[a + 5]
+        since, end, more = t + phases[a + 6], t + phases[a + 7], 6
+        watched = 2
+        if kind == 2:
+            watched = 5
+        elif kind == 3:
+            watched = 3
+        if lost == 1:
+            end = t
+        evaluate(t, y, gear, k, k1)
+        done = 0
+        while done == 0:
+            if t >= end - 1e-12 * (1.0 + end):
+                break
+            past = t >= since - 1e-12 * (1.0 + since)
+            ahead = side * (y[watched] - level)
+            if past and kind > 0 and kind < 4 and ahead >= 0.0:
+                done = 1
+                break
+            stop = end
+            if not past and since < stop:
+                stop = since
+            for c in range(3):
+                bend = corner(gear, c)
+                if bend > t + 1e-12 * (1.0 + t) and bend < stop:
+                    stop = bend
+            h = min(h, longest)
+            clipped = t + 1.01 * h >= stop
+            hh = stop - t if clipped else h
+            if STRIDE * (kept + 1) > room:
+                return 4, kept, n0
+            step(t, hh, y, gear, k, z, k1, k2, k3, k4, k5, k6, k7, new)
+            wrong = error_of(hh, y, new, rtol, size, k1, k3, k4, k5, k6, k7)
+            if not wrong <= 1.0:
+                h = hh * max(0.1, 0.9 * wrong**-0.2) if wrong == wrong else 0.1 * hh
+                if h < 1e-10 / pace:
+                    return 3, kept, n0
+                continue
+            at = STRIDE * kept
+            keep(steps, at, t, hh, y, new, k1, k3, k4, k5, k6, k7)
+            growth = 10.0
+            if wrong > 0.0:
+                growth = 0.9 * wrong**-0.17 * before**0.04
+                growth = min(10.0, max(0.2, growth))
+            before = max(wrong, 1e-4)
+            h = max(h, hh * growth) if clipped else hh * growth
+            behind = side * (new[watched] - level)
+            if past and ahead < 0.0 and behind >= 0.0 and kind > 0 and kind < 5:
+                place = root(steps, at, watched, level, side, 0.0, 1.0)
+                done = 1
+                if kind == 4 and more > 0:
+                    for i in range(NS):
+                        z[i] = dense(steps, at, place, i)
+                    when = t + place * hh
+                    if (
+                        settle(
+                            z, controlled(when, gear, 0), controlled(when, gear, 1),
+                            controlled(when, gear, 2), speed, n0, k, k2,
+                        )
+                        == 1
+                    ):  # fmt: skip
+                        more -= 1
+                        level += side * TWICE
+                        done = 0
+                if done == 1 and place < 1.0:
+                    hh = place * hh
+                    step(t, hh, y, gear, k, z, k1, k2, k3, k4, k5, k6, k7, new)
+                    keep(steps, at, t, hh, y, new, k1, k3, k4, k5, k6, k7)
+            t = stop if clipped and done == 0 else t + hh
+            for i in range(NS):
+                y[i], k1[i] = new[i], k7[i]
+            kept += 1
+            if math.sqrt(y[3] * y[3] + y[4] * y[4]) > settings[10]:
+                return 2, kept, n0
+            if k[12] > 0.0 and math.fabs(y[7]) > 0.5 * math.pi:
+                return 2, kept, n0
+            if kind == 5 and past:
+                quiet = max(math.fabs(k1[3]), math.fabs(k1[4])) / (speed * pace)
+                quiet = max(quiet, math.fabs(k1[5]) / (pace * pace))
+                if quiet < level:
+                    done = 1
+        events[e + 8] = done
+        if done == 0 and kind > 0 and kind < 5:
+            lost = 1
+    e = 9 * count
+    events[e], events[e + 7] = t, kept
+    for c in range(3):
+        events[e + 1 + c] = controlled(t, gear, c)
+    return 0, kept, n0

@@ -1,0 +1,415 @@
+"""From a model to its structure and the flat list of its constants."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from types import ModuleType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import CHANNELS
+from pmmkit.effects import added_mass
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.hull import Monomial, polynomial
+from pmmkit.equations.code_generation import GIVEN
+from pmmkit.equations.compilation import compiled, interpreted
+from pmmkit.equations.constants import NAMES, PLACE
+from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
+from pmmkit.errors import DataError, MissingPartError, ModelError
+from pmmkit.models import Model
+
+Array = NDArray[np.float64]
+Numbers = Mapping[str, Mapping[str, Any]]
+"""Values of the parts by effect and name: floats, tables, or arrays with a value per ship."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conditions:
+    """What surrounds the ship during a manoeuvre.
+
+    Parameters
+    ----------
+    wind_speed : float
+        Speed of the true wind [m/s].
+    wind_direction_deg : float
+        Direction it comes from, from the heading of the approach, positive to starboard [deg].
+    current_speed : float
+        Speed of the uniform current [m/s].
+    current_direction_deg : float
+        Direction it flows to, from the heading of the approach, positive to starboard [deg].
+    depth : float, optional
+        Depth of the water [m]; by default that of the model's water, deep if it has none.
+    """
+
+    wind_speed: float = 0.0
+    wind_direction_deg: float = 0.0
+    current_speed: float = 0.0
+    current_direction_deg: float = 0.0
+    depth: float | None = None
+
+    @property
+    def current(self) -> tuple[float, float]:
+        """Velocity of the current along and to starboard of the approach [m/s]."""
+        angle = math.radians(self.current_direction_deg)
+        return self.current_speed * math.cos(angle), self.current_speed * math.sin(angle)
+
+    @property
+    def wind_on_water(self) -> tuple[float, float]:
+        """The wind as the drifting water feels it: speed [m/s], direction it comes from [rad]."""
+        angle = math.radians(self.wind_direction_deg)
+        along, across = self.current
+        x = -self.wind_speed * math.cos(angle) - along
+        y = -self.wind_speed * math.sin(angle) - across
+        return math.hypot(x, y), math.atan2(-y, -x)
+
+
+CALM: Final = Conditions()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """A model at one approach speed, ready to be integrated.
+
+    Parameters
+    ----------
+    structure : Structure
+        What decides on the code.
+    k : tuple of float
+        The constants in the order of `layout`.
+    speed : float
+        Approach speed [m/s].
+    name : str
+        Of the model, for messages.
+    """
+
+    structure: Structure
+    k: tuple[float, ...]
+    speed: float
+    name: str = ""
+
+    @property
+    def L(self) -> float:
+        """Ship length [m]."""
+        return self.k[PLACE["L"]]
+
+    @property
+    def rolls(self) -> bool:
+        """Whether roll is a degree of freedom."""
+        return self.structure.rolls
+
+    def functions(self, *, fast: bool = False) -> ModuleType:
+        """The functions of the structure, interpreted or compiled."""
+        return self._compiled if fast else self._interpreted
+
+    @cached_property
+    def _compiled(self) -> ModuleType:
+        return compiled(self.structure)
+
+    @cached_property
+    def _interpreted(self) -> ModuleType:
+        return interpreted(self.structure)
+
+    @cached_property
+    def array(self) -> Array:
+        """The constants as the compiled functions take them."""
+        return np.array(self.k)
+
+    @cached_property
+    def constants(self) -> list[float]:
+        """The constants with the inverse of the mass matrix filled in.
+
+        Raises
+        ------
+        ModelError
+            If the mass matrix is not positive.
+        """
+        full = list(self.k)
+        if self.functions().complete(full):
+            raise ModelError(mass_problem(self.name))
+        return full
+
+    def rates(self, y: Sequence[float], delta: float, n: float, bucket: float = 0.0) -> list[float]:
+        """Rates of the states `structure.states` at a rudder angle [rad] and revolutions [1/s]."""
+        out = [0.0] * len(self.structure.states)
+        self.functions().rates(list(y), delta, n, bucket, self.constants, out)
+        return out
+
+    def accelerations(
+        self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
+        delta: float = 0.0, n: float = 0.0,
+    ) -> tuple[float, float, float, float]:  # fmt: skip
+        """Surge, sway [m/s²], yaw and roll acceleration [rad/s²] in ship axes at midship.
+
+        States of lags are settled.
+        """
+        out = self.rates(self.settled(u, v, r, p, phi, delta, n), delta, n)
+        return out[3], out[4], out[5], out[6] if self.rolls else 0.0
+
+    def settled(
+        self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
+        delta: float = 0.0, n: float = 0.0,
+    ) -> list[float]:  # fmt: skip
+        """States of a motion, those that effects bring where their rates vanish."""
+        given = {"u": u, "v": v, "r": r, "p": p, "phi": phi, "n": n}
+        states = self.structure.states
+        lags = [states.index(name) for name in self.structure.brought if name not in given]
+        y = [given.get(name, 0.0) for name in states]
+        if not lags:
+            return y
+        begin = self.rates(y, delta, n)
+        end = self.rates([1.0 if i in lags else x for i, x in enumerate(y)], delta, n)
+        return [begin[i] / (begin[i] - end[i]) if i in lags else x for i, x in enumerate(y)]
+
+    def self_propulsion(self, speed: float | None = None) -> float:
+        """Revolutions per second that hold a speed straight ahead, rudder amidships.
+
+        Returns
+        -------
+        float
+            0 for a model without a propeller (surge written in the loss of speed).
+
+        Raises
+        ------
+        ModelError
+            If no revolutions give the thrust that the resistance asks for.
+        """
+        size = len(self.structure.states)
+        asked = self.speed if speed is None else speed
+        n: float = self.functions().self_propulsion(
+            asked, self.constants, [0.0] * size, [0.0] * size
+        )
+        if math.isnan(n):
+            raise ModelError(propulsion_problem(self.name, asked))
+        return n
+
+
+def mass_problem(name: str) -> str:
+    """What to say of a mass matrix that is not positive."""
+    return (
+        f"The mass matrix of model {name!r} is not positive. Check Xudot, Yvdot, Nrdot (negative "
+        f"by nature) and the masses of the ship."
+    )
+
+
+def propulsion_problem(name: str, speed: float) -> str:
+    """What to say where no revolutions hold a speed."""
+    return (
+        f"No propeller revolutions hold {speed:g} m/s in model {name!r}. Check Xuu (negative), the "
+        f"propeller's diameter, KT and wake, and the wind."
+    )
+
+
+@lru_cache(maxsize=64)
+def prepare(
+    model: Model, speed: float, *, conditions: Conditions = CALM, extrapolate: bool = False,
+    generic: bool = False,
+) -> Prepared:  # fmt: skip
+    """A model at an approach speed, as code and constants.
+
+    Parameters
+    ----------
+    model : Model
+        A model with hull, added mass, propulsion and rudder.
+    speed : float
+        Approach speed [m/s]; the values of its Froude number hold throughout the manoeuvre.
+    conditions : Conditions
+        Wind, current and depth.
+    extrapolate : bool
+        Allow a Froude number outside the model's range.
+    generic : bool
+        Take the hull polynomial as data: one code for all polynomials.
+
+    Returns
+    -------
+    Prepared
+
+    Raises
+    ------
+    MissingPartError
+        If a part is missing.
+    ExtrapolationError
+        If the speed is outside the range of the model's values.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> ready = prepare(load_model("s175"), 9.0)
+    >>> round(60 * ready.self_propulsion(), 2)
+    85.95
+    """
+    values = values_at(model, speed, extrapolate=extrapolate)
+    structure, k = packed(model, values, speed, conditions, generic=generic)
+    return Prepared(structure=structure, k=tuple(k), speed=speed, name=model.name)
+
+
+def values_at(
+    model: Model, speed: float, *, extrapolate: bool = False
+) -> dict[str, dict[str, Any]]:
+    """Values of all parts at the Froude number of a speed, by effect and name."""
+    if not (math.isfinite(speed) and speed > 0):
+        raise DataError(f"The approach speed {speed} m/s must be positive.")
+    Fn = model.ship.froude(speed, model.water.g)
+    return {effect: model.values(effect, Fn, extrapolate=extrapolate) for effect in model.parts}
+
+
+def packed(
+    model: Model,
+    values: Numbers,
+    speed: float,
+    conditions: Conditions,
+    *,
+    generic: bool = False,
+    sails: bool = True,
+) -> tuple[Structure, list[Any]]:
+    """Structure and constants of a model from the values of its parts.
+
+    Parameters
+    ----------
+    model : Model
+        Ship, water, convention and options.
+    values : mapping
+        As `values_at` gives them; some may be arrays with a value per ship.
+    speed : float
+        Approach speed [m/s].
+    conditions : Conditions
+        Wind, current and depth.
+    generic : bool
+        As for `prepare`.
+    sails : bool
+        Whether the model must have all that a manoeuvre needs; False for forces on given motions,
+        such as those of a towed hull.
+
+    Returns
+    -------
+    Structure, list
+        Constants are floats, or arrays with a value per ship.
+    """
+    if sails:
+        _check_parts(model)
+    ship, water, convention = model.ship, model.water, model.convention
+    depth = conditions.depth or water.depth or math.inf
+    if depth <= ship.d:
+        raise DataError(
+            f"The depth {depth:g} m is {depth / ship.d:.2f} draughts: the ship is aground."
+        )
+    values = _in_shallow_water(model, values, depth)
+    added = added_mass.resolve(
+        values.get("added_mass", {}), ship=ship, water=water, convention=convention
+    )
+    terms: dict[str, Any] = {}
+    for effect in POLYNOMIALS:
+        known = catalogue()[effect]
+        for name, value in values.get(effect, {}).items():
+            if known.parameter(name) is None:
+                terms[name] = terms.get(name, 0.0) + value
+    monomials = polynomial(terms, ship=ship, water=water, convention=convention)
+    structure = structure_of(model, values, None if generic else monomials)
+    bis = convention.system == "bis"
+    fixed = convention.U == "carriage" and not bis
+    wind_speed, wind_direction = conditions.wind_on_water
+    current_x, current_y = conditions.current
+    common: dict[str, Any] = {
+        "L": ship.L, "B": ship.B, "d": ship.d, "mass": ship.mass, "volume": ship.volume,
+        "GM": ship.GM or 0.0, "rho": water.rho, "g": water.g, "xG": ship.xG, "zG": ship.zG or 0.0,
+        "Izz": ship.Izz, "Ixx": ship.Ixx or 0.0, "rolls": float(model.rolls),
+        **added._asdict(),
+        "reference": math.sqrt(water.g * ship.L) if bis else speed if fixed else 0.0,
+        "square": 1.0 if bis else 0.0,
+        "loss_from": speed if convention.surge == "delta-u" else 0.0,
+        "wind_speed": wind_speed, "wind_direction": wind_direction, "depth": depth,
+        "current_x": current_x, "current_y": current_y, "speed": speed,
+    }  # fmt: skip
+    k: list[Any] = [common.get(name, 0.0) for name in NAMES]
+    if not generic:
+        k += [number for _, numbers in monomials for number in numbers.values()]
+    for item in structure.used:
+        lengths = dict(item.tables)
+        for name in item.own:
+            value = values[item.effect].get(name, 0.0)
+            k += list(value) if name in lengths and isinstance(value, tuple) else [value]
+    if generic:
+        at = len(k)
+        k.append(float(len(monomials)))
+        for factors, numbers in monomials:
+            k += [float(len(factors)), *map(float, factors)]
+            k += [numbers.get(channel, 0.0) for channel in CHANNELS]
+        k.append(float(at))
+    return structure, k
+
+
+def stacked(k: Sequence[Any], ships: int) -> Array:
+    """Constants of many ships, a row each, from those of `packed`."""
+    table = np.empty((ships, len(k)))
+    for column, value in enumerate(k):
+        table[:, column] = value
+    return table
+
+
+def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | None) -> Structure:
+    """The structure of a model; without `monomials` that of the kernel for all polynomials."""
+    used = {}
+    for effect, part in sorted(model.parts.items()):
+        known = catalogue()[effect]
+        if known.force is None:
+            continue
+        chosen = known.chosen(part.options)
+        used[effect] = Used(
+            effect=effect,
+            options=tuple(
+                (name, words.index(chosen[name])) for name, words in known.options.items()
+            ),
+            tables=tuple(
+                (name, len(table) if isinstance(table := values[effect].get(name), tuple) else 1)
+                for name in sorted(known.tables)
+            ),
+        )
+    products = None
+    if monomials is not None:
+        products = tuple((factors, tuple(numbers)) for factors, numbers in monomials)
+    return Structure(products=products, used=in_order(used, model.name, GIVEN), rolls=model.rolls)
+
+
+def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
+    if "shallow_water" not in model.parts or math.isinf(depth):
+        return values
+    from pmmkit.effects.shallow_water import apply, factors
+
+    ship, powers = model.ship, values["shallow_water"]
+    found = {effect: dict(own) for effect, own in values.items()}
+    for effect in ("hull_polynomial", "added_mass"):
+        found[effect] = apply(values[effect], ship=ship, depth=depth, **powers)
+    if "crossflow_drag" in found:
+        grown = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)["Yvvv"]
+        found["crossflow_drag"]["CD"] = values["crossflow_drag"]["CD"] * grown
+    return found
+
+
+def feels_depth(model: Model) -> bool:
+    """Whether the depth of the water changes the forces of a model."""
+    return any("depth" in catalogue()[effect].needs for effect in model.parts)
+
+
+def _check_parts(model: Model) -> None:
+    parts = model.parts
+    outputs = {
+        output for effect in parts if catalogue()[effect].force for output in
+        catalogue()[effect].outputs
+    }  # fmt: skip
+    missing = [name for name in ("hull_polynomial", "added_mass") if name not in parts]
+    drives = {"thrust", "propelled"} & outputs or model.convention.surge == "delta-u"
+    if not drives:
+        missing.append("propeller")
+    steers = {"rudder_force", "steered"} & outputs or "rudder_abkowitz" in parts
+    if not steers:
+        missing.append("rudder_mmg (or rudder_abkowitz)")
+    if missing:
+        raise MissingPartError(
+            f"Model {model.name!r} cannot be simulated: it has no part "
+            f"{', '.join(dict.fromkeys(missing))}. Take parts from a library ship "
+            f'(to_model(table, parts="…")) or write them into the model file.'
+        )

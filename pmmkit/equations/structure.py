@@ -1,0 +1,156 @@
+"""The structure of a model: which effects and terms, without their values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from inspect import signature
+from typing import Final
+
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.effect import Effect
+from pmmkit.equations.constants import FIRST, ROLLING, STATES
+from pmmkit.errors import MissingPartError, ModelError
+
+POLYNOMIALS: Final = ("hull_polynomial", "rudder_abkowitz")
+FORCES: Final = ("X", "Y", "N", "K")
+ACCELERATIONS: Final = (
+    "Xudot", "Yvdot", "Yrdot", "Ypdot", "Nvdot", "Nrdot", "Npdot", "Kvdot", "Krdot", "Kpdot",
+)  # fmt: skip
+Products = tuple[tuple[tuple[int, ...], tuple[str, ...]], ...]
+"""Places of the factors of each product, and the channels that it enters."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Used:
+    """One effect as a model uses it: its options as (name, index), its tables as (name, length)."""
+
+    effect: str
+    options: tuple[tuple[str, int], ...] = ()
+    tables: tuple[tuple[str, int], ...] = ()
+
+    @property
+    def known(self) -> Effect:
+        """What the catalogue says of it."""
+        return catalogue()[self.effect]
+
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        """What its function asks for, by name."""
+        function = self.known.force
+        return _arguments(function) if function else ()
+
+    @property
+    def own(self) -> tuple[str, ...]:
+        """Parameters of its own that its function asks for, in the order of the constants."""
+        parameters = {item.name for item in self.known.parameters}
+        return tuple(name for name in self.arguments if name in parameters)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Structure:
+    """What of a model decides on the code of its equations.
+
+    Parameters
+    ----------
+    products : tuple
+        Products of the hull polynomial and their channels; None for a kernel that takes them as
+        data, slower but the same for all polynomials.
+    used : tuple of Used
+        The other effects in the order in which they are evaluated.
+    rolls : bool
+        Whether roll is a degree of freedom.
+    """
+
+    products: Products | None
+    used: tuple[Used, ...]
+    rolls: bool
+
+    @cached_property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states, those of the effects last."""
+        ship = STATES + (ROLLING if self.rolls else ())
+        return ship + tuple(state for item in self.used for state in item.known.states)
+
+    @cached_property
+    def brought(self) -> tuple[str, ...]:
+        """Names of the states that effects bring."""
+        return tuple(name for name in self.states if name not in (*STATES, *ROLLING))
+
+    @cached_property
+    def turns(self) -> bool:
+        """Whether revolutions of a propeller enter."""
+        return any({"n", "n_order"} & set(item.arguments) for item in self.used)
+
+    def places(self) -> dict[tuple[str, str], slice]:
+        """Where each parameter stands in the constants: (effect, name) to a slice."""
+        found: dict[tuple[str, str], slice] = {}
+        place = FIRST + (sum(len(channels) for _, channels in self.products or ()))
+        for item in self.used:
+            lengths = dict(item.tables)
+            for name in item.own:
+                length = lengths.get(name, 1)
+                found[item.effect, name] = slice(place, place + length)
+                place += length
+        return found
+
+
+@cache
+def _arguments(function: Callable[..., object]) -> tuple[str, ...]:
+    return tuple(signature(function).parameters)
+
+
+def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) -> tuple[Used, ...]:
+    """Effects in an order in which each finds the signals it asks for.
+
+    Parameters
+    ----------
+    used : mapping
+        Effects with a function.
+    name : str
+        Of the model, for the message.
+    conditions : frozenset of str
+        What is there without any effect: motion, controls, particulars, conditions.
+
+    Raises
+    ------
+    MissingPartError
+        If a signal comes from no effect.
+    """
+    makers = {
+        signal: effect
+        for effect, item in used.items()
+        for signal in item.known.outputs
+        if signal not in FORCES and signal not in ACCELERATIONS and not signal.endswith("_rate")
+    }
+    states = {state for item in used.values() for state in item.known.states}
+    waiting, done, order = dict(used), set(conditions | states), []
+    for effect, item in used.items():
+        own = {*item.own, *item.known.options}
+        lost = [x for x in item.arguments if x not in own | conditions | states | set(makers)]
+        if lost:
+            givers = sorted(
+                other.name
+                for other in catalogue().values()
+                if any(signal in other.outputs for signal in lost)
+            )
+            raise MissingPartError(
+                f"{effect} of model {name!r} needs {', '.join(lost)}: it has no part "
+                f"{' or '.join(givers) or 'that gives it'}. Take parts from a library ship "
+                f'(to_model(table, parts="…")) or write them into the model file.'
+            )
+    while waiting:
+        ready = [
+            effect
+            for effect, item in waiting.items()
+            if all(x in done or x in item.own or x in item.known.options for x in item.arguments)
+        ]
+        if not ready:
+            raise ModelError(
+                f"The effects {', '.join(waiting)} of model {name!r} ask for each other's signals."
+            )
+        chosen = waiting.pop(ready[0])
+        order.append(chosen)
+        done |= set(chosen.known.outputs)
+    return tuple(order)

@@ -1,0 +1,208 @@
+"""Hull, added mass and equations of motion as lines of MATLAB."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import groupby
+from typing import Any, Final
+
+from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations.structure import POLYNOMIALS
+from pmmkit.exports.matlab.transcribe import Line
+from pmmkit.exports.text import number
+
+Values = Mapping[str, Mapping[str, Any]]
+_FACTORS: Final = {
+    "u": "u_p", "v": "v_p", "r": "r_p", "p": "p_p", "phi": "phi", "d": "delta_p",
+    "|u|": "abs(u_p)", "|v|": "abs(v_p)", "|r|": "abs(r_p)", "|p|": "abs(p_p)",
+    "|d|": "abs(delta_p)",
+}  # fmt: skip
+_FORCE_UNITS: Final = {
+    "prime": "0.5*rho*L^2", "prime-d": "0.5*rho*L*d", "bis": "rho*g*volume",
+}  # fmt: skip
+_MASS_UNITS: Final = {
+    "prime": "0.5*rho*L^3", "prime-d": "0.5*rho*L^2*d", "bis": "rho*volume",
+}  # fmt: skip
+_INERTIA: Final = {
+    "udot": ("kg", "kg m"), "vdot": ("kg", "kg m"), "rdot": ("kg m", "kg m2"),
+    "pdot": ("kg m", "kg m2"),
+}  # fmt: skip
+"""Unit of each acceleration derivative, of a force and of a moment."""
+
+
+def variable(name: str) -> str:
+    """Name of a derivative as MATLAB takes it.
+
+    Parameters
+    ----------
+    name : str
+        Canonical name.
+
+    Examples
+    --------
+    >>> variable("Yv|v|"), variable("Nvvr")
+    ('Yvabsv', 'Nvvr')
+    """
+    derivative = parse_derivative(name)
+    return derivative.channel + "".join(
+        f"abs{factor.strip('|')}" if "|" in factor else factor for factor in derivative.factors
+    )
+
+
+def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[Line]:
+    """The derivatives, and the hull's forces X, Y, N and K by them.
+
+    Parameters
+    ----------
+    values : mapping
+        Values of the parts of a model by effect and name.
+    convention : Convention
+        What the derivatives mean.
+    rolls : bool
+        Whether K is wanted.
+    """
+    terms: dict[str, float] = {}
+    for effect in POLYNOMIALS:
+        for name, value in values.get(effect, {}).items():
+            if catalogue()[effect].parameter(name) is None:
+                terms[name] = terms.get(name, 0.0) + value
+    bis = convention.system == "bis"
+    reference, square = ("sqrt(g*L)", "1") if bis else ("U", "U^2")
+    if convention.U == "carriage" and not bis:
+        reference, square = "U0", "U0^2"
+    surge = "(u - U0)" if convention.surge == "delta-u" else "u"
+    sway = "-v" if convention.sway == "beta" else "v"
+    rudder = "-delta" if convention.rudder_positive == "port" else "delta"
+    lines = [Line(target=variable(name), text=number(value)) for name, value in terms.items()]
+    lines += [
+        Line(target="U_p", text=reference, note="speed that makes non-dimensional (m/s)"),
+        Line(target="u_p", text=f"{surge}/U_p"),
+        Line(target="v_p", text=f"{sway}/U_p"),
+        Line(target="r_p", text="r*L/U_p"),
+        Line(target="p_p", text="p*L/U_p"),
+        Line(target="delta_p", text=rudder),
+        Line(
+            target="unit",
+            text=_FORCE_UNITS[convention.system] + ("" if bis else f"*{square}"),
+            note="of forces (N), times L of moments",
+        ),
+    ]
+    for channel in CHANNELS if rolls else CHANNELS[:3]:
+        mine = [parse_derivative(name) for name in terms if name[0] == channel]
+        total = " + ".join(_product(item, convention) for item in mine) or "0"
+        arm = "" if channel in "XY" else "*L"
+        lines.append(Line(target=channel, text=f"unit{arm}*({total})"))
+    return lines
+
+
+def _product(derivative: Derivative, convention: Convention) -> str:
+    """A derivative times its factors, equal ones as powers."""
+    factors = derivative.factors
+    name = variable(derivative.name)
+    if convention.surge == "constant" and factors == ("u", "u"):
+        return f"{name}*(U/U_p)^2" if convention.system == "bis" else name
+    parts = [name]
+    for factor, equal in groupby(item for item in factors if item != "0"):
+        count = len(list(equal))
+        parts.append(_FACTORS[factor] + (f"^{count}" if count > 1 else ""))
+    return "*".join(parts)
+
+
+def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]:
+    """The added mass in SI units.
+
+    Parameters
+    ----------
+    added : mapping
+        Values of the part ``added_mass``.
+    convention : Convention
+        What they mean.
+    """
+    lines = [Line(target="mass_unit", text=_MASS_UNITS[convention.system], note="kg")]
+    for name, value in added.items():
+        if name == "lx":
+            continue
+        derivative = parse_derivative(name)
+        turned = convention.sway == "beta" and "vdot" in derivative.factors
+        moment = derivative.channel not in "XY"
+        power = derivative.length_power - 1 + moment
+        lines.append(
+            Line(
+                target=variable(name),
+                text=f"{number(-value if turned else value)}*mass_unit"
+                + ("" if not power else "*L" if power == 1 else f"*L^{power}"),
+                note=_INERTIA[derivative.factors[0]][moment],
+            )
+        )
+    return lines
+
+
+def motion_lines(
+    added: Mapping[str, float], extra: Mapping[str, list[str]], convention: Convention, *,
+    rolls: bool,
+) -> list[Line]:  # fmt: skip
+    """The equations of motion: accelerations from the forces X, Y, N and K.
+
+    Parameters
+    ----------
+    added : mapping
+        Values of the part ``added_mass``.
+    extra : mapping
+        Variables with further shares of the mass matrix, by acceleration derivative.
+    convention : Convention
+        Says where the Coriolis terms of the added mass are.
+    rolls : bool
+        Whether roll is a degree of freedom.
+    """
+
+    def share(name: str) -> str:
+        own = [variable(name)] if name in added else []
+        return "".join(f" - {item}" for item in (*own, *extra.get(name, ())))
+
+    separate = convention.coriolis == "separate"
+
+    def moving(name: str) -> str:
+        return f"(mass - {variable(name)})" if separate and name in added else "mass"
+
+    lines = [
+        Line(target="X", text=f"X + {moving('Yvdot')}*v*r + mass*xG*r^2"),
+        Line(target="Y", text=f"Y - {moving('Xudot')}*u*r"),
+        Line(target="N", text="N - mass*xG*u*r"),
+        Line(target="m11", text=f"mass{share('Xudot')}"),
+        Line(target="m22", text=f"mass{share('Yvdot')}"),
+        Line(target="m23", text=f"mass*xG{share('Yrdot')}"),
+        Line(target="m32", text=f"mass*xG{share('Nvdot')}"),
+        Line(target="m33", text=f"Izz{share('Nrdot')}"),
+        Line(target="u_dot", text="X/m11"),
+    ]
+    if not rolls:
+        return [
+            *lines,
+            Line(target="detM", text="m22*m33 - m23*m32"),
+            Line(target="v_dot", text="(m33*Y - m23*N)/detM"),
+            Line(target="r_dot", text="(m22*N - m32*Y)/detM"),
+        ]
+    lever = separate and {"Xudot", "lx"} <= set(added)
+    return [
+        Line(target="K", text=f"K + (mass*zG{' - Xudot*lx*L' if lever else ''})*u*r"),
+        *lines,
+        Line(target="m24", text=f"-mass*zG{share('Ypdot')}"),
+        Line(target="m34", text=f"0{share('Npdot')}"),
+        Line(target="m42", text=f"-mass*zG{share('Kvdot')}"),
+        Line(target="m43", text=f"0{share('Krdot')}"),
+        Line(target="m44", text=f"Ixx{share('Kpdot')}"),
+        Line(target="c1", text="m33*m44 - m34*m43"),
+        Line(target="c2", text="m24*m43 - m23*m44"),
+        Line(target="c3", text="m23*m34 - m24*m33"),
+        Line(target="detM", text="m22*c1 + m32*c2 + m42*c3"),
+        Line(target="v_dot", text="(c1*Y + c2*N + c3*K)/detM"),
+        Line(
+            target="r_dot",
+            text="((m34*m42 - m32*m44)*Y + (m22*m44 - m24*m42)*N + (m24*m32 - m22*m34)*K)/detM",
+        ),
+        Line(
+            target="p_dot",
+            text="((m32*m43 - m33*m42)*Y + (m23*m42 - m22*m43)*N + (m22*m33 - m23*m32)*K)/detM",
+        ),
+    ]

@@ -1,0 +1,392 @@
+"""A model as a function file for MATLAB and Octave, in the style of the MSS toolbox."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.equations import Prepared, prepare
+from pmmkit.equations.program import values_at
+from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
+from pmmkit.errors import ModelError, Problem
+from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
+from pmmkit.exports.matlab.transcribe import Line, Unwritable, needed, transcribe
+from pmmkit.exports.matlab.words import heading, meaning
+from pmmkit.exports.text import WIDTH, comment, is_matlab_name, matlab_name, number, row
+from pmmkit.models import Model
+from pmmkit.simulation.simulate import steering
+
+_ANY_FROUDE: Final = 0.2
+"""Where a model has one set of values for all speeds, any speed gives its structure."""
+_NO_INPUT: Final = {
+    "wind_speed": "the wind", "wind_direction": "the wind", "bucket": "the bucket of a waterjet",
+}  # fmt: skip
+_PARTICULARS: Final = {
+    "L": "length between perpendiculars (m)", "B": "breadth (m)", "d": "draught (m)",
+    "volume": "displaced volume (m3)", "mass": "mass (kg)",
+    "xG": "centre of gravity forward of midship (m)",
+    "zG": "centre of gravity below the origin (m)", "GM": "metacentric height (m)",
+    "Izz": "yaw inertia about midship (kg m2)", "Ixx": "roll inertia (kg m2)",
+}  # fmt: skip
+_BREAKS: Final = re.compile(r"(?= [-+] )|(?<=, )|(?=\*\(|\*sqrt\()")
+_HELPERS: Final = {
+    "where": """\
+function y = where(condition, yes, no)
+% One of two numbers.
+if condition, y = yes; else, y = no; end
+end""",
+    "interpolate": """\
+function y = interpolate(x, xs, ys)
+% Straight lines through points with ascending xs, constant beyond both ends.
+y = interp1(xs, ys, max(min(x, xs(end)), xs(1)));
+end""",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Section:
+    """Lines under a heading."""
+
+    title: str
+    lines: Sequence[Line]
+
+
+def model_to_mss(model: Model, *, name: str | None = None, speed: float | None = None) -> str:
+    """The text of a function ``[xdot,U] = name(x,ui)`` with the equations of motion of a model.
+
+    Parameters
+    ----------
+    model : Model
+        A model that can be simulated.
+    name : str, optional
+        Of the function; by default made of the model's.
+    speed : float, optional
+        Speed [m/s] at whose Froude number the values are taken; needed where they depend on it,
+        and for derivatives about the approach speed. With it the revolutions of self-propulsion
+        stand in for a second input that is not given.
+
+    Returns
+    -------
+    str
+        ASCII; the same for the same model.
+
+    Raises
+    ------
+    ModelError
+        With every effect that has no place in such a function, and what else is missing.
+
+    Notes
+    -----
+    x = [u v r x y psi delta]', with p and phi before delta where the ship rolls and n behind it
+    where the shaft has dynamics; ui = [delta_c n]', without n where no propeller is modelled. As in
+    ``mariner.m`` of Fossen's Marine Systems Simulator u is the loss of speed from U0 where the
+    derivatives are written in it, as in ``container.m`` the surge velocity otherwise. The rudder
+    follows with a time constant of 1 s at most at its rate, as in both.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> print(model_to_mss(load_model("kvlcc2-l7")).splitlines()[0])
+    function [xdot,U] = kvlcc2_l7(x,ui)
+    """
+    function = matlab_name(model.name) if name is None else name
+    if not is_matlab_name(function):
+        raise ModelError(
+            f"{function!r} is no name of a function in MATLAB. Choose a file name of letters, "
+            f"digits and underscores that starts with a letter."
+        )
+    about = model.convention.surge == "delta-u"
+    approach = about or (model.convention.U == "carriage" and model.convention.system != "bis")
+    _check_speed(model, speed, approach=approach)
+    at = model.ship.speed(_ANY_FROUDE, model.water.g) if speed is None else speed
+    ready, values = prepare(model, at), values_at(model, at)
+    effects, extra, rates = _effects(model, ready, values)
+    states = _states(ready)
+    inputs = ["delta_c", "n_c"] if ready.structure.turns else ["delta_c"]
+    sections = [
+        _inputs(states, inputs, about=about),
+        _ship(model),
+        _Section(
+            title=f"Hull: {meaning(model)}. Source: {model.parts['hull_polynomial'].source}",
+            lines=_with_sources(
+                model, POLYNOMIALS, hull_lines(values, model.convention, rolls=ready.rolls)
+            ),
+        ),
+        *effects,
+        _Section(
+            title=f"Mass and inertia. Source: {model.parts['added_mass'].source}",
+            lines=_with_sources(
+                model,
+                ("added_mass",),
+                mass_lines(values["added_mass"], model.convention) + _levers(values["added_mass"]),
+            ),
+        ),
+        _Section(
+            title="Equations of motion about midship",
+            lines=motion_lines(values["added_mass"], extra, model.convention, rolls=ready.rolls),
+        ),
+        _steering(model),
+        _path(states, rates, rolls=ready.rolls),
+    ]
+    called = f"{function}(x,ui{',U0' if approach else ''})"
+    turns = ready.self_propulsion() if speed is not None and ready.structure.turns else None
+    body = _alive(sections, ("xdot", "U"))
+    used = frozenset().union(*(line.uses for section in body for line in section.lines))
+    lines = [
+        f"function [xdot,U] = {called}",
+        *heading(model, called, states, inputs, speed=speed, turns=turns, about=about),
+        "",
+        *_checks(states, inputs, speed=speed, turns=turns, approach=approach),
+        *(text for section in body for text in _written(section)),
+        "",
+        "end",
+        *(f"\n{text}" for name, text in _HELPERS.items() if name in used),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _check_speed(model: Model, speed: float | None, *, approach: bool) -> None:
+    if speed is not None or not (model.Fn or approach):
+        return
+    why = f"has values at {len(model.Fn)} Froude numbers"
+    if not model.Fn:
+        why = "is written about the approach speed"
+    raise ModelError(
+        Problem(message=f"Model {model.name!r} {why}.", remedy="Say which speed (--speed, m/s).")
+    )
+
+
+def _states(ready: Prepared) -> list[str]:
+    rolling = ["p", "phi"] if ready.rolls else []
+    shaft = ["n"] if "n" in ready.structure.brought else []
+    return ["u", "v", "r", "x", "y", "psi", *rolling, "delta", *shaft]
+
+
+def _effects(
+    model: Model, ready: Prepared, values: Mapping[str, Mapping[str, Any]]
+) -> tuple[list[_Section], dict[str, list[str]], dict[str, str]]:
+    """The effects besides the polynomials, their shares of the mass, the rates of their states."""
+    problems, sections = [], []
+    extra: dict[str, list[str]] = {}
+    rates: dict[str, str] = {}
+    signals: dict[str, str] = {}
+    if "shallow_water" in model.parts and model.water.depth is not None:
+        problems.append("shallow_water: it changes derivatives by the depth.")
+    for item in ready.structure.used:
+        if why := _unfit(item):
+            problems.append(f"{item.effect}: {why}.")
+            continue
+        assert item.known.force is not None
+        own = {name: f"{item.effect}_{name}" for name in item.own}
+        bound = {**{name: signals.get(name, name) for name in item.arguments}, **own}
+        try:
+            lines, returned = transcribe(
+                item.known.force, {**bound, **dict(item.options)}, item.effect
+            )
+        except Unwritable as error:
+            problems.append(f"{item.effect}: it is written with {error}.")
+            continue
+        head = [
+            _parameter(item, name, values[item.effect].get(name, 0.0), model) for name in item.own
+        ]
+        for output, text in zip(item.known.outputs, returned, strict=True):
+            if output in FORCES:
+                lines.append(Line(target=output, text=f"{output} + {text}"))
+                continue
+            name = text
+            if not text.isidentifier():
+                name = f"{item.effect}_{output}_out"
+                lines.append(Line(target=name, text=text))
+            if output in ACCELERATIONS:
+                extra.setdefault(output, []).append(name)
+            elif output.endswith("_rate"):
+                rates[output[:-5]] = name
+            else:
+                signals[output] = name
+        sections.append(_Section(title=_named(model, item), lines=[*head, *lines]))
+    if problems:
+        found = [
+            Problem(message=text, remedy="Leave it out to export the rest.") for text in problems
+        ]
+        raise ModelError(
+            found, title=f"Model {model.name!r} is no function of states and inputs as in MSS"
+        )
+    return sections, extra, rates
+
+
+def _unfit(item: Used) -> str | None:
+    strange = [state for state in item.known.states if state != "n"]
+    if strange:
+        return f"it brings a state of its own ({', '.join(strange)})"
+    lacking = dict.fromkeys(_NO_INPUT[name] for name in item.arguments if name in _NO_INPUT)
+    return f"there is no input for {' and '.join(lacking)}" if lacking else None
+
+
+def _parameter(item: Used, name: str, value: Any, model: Model) -> Line:
+    known = item.known.parameter(name)
+    assert known is not None
+    text = row(value) if isinstance(value, tuple) else number(value)
+    unit = "" if known.unit == "-" else f" ({known.unit})"
+    source = model.parts[item.effect].sources.get(name)
+    note = known.text + unit + (f"; {source}" if source else "")
+    return Line(target=f"{item.effect}_{name}", text=text, note=note)
+
+
+def _with_sources(model: Model, effects: Iterable[str], lines: Iterable[Line]) -> list[Line]:
+    """Lines of derivatives with the source of those that have one of their own."""
+    own = {
+        variable(name): source
+        for effect in effects
+        if effect in model.parts
+        for name, source in model.parts[effect].sources.items()
+        if catalogue()[effect].parameter(name) is None
+    }
+    return [
+        replace(line, note="; ".join(filter(None, (line.note, own[line.target]))))
+        if line.target in own
+        else line
+        for line in lines
+    ]
+
+
+def _named(model: Model, item: Used) -> str:
+    chosen = item.known.chosen(model.parts[item.effect].options)
+    options = "".join(f", {name} {word}" for name, word in chosen.items())
+    source = model.parts[item.effect].source
+    return f"{item.effect}{options}: {item.known.summary} Source: {source or 'not stated'}"
+
+
+def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Section:
+    lines = []
+    for place, name in enumerate(states, start=1):
+        if name in ("x", "y"):
+            continue
+        text = f"x({place})"
+        if name == "u" and about:
+            text = f"U0 + {text}"
+        lines.append(Line(target=name, text=f"{text}/60" if name == "n" else text))
+    lines.append(Line(target="delta_c", text="ui(1)"))
+    if "n_c" in inputs:
+        lines.append(Line(target="n_order", text="ui(2)/60", note="1/s"))
+        if "n" not in states:
+            lines.append(Line(target="n", text="n_order"))
+    lines += [
+        Line(target="U", text="max(sqrt(u^2 + v^2), 1e-9)", note="speed (m/s)"),
+        Line(target="beta", text="atan2(-v, u)", note="drift angle (rad)"),
+    ]
+    return _Section(title="States and inputs", lines=lines)
+
+
+def _ship(model: Model) -> _Section:
+    ship, water = model.ship, model.water
+    lines = [
+        Line(target=name, text=number(getattr(ship, name) or 0.0), note=text)
+        for name, text in _PARTICULARS.items()
+    ]
+    depth = float("inf") if water.depth is None else water.depth
+    lines += [
+        Line(target="rho", text=number(water.rho), note="density of the water (kg/m3)"),
+        Line(target="g", text=number(water.g), note="gravity (m/s2)"),
+        Line(target="depth", text=number(depth), note="of the water (m)"),
+    ]
+    return _Section(title="Ship and water", lines=lines)
+
+
+def _levers(added: Mapping[str, float]) -> list[Line]:
+    known = catalogue()["added_mass"].parameter("lx")
+    assert known is not None
+    given = added.get("lx", 0.0)
+    return [Line(target="lx", text=number(given), note=known.text)]
+
+
+def _steering(model: Model) -> _Section:
+    limits = steering(model)
+    lines = [
+        Line(
+            target="delta_max",
+            text=f"{number(limits.get('max_deg', 90.0))}*pi/180",
+            note="largest rudder angle (rad)",
+        ),
+        Line(
+            target="delta_rate",
+            text=f"{number(limits['rate_deg_s'])}*pi/180",
+            note="rate of the steering gear (rad/s)",
+        ),
+        Line(target="T_delta", text="1.0", note="time constant near the order (s)"),
+        Line(target="wanted", text="max(min(delta_c, delta_max), -delta_max)"),
+        Line(
+            target="delta_dot",
+            text="max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)",
+        ),
+    ]
+    return _Section(title="Steering gear", lines=lines)
+
+
+def _path(states: Sequence[str], rates: Mapping[str, str], *, rolls: bool) -> _Section:
+    across = "v*cos(phi)" if rolls else "v"
+    lines = [
+        Line(target="x_dot", text=f"u*cos(psi) - {across}*sin(psi)"),
+        Line(target="y_dot", text=f"u*sin(psi) + {across}*cos(psi)"),
+        Line(target="psi_dot", text="r*cos(phi)" if rolls else "r"),
+    ]
+    if rolls:
+        lines.append(Line(target="phi_dot", text="p"))
+    if "n" in states:
+        lines.append(Line(target="n_dot", text=f"60*{rates['n']}", note="rpm/s"))
+    listed = "; ".join(f"{name}_dot" for name in states)
+    return _Section(
+        title="Time derivative of the states",
+        lines=[*lines, Line(target="xdot", text=f"[{listed}]")],
+    )
+
+
+def _alive(sections: Sequence[_Section], wanted: Iterable[str]) -> list[_Section]:
+    """The sections with the lines on which something depends."""
+    kept = {id(line) for line in needed([x for section in sections for x in section.lines], wanted)}
+    trimmed = [
+        replace(section, lines=[line for line in section.lines if id(line) in kept])
+        for section in sections
+    ]
+    return [section for section in trimmed if section.lines]
+
+
+def _written(section: _Section) -> list[str]:
+    lines = ["", *comment(section.title)]
+    for line in section.lines:
+        code = f"{line.target} = {line.text};"
+        note = f"{code:<38} {comment(line.note)[0]}" if line.note else code
+        if len(note) <= WIDTH + 20:
+            lines.append(note)
+        else:
+            lines += [*(comment(line.note) if line.note else ()), *_wrapped(code)]
+    return lines
+
+
+def _wrapped(code: str) -> list[str]:
+    """A long assignment over several lines, broken in front of signs and behind commas."""
+    lines, current = [], ""
+    for word in _BREAKS.split(code):
+        if current.strip() and len(current) + len(word) > WIDTH - 4:
+            lines.append(f"{current.rstrip()} ...")
+            current = "    "
+        current += word.lstrip() if not current.strip() else word
+    return [*lines, current]
+
+
+def _checks(
+    states: Sequence[str], inputs: Sequence[str], *, speed: float | None, turns: float | None,
+    approach: bool,
+) -> list[str]:  # fmt: skip
+    lines = []
+    if approach and speed is not None:
+        lines.append(f"if nargin < 3, U0 = {number(speed)}; end")
+    if turns is not None:
+        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * turns)}]; end")
+    return [
+        *lines,
+        f"if length(x) ~= {len(states)}, error('x-vector must have dimension {len(states)}!'); end",
+        f"if length(ui) ~= {len(inputs)}, error('ui must have dimension {len(inputs)}!'); end",
+    ]

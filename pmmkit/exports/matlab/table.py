@@ -1,0 +1,98 @@
+"""A derivative table as a function for MATLAB and Octave that gives a structure."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, fields
+from typing import Final
+
+from pmmkit.errors import TableError
+from pmmkit.exports.matlab.hull import variable
+from pmmkit.exports.text import comment, is_matlab_name, matlab_string, number, row, written_by
+from pmmkit.tables.table import DerivativeTable
+
+_PARTICULARS: Final = {
+    "L": "length between perpendiculars (m)", "B": "breadth (m)", "d": "draught (m)",
+    "volume": "displaced volume (m3)", "mass": "mass (kg)", "Izz": "yaw inertia (kg m2)",
+    "xG": "centre of gravity forward of midship (m)",
+}  # fmt: skip
+
+
+def table_to_mss(table: DerivativeTable, *, name: str = "derivatives") -> str:
+    """The text of a function ``table = name()`` with the derivatives over the Froude number.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        The table.
+    name : str
+        Of the function.
+
+    Returns
+    -------
+    str
+        ASCII; the same for the same table. ``table.Fn`` is a row of Froude numbers (NaN for a
+        pooled table), ``table.Yv`` a row of values, NaN where there is none, ``table.std.Yv`` their
+        standard uncertainties, ``table.ship``, ``table.water`` and ``table.convention`` what they
+        mean. |v| is written absv in names.
+
+    Raises
+    ------
+    TableError
+        If the name is none that MATLAB takes.
+
+    Examples
+    --------
+    >>> from pmmkit.ship import Ship, Water
+    >>> from pmmkit.tables import from_values
+    >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
+    >>> table = from_values({"Yv|v|": [-.01, -.012]}, Fn=[.1, .2], ship=ship, water=Water())
+    >>> [line for line in table_to_mss(table).splitlines() if "Yv" in line][0]
+    'table.Yvabsv = [-0.01, -0.012];'
+    """
+    if not is_matlab_name(name):
+        raise TableError(
+            f"{name!r} is no name of a function in MATLAB. Choose a file name of letters, digits "
+            f"and underscores that starts with a letter."
+        )
+    known = [(variable(item), column) for column, item in enumerate(table.names)]
+    return "\n".join(
+        [
+            f"function table = {name}()",
+            *comment(
+                f"Derivatives of {table.ship.name} over the Froude number; NaN where the tests do "
+                f"not determine a value. Non-dimensional as table.convention says, standard "
+                f"uncertainties in table.std."
+            ),
+            *(line for note in table.notes for line in comment(f"Note: {note}")),
+            *written_by(),
+            *(
+                line
+                for key, value in table.provenance.items()
+                for line in comment(f"Provenance: {key}: {value}")
+            ),
+            "",
+            f"table.Fn = {row(table.Fn)};",
+            *(f"table.{item} = {row(table.value[:, column])};" for item, column in known),
+            "",
+            *(f"table.std.{item} = {row(table.std[:, column])};" for item, column in known),
+            "",
+            f"table.ship.name = {matlab_string(table.ship.name)};",
+            *(
+                f"table.ship.{item} = {number(getattr(table.ship, item))};  % {text}"
+                for item, text in _PARTICULARS.items()
+            ),
+            f"table.water.rho = {number(table.water.rho)};  % density (kg/m3)",
+            f"table.water.g = {number(table.water.g)};  % gravity (m/s2)",
+            *(
+                f"table.convention.{item.name} = {_plain(asdict(table.convention)[item.name])};"
+                for item in fields(table.convention)
+            ),
+            "",
+            "end",
+            "",
+        ]
+    )
+
+
+def _plain(value: str | float) -> str:
+    return matlab_string(value) if isinstance(value, str) else number(value)

@@ -1,0 +1,1 @@
+"""Sparse regression: which terms of a library records ask for."""

@@ -1,0 +1,119 @@
+"""Terms that move together: what no regression on these records can tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.identification.sparse.fit import System, unit
+
+Array = NDArray[np.float64]
+ALIKE: Final = 0.95
+"""Cosine between two columns from which they are named as a pair."""
+INFLATED: Final = 10.0
+"""Variance inflation from which a term is named."""
+ILL: Final = 30.0
+"""Condition number of the columns of unit length from which it is named (Belsley 1980)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collinearity:
+    """How far the terms of a library can be told apart on some records.
+
+    Parameters
+    ----------
+    pairs : tuple of (str, str, float)
+        Terms whose columns are alike: the cosine of the angle between them, largest first.
+    inflation : mapping of str to float
+        By how much the variance of each coefficient is larger than if its column stood at right
+        angles to all others.
+    mixtures : mapping of str to tuple of str
+        For terms with a large inflation, the terms that mimic them most.
+    condition : mapping of str to float
+        Condition number of the columns of unit length, by the channels solved together.
+    """
+
+    pairs: tuple[tuple[str, str, float], ...]
+    inflation: Mapping[str, float]
+    mixtures: Mapping[str, tuple[str, ...]]
+    condition: Mapping[str, float]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user must know before trusting the terms, in words with numbers."""
+        said = [
+            f"{a} and {b} move together on these records (cosine {cosine:.3f}, variance "
+            f"inflation {self.inflation[a]:.3g} and {self.inflation[b]:.3g}): either can stand "
+            f"for the other. Leave one out, put them in a group, or add runs of other amplitudes."
+            for a, b, cosine in self.pairs
+        ]
+        paired = {name for a, b, _ in self.pairs for name in (a, b)}
+        said += [
+            f"{name} is close to a mixture of {', '.join(others)} on these records (variance "
+            f"inflation {self.inflation[name]:.3g}): add runs that excite it alone, or hold one."
+            for name, others in self.mixtures.items()
+            if name not in paired
+        ]
+        said += [
+            f"The terms of {channels} are hard to tell apart: condition number {number:.3g} of "
+            f"the scaled columns (above {ILL:g} is much)."
+            for channels, number in self.condition.items()
+            if number > ILL
+        ]
+        return tuple(said)
+
+
+def joined_reports(reports: Sequence[Collinearity]) -> Collinearity:
+    """The reports of several systems as one."""
+    return Collinearity(
+        pairs=tuple(pair for report in reports for pair in report.pairs),
+        inflation={k: x for report in reports for k, x in report.inflation.items()},
+        mixtures={k: x for report in reports for k, x in report.mixtures.items()},
+        condition={k: x for report in reports for k, x in report.condition.items()},
+    )
+
+
+def collinearity_of(system: System, names: Sequence[str], channels: Sequence[str]) -> Collinearity:
+    """Look at the scaled columns of one system.
+
+    Parameters
+    ----------
+    system : System
+        Equations of all runs; its columns are independent.
+    names : sequence of str
+        Terms, one per column.
+    channels : sequence of str
+        Channels of the system, for the message.
+    """
+    design, _, _ = unit(system)
+    columns = design / np.linalg.norm(design, axis=0)
+    angles = columns.T @ columns
+    singular = np.linalg.svd(columns, compute_uv=False)
+    inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
+    inflation = np.sum(inverse**2, axis=1)
+    order = [
+        (i, j) for i in range(len(names)) for j in range(i + 1, len(names))
+        if abs(angles[i, j]) > ALIKE
+    ]  # fmt: skip
+    order.sort(key=lambda pair: -abs(angles[pair]))
+    return Collinearity(
+        pairs=tuple((names[i], names[j], float(angles[i, j])) for i, j in order),
+        inflation=dict(zip(names, inflation.tolist(), strict=True)),
+        mixtures={
+            names[i]: _mimics(columns, i, names)
+            for i in np.flatnonzero(inflation > INFLATED).tolist()
+        },
+        condition={", ".join(channels): float(singular[0] / singular[-1])},
+    )
+
+
+def _mimics(columns: Array, place: int, names: Sequence[str]) -> tuple[str, ...]:
+    """Terms with at least a fifth of the largest part in the mixture nearest to a column."""
+    others = [j for j in range(len(names)) if j != place]
+    parts = np.abs(np.linalg.lstsq(columns[:, others], columns[:, place], rcond=None)[0])
+    order = np.argsort(-parts)
+    return tuple(names[others[j]] for j in order if parts[j] > 0.2 * parts.max())

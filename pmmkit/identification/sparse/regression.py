@@ -1,0 +1,213 @@
+"""Sparse regression: which terms of a library the measured forces ask for, and their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pmmkit.errors import DataError
+from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.sparse.collinear import Collinearity
+from pmmkit.identification.sparse.fit import (
+    Method,
+    Path,
+    bagged,
+    choose_threshold,
+    folds_of,
+    held_out,
+)
+from pmmkit.identification.sparse.request import (
+    Groups,
+    check_numbers,
+    physics_groups,
+    request,
+)
+from pmmkit.identification.sparse.result import SparseRegression, assembled, shares_of
+from pmmkit.models import Model
+from pmmkit.structures import Structure
+
+__all__ = [
+    "Collinearity",
+    "Path",
+    "SparseRegression",
+    "look_for_collinearity",
+    "physics_groups",
+    "sparse_regression",
+]
+
+
+def sparse_regression(
+    model: Model,
+    records: Sequence[ForceRecord],
+    library: str | Sequence[str] | Structure,
+    *,
+    fixed: Sequence[str] = (),
+    always: Sequence[str] = (),
+    groups: Groups | None = None,
+    method: Method = "stlsq",
+    threshold: float | None = None,
+    share: float = 0.6,
+    bags: int = 100,
+    weak: bool | int = False,
+    seed: int = 0,
+    extrapolate: bool = False,
+) -> SparseRegression:
+    """Choose the terms of a library that measured forces ask for, and fit their values.
+
+    Parameters
+    ----------
+    model : Model
+        What is known: added mass, propeller, rudder, Coriolis terms and every derivative that is
+        not in the library are held at its values and their forces taken off the measured ones.
+    records : sequence of ForceRecord
+        Runs, at least three. A channel counts where it has forces and a standard deviation.
+    library : str, sequence of str or Structure
+        Name of a structure, or derivatives (``Yv Yv|v| Yvvr Nrrr``).
+    fixed : sequence of str
+        Derivatives held at the model's values even if the structure names them.
+    always : sequence of str
+        Terms that are fitted and never left out.
+    groups : "physics", mapping or sequence of sequences, optional
+        Terms that enter or leave together (see `physics_groups`); all others stand alone.
+    method : "stlsq", "stepwise" or optimizer of pysindy
+        ``stlsq``: sequentially thresholded least squares. ``stepwise``: the same, but only the
+        smallest term leaves at a time, so that one of two like terms does not take the other with
+        it; several times faster. An optimizer brings its own rule, applied bag by bag to columns
+        of unit rms; it knows no groups.
+    threshold : float, optional
+        Rms force below which a term leaves, in standard deviations of a sample; by default chosen
+        by held-out runs, channel by channel.
+    share : float
+        Part of the bags in which a term must stay.
+    bags : int
+        Bags of runs, each as many as there are, drawn with replacement.
+    weak : bool or int
+        Multiply the equations with test functions of so many samples, at a constant step in time
+        (True: a twentieth of each run).
+    seed : int
+        Of the draws; the same seed gives the same result.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+
+    Returns
+    -------
+    SparseRegression
+
+    Raises
+    ------
+    DataError
+        If records, groups or numbers are not usable, or the records cannot tell terms apart.
+    UnknownNameError
+        If a name is no derivative, or not in the library.
+
+    Notes
+    -----
+    The targets are measured forces: nothing is differenced. Rows are divided by the stated
+    standard deviations, columns scaled to unit rms, so that a coefficient is the rms force of its
+    term in standard deviations, and a threshold means the same for v and v²r. Each run is turned
+    into a triangle by QR once; bags and held-out runs are made of these, without loss.
+
+    The threshold has the least ``n log(error²) + terms log(n)``, the error that of runs left out
+    of the fit and n the samples over their design effect, since samples of one run share its
+    errors (a held-out BIC). A bag draws whole runs, because samples of one run share its errors
+    and its residuals are correlated: bags of samples give intervals that are too narrow.
+
+    pysindy's STLSQ (Brunton et al. 2016) chooses the terms where nothing else is asked for; the
+    values come from QR, because its ridge solves the normal equations (with a condition number
+    of 1e6, four digits are left). Done here, because pysindy 2.1 lacks it or means something
+    else: groups; terms exempt from the threshold (``sparse_ind`` leaves them out of ``coef_``);
+    bags of whole runs with a seed (its ensembles draw samples, from numpy's global state); bags
+    that do not excite a term; thresholds that do not grow with the number of samples (its
+    normalised columns have unit length, ours unit rms); their choice by held-out runs. Terms held
+    fixed are subtracted beforehand, which needs none of its constraints.
+
+    The weak form multiplies target and library with the same test functions and sums over time.
+    It helps where measured motions are noisy, which pulls coefficients towards zero, and against
+    vibration; it costs a little where the forces alone have white noise. No derivative is moved
+    to the test functions: accelerations are those that the record states.
+
+    Standard deviations over bags of runs are about right, or up to twice too large for terms that
+    rest on few runs; the quantiles of `SparseRegression.interval` held the truth in 91 % of cases
+    at a stated 95 % (18 synthetic runs).
+
+    References
+    ----------
+    Brunton, Proctor and Kutz (2016), PNAS 113: sparse regression by thresholds. Fasel, Kutz,
+    Brunton and Brunton (2022), Proc. R. Soc. A 478: bags and inclusion shares. Messenger and
+    Bortz (2021), Multiscale Model. Simul. 19: weak form.
+
+    Examples
+    --------
+    >>> from pmmkit.equations import prepare
+    >>> from pmmkit.equations.histories import water_forces
+    >>> from pmmkit.models import load_model
+    >>> ship, rng = load_model("kvlcc2-l7"), np.random.default_rng(1)
+    >>> ready = prepare(ship, 1.2)
+    >>> records = []
+    >>> for run in range(8):
+    ...     motion = {"u": np.full(30, 1.2), "v": rng.uniform(-.4, .4, 30), "n": np.full(30, 1.7)}
+    ...     Y = water_forces(ready.structure, ready.k, motion)["Y"] + rng.normal(0, .5, 30)
+    ...     records.append(ForceRecord(name=f"drift {run}", motion=motion, forces={"Y": Y},
+    ...                                std={"Y": .5}, speed=1.2))
+    >>> found = sparse_regression(ship, records, "Yv Yvvv Yvvvvv", method="stepwise", bags=20)
+    >>> found.table.names, found.left_out
+    (('Yv', 'Yvvv'), ('Yvvvvv',))
+    """
+    check_numbers(bags, share, threshold, weak)
+    asked = request(
+        model, records, library, fixed=fixed, always=always, groups=groups, method=method,
+        weak=weak, extrapolate=extrapolate,
+    )  # fmt: skip
+    rng = np.random.default_rng(seed)
+    folds = folds_of(len(records), rng)
+    draws = rng.integers(len(records), size=(bags, len(records)))
+    coefficients = np.full((bags, len(asked.names)), np.nan)
+    paths: list[Path] = []
+    errors: dict[str, dict[str, float]] = {record.name: {} for record in records}
+    for task, systems in zip(asked.tasks, asked.systems, strict=True):
+        cut = threshold
+        if cut is None and task.thresholds:
+            paths.append(choose_threshold(task, systems, folds))
+            cut = paths[-1].chosen
+        coefficients[:, task.columns] = bagged(task, systems, draws, cut or 0.0)
+        squares = held_out(task, systems, folds, [cut or 0.0])[:, :, 0]
+        for run, system in enumerate(systems):
+            for place, part in enumerate(system):
+                if part.rows:
+                    mean = squares[run, place] / part.rows
+                    errors[records[run].name][task.channels[place]] = float(np.sqrt(mean))
+    shares = shares_of(coefficients)
+    stays = ~(shares < share)
+    if not stays.any():
+        raise DataError(
+            f"No term stays in {share:.0%} of the bags. Lower threshold or share, take a term as "
+            f"always, or state smaller standard deviations where they are too large."
+        )
+    return assembled(
+        model, asked, coefficients=coefficients, shares=shares, stays=stays, paths=paths,
+        errors=errors,
+    )  # fmt: skip
+
+
+def look_for_collinearity(
+    model: Model,
+    records: Sequence[ForceRecord],
+    library: str | Sequence[str] | Structure,
+    *,
+    weak: bool | int = False,
+    extrapolate: bool = False,
+) -> Collinearity:
+    """Which terms of a library these records cannot tell apart, before any fit.
+
+    Parameters
+    ----------
+    model, records, library, weak, extrapolate
+        As for `sparse_regression`.
+
+    Returns
+    -------
+    Collinearity
+        Its `warnings` say it in words.
+    """
+    return request(model, records, library, weak=weak, extrapolate=extrapolate).collinearity

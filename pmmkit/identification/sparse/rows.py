@@ -1,0 +1,223 @@
+"""Equations of a sparse regression: what a library of terms says of measured forces, run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import parse_derivative
+from pmmkit.equations import Conditions
+from pmmkit.equations.histories import water_forces
+from pmmkit.equations.program import Numbers, packed, values_at
+from pmmkit.equations.structure import Structure
+from pmmkit.errors import DataError
+from pmmkit.identification.forces import ForceRecord
+from pmmkit.identification.parameters import Place, replaced
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
+
+Array = NDArray[np.float64]
+WEAK_SHARE: Final = 20
+"""A test function spans this part of a run where its length is not stated."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunRows:
+    """Equations of one run.
+
+    Parameters
+    ----------
+    run : str
+        Its name.
+    channels : mapping of str to (array (n, m), array (n,))
+        By channel what each term gives per unit of its derivative, and what is left of the
+        measured force without the terms, both over the standard deviation of the force. Rows
+        without a finite number are left out.
+    """
+
+    run: str
+    channels: Mapping[str, tuple[Array, Array]]
+
+
+def check_records(records: Sequence[ForceRecord]) -> None:
+    """Refuse records that cannot be used, all faults at once.
+
+    Raises
+    ------
+    DataError
+        With everything that is wrong.
+    """
+    wrong = []
+    names = [record.name for record in records]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        wrong.append(f"Several records are named {', '.join(twice)}: give each its own name.")
+    for record in records:
+        sizes = {len(values) for values in (*record.motion.values(), *record.forces.values())}
+        if len(sizes) != 1 or 0 in sizes:
+            wrong.append(
+                f"Record {record.name}: motion and forces must have the same number of samples, "
+                f"at least one; they have {', '.join(map(str, sorted(sizes))) or 'none'}."
+            )
+        bad = [
+            c
+            for c, std in record.std.items()
+            if not np.all(np.isfinite(std) & (np.asarray(std) > 0))
+        ]
+        if bad:
+            wrong.append(
+                f"Record {record.name}: the standard deviation of {', '.join(bad)} must be "
+                f"positive. Take the scatter of the gauge where nothing better is known."
+            )
+    if wrong:
+        raise DataError(wrong, title="Records not usable")
+
+
+def measured(record: ForceRecord) -> tuple[str, ...]:
+    """Channels of a record that have a finite force and its standard deviation."""
+    return tuple(
+        channel for channel, values in record.forces.items()
+        if channel in record.std and np.isfinite(values).any()
+    )  # fmt: skip
+
+
+def homes(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
+    """The part of a model in which each derivative stands, or would stand."""
+    found = []
+    for name in names:
+        there = [
+            part
+            for part in DERIVATIVE_PARTS
+            if part in model.parts and name in model.parts[part].values
+        ]
+        factors = parse_derivative(name).factors
+        new = "added_mass" if any(f.endswith("dot") for f in factors) else "hull_polynomial"
+        found.append((there[0] if there else new, name))
+    return tuple(found)
+
+
+def emptied(model: Model, at: Sequence[Place]) -> Model:
+    """The model with the derivatives at these places zero, added where they were not there."""
+    made = model
+    wanted = {name for _, name in at}
+    for effect in DERIVATIVE_PARTS:
+        own = {name for part, name in at if part == effect}
+        if effect in model.parts:
+            own |= wanted & set(model.parts[effect].values)
+        if own:
+            made = made.with_values(effect, **dict.fromkeys(sorted(own), 0.0))
+    return made
+
+
+def equations(
+    model: Model,
+    records: Sequence[ForceRecord],
+    names: Sequence[str],
+    channels: Sequence[str],
+    *,
+    weak: bool | int = False,
+    extrapolate: bool = False,
+) -> list[RunRows]:
+    """Design and target of every run.
+
+    Forces are linear in derivatives, so the column of a term is what the equations of motion give
+    for its derivative at one less what they give for it at zero: the regression sees the term as
+    the simulator does, with its non-dimensional system, the depth, and the Coriolis terms that an
+    added mass brings to other channels.
+
+    Parameters
+    ----------
+    model : Model
+        What is known; the terms are taken out of it.
+    records : sequence of ForceRecord
+        Runs.
+    names : sequence of str
+        Derivatives of the library.
+    channels : sequence of str
+        Channels to be looked at.
+    weak : bool or int
+        Whether to multiply with test functions, and of how many samples (`averaged`).
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+    """
+    at = homes(model, names)
+    blank = emptied(model, at)
+    constants: dict[tuple[float, Conditions], tuple[Structure, list[list[Any]]]] = {}
+    rows = []
+    for record in records:
+        key = (record.speed, record.conditions)
+        if key not in constants:
+            numbers = values_at(blank, record.speed, extrapolate=extrapolate)
+            constants[key] = _constants(blank, numbers, at, record)
+        structure, lists = constants[key]
+        base, *ones = (water_forces(structure, k, record.motion) for k in lists)
+        own = {}
+        for channel in channels:
+            if channel not in measured(record):
+                continue
+            force = np.asarray(record.forces[channel], float)
+            design = np.stack([one[channel] - base[channel] for one in ones], axis=1)
+            spread = np.reshape(record.std[channel], (-1, 1))
+            both = np.column_stack([design, force - base[channel]]) / spread
+            if weak is not False:
+                length = -(-len(both) // WEAK_SHARE) if weak is True else weak
+                both = averaged(both, length)
+            kept = both[np.isfinite(both).all(axis=1)]
+            own[channel] = (kept[:, :-1], kept[:, -1])
+        rows.append(RunRows(run=record.name, channels=MappingProxyType(own)))
+    return rows
+
+
+def _constants(
+    blank: Model, numbers: Numbers, at: Sequence[Place], record: ForceRecord
+) -> tuple[Structure, list[list[Any]]]:
+    """The constants without the terms, and with each of them at one."""
+    structure, empty = packed(blank, numbers, record.speed, record.conditions)
+    one = np.ones(1)
+    return structure, [
+        empty,
+        *(
+            packed(blank, replaced(numbers, [place], one), record.speed, record.conditions)[1]
+            for place in at
+        ),
+    ]
+
+
+def averaged(rows: Array, length: int) -> Array:
+    """Multiply the columns with test functions of compact support and sum over time.
+
+    The test functions are bumps (1 - s²)² of `length` samples that overlap by half, each of unit
+    length as a vector: white noise keeps its standard deviation, while what varies slowly grows
+    by about the square root of 0.7 `length`. The map is linear and the same for design
+    and target, so exact equations stay exact however strongly a bump smooths the motion. A gap
+    takes with it the test functions that touch it.
+
+    Parameters
+    ----------
+    rows : array (n, c)
+        Samples at a constant step.
+    length : int
+        Samples of a test function; never more than the run has.
+
+    Returns
+    -------
+    array (k, c)
+
+    Examples
+    --------
+    >>> averaged(np.ones((9, 1)), 5).round(3).ravel()
+    array([2.047, 2.047, 2.047])
+    """
+    width = max(1, min(length, len(rows)))
+    s = (2 * np.arange(width) - (width - 1)) / (width + 1)
+    bump = (1 - s**2) ** 2
+    bump /= np.linalg.norm(bump)
+    last = len(rows) - width
+    starts = np.unique([*range(0, last, max(1, width // 2)), last])
+    views = np.lib.stride_tricks.sliding_window_view(rows, width, axis=0)[starts]
+    return np.asarray(views @ bump)

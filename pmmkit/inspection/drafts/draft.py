@@ -1,0 +1,376 @@
+"""From what lies in a folder to the runs and tables of a campaign, for a person to check."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import Final
+
+import numpy as np
+
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.run import FREE_TESTS, Campaign
+from pmmkit.channels import CHANNEL_UNITS, DEGREE_CHANNELS, factor_to
+from pmmkit.conventions import unit_factor
+from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.motion import Moved, motion_facts
+from pmmkit.inspection.drafts.names import facts_of
+from pmmkit.inspection.drafts.settle import Setting, settled
+from pmmkit.inspection.sampling import LARGE
+from pmmkit.inspection.values import values_of
+from pmmkit.readers.base import Array
+from pmmkit.ship import Ship
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunDraft:
+    """One entry of ``[[runs]]`` or ``[[tables]]``.
+
+    Parameters
+    ----------
+    id, file : str
+        Name of the run; its file relative to the campaign file.
+    look : FileLook
+        How the file is read.
+    test : str or None
+        Kind of test, None where nobody knows.
+    settings : tuple of Setting
+        Its keys.
+    problems : tuple of str
+        What is wrong with its file.
+    motion : str or None
+        Where the motion of the hull lies beside its forces.
+    """
+
+    id: str
+    file: str
+    look: FileLook
+    test: str | None
+    settings: tuple[Setting, ...]
+    problems: tuple[str, ...] = ()
+    motion: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Draft:
+    """What a campaign file is written from.
+
+    Parameters
+    ----------
+    title : str
+        Of the campaign.
+    kind : {"captive", "free-running"}
+        Of the campaign.
+    ship_name : str or None
+        Ship of the library.
+    runs, tables : tuple of RunDraft
+        Histories; tables whose rows are runs.
+    saved : tuple of (str, Campaign)
+        Saved campaigns by their files.
+    unused : tuple of str
+        Files with numbers that are none of these, and why.
+    look : Look
+        What was seen.
+    """
+
+    title: str
+    kind: str
+    ship_name: str | None
+    runs: tuple[RunDraft, ...]
+    tables: tuple[RunDraft, ...]
+    saved: tuple[tuple[str, Campaign], ...]
+    unused: tuple[str, ...]
+    look: Look
+
+
+_BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
+_NOT_RUNS: Final = {
+    "open water": "propeller coefficients; see open_water in [propeller]",
+    "unknown": "no column of time, nor of forces and settings",
+}
+
+
+def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
+    """What a campaign file for the files of a folder can say.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie.
+    target : Path
+        The campaign file that is to be written.
+    ship : str, optional
+        A ship of the library.
+
+    Raises
+    ------
+    CampaignError
+        If the folder holds no measurements.
+    UnknownNameError
+        If the library has no such ship.
+    """
+    known = _library_ship(ship)
+    if not folder.is_dir():
+        raise CampaignError(
+            Problem(message="this is not a folder.", file=str(folder),
+                    remedy="Name the folder in which the files of the tests lie.")
+        )  # fmt: skip
+    seen = look(folder)
+    base = _relative(folder, target)
+    saved = [
+        (base + item.file, open_campaign(folder / item.file))
+        for item in seen.campaigns
+        if not item.file.endswith(".toml") and not item.problem
+    ]
+    length = known.L if known else None
+    histories = [group for group in seen.groups if group.first.kind == "history"]
+    runs = [
+        run
+        for group in histories
+        for run in _runs(group, base, length)
+    ]  # fmt: skip
+    tables = [
+        _table(item, base, length)
+        for group in seen.groups
+        if group.first.kind == "table"
+        for item in _read_all(group)
+    ]
+    if not (runs or tables or saved):
+        raise CampaignError(
+            Problem(
+                message="no file here has samples in time or rows of forces that are recognised.",
+                file=str(folder),
+                remedy=f"See what they hold: pmmkit inspect {folder}",
+            )
+        )
+    kind = _kind(runs, tables, saved[0][1].kind if saved else None)
+    apart = [
+        run.test is not None and (run.test in FREE_TESTS) != (kind == "free-running")
+        for run in runs
+    ]
+    kept = [run for run, other in zip(runs, apart, strict=True) if not other]
+    unused = [
+        f"{run.file}: a {run.test} test does not belong to a {kind} campaign"
+        for run, other in zip(runs, apart, strict=True)
+        if other
+    ]
+    unused += [
+        f"{base}{item.shown}: {_NOT_RUNS[group.first.kind]}"
+        for group in seen.groups
+        if group.first.kind in _NOT_RUNS
+        for item in group.files
+    ]
+    taken = [run.id for _, campaign in saved for run in campaign]
+    return Draft(
+        title=folder.resolve().name,
+        kind=kind,
+        ship_name=ship,
+        runs=_named_apart(_steady_runs(kept), taken),
+        tables=_named_apart(tables),
+        saved=tuple(saved),
+        unused=tuple(unused),
+        look=seen,
+    )
+
+
+def _library_ship(name: str | None) -> Ship | None:
+    if name is None:
+        return None
+    from pmmkit.ship_library import load_ship
+
+    return load_ship(name)
+
+
+def _relative(folder: Path, target: Path) -> str:
+    """What stands before the names of files, seen from the campaign file."""
+    try:
+        path = os.path.relpath(folder.resolve(), target.resolve().parent)
+    except ValueError:
+        path = str(folder.resolve())
+    plain = path.replace("\\", "/")
+    return "" if plain == "." else f"{plain}/"
+
+
+def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
+    """The histories of a group, each with what its name and its record say."""
+    wanted = {
+        _channel(column): column
+        for column in group.first.columns
+        if column.suggestion and column.suggestion.certainty != "perhaps"
+    }
+    clock = group.first.known["t"]
+    drafts = []
+    for item in group.files:
+        named = facts_of(_stem(item.shown))
+        columns = {**wanted, "t": clock}
+        channels, problems = _channels(
+            replace(group.first, path=item.path, shown=item.shown), columns
+        )
+        time = channels.pop("t", np.zeros(0))
+        moved = motion_facts(time, channels, named.test) if len(time) else Moved()
+        test = named.test if named.test is not None else moved.test
+        test = _sharper(test, moved)
+        motion = _motion_beside(item, base)
+        settings = settled(test, named, moved, length=length)
+        drafts.append(
+            RunDraft(
+                id=PurePosixPath(_stem(item.shown)).name,
+                file=base + item.shown,
+                look=group.first,
+                test=test,
+                settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
+                problems=problems,
+                motion=motion,
+            )
+        )
+    return drafts
+
+
+def _motion_beside(item: FileLook, base: str) -> str | None:
+    """The rigid body motion that a case of OpenFOAM recorded beside its forces."""
+    found = item.path / _BODY_MOTION
+    return f"{base}{item.shown}/{_BODY_MOTION}" if found.is_dir() else None
+
+
+def _sharper(test: str | None, moved: Moved) -> str | None:
+    """Yaw whose record shows drift or rudder, though its name does not say so."""
+    if test == "pure_yaw" and moved.test in ("yaw_drift", "yaw_rudder"):
+        return moved.test
+    return test
+
+
+def _channels(
+    item: FileLook, columns: dict[str, ColumnLook]
+) -> tuple[dict[str, Array], tuple[str, ...]]:
+    """Channels in SI without the rows that are damaged, and what is wrong with the file."""
+    if item.path.is_file() and item.path.stat().st_size > LARGE:
+        return {}, ("too large to be read for a draft: its motion was not looked at",)
+    values = values_of(item, [column.position for column in columns.values()])
+    problems = tuple(str(problem) for problem in values.problems)
+    if any(column.position not in values.numbers for column in columns.values()):
+        return {}, problems
+    found = {
+        name: values.numbers[column.position] * _factor(column) for name, column in columns.items()
+    }
+    whole = np.all([np.isfinite(numbers) for numbers in found.values()], axis=0)
+    return {name: numbers[whole] for name, numbers in found.items()}, problems
+
+
+def _factor(column: ColumnLook) -> float:
+    """From the numbers of a column to SI; 1 where its unit is not known."""
+    item = column.suggestion
+    if item is None:
+        return 1.0
+    unit = item.unit or column.unit or ("deg" if item.name in DEGREE_CHANNELS else None)
+    if unit is None:
+        return item.scale
+    try:
+        unit_factor(unit)
+        return (factor_to(unit, CHANNEL_UNITS[_channel(column)]) or 1.0) * item.scale
+    except DataError:
+        return item.scale
+
+
+def _channel(column: ColumnLook) -> str:
+    name = column.suggestion.name if column.suggestion else ""
+    return DEGREE_CHANNELS.get(name, name)
+
+
+def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
+    """A table whose rows are runs; its columns give most settings."""
+    file, sheet = item.shown.partition(", sheet ")[::2]
+    named = facts_of("/".join(part for part in (_stem(file), sheet) if part))
+    known = set(item.known)
+    if "frequency_hz" in known:
+        known |= {"period"}
+    if known & {"v_amplitude", "vdot_amplitude"}:
+        known |= {"amplitude_m"}
+    if known & {"r_amplitude", "rdot_amplitude"}:
+        known |= {"yaw_amplitude_deg"}
+    test = named.test or _test_of_table(known)
+    settings = settled(test, named, Moved(), length=length)
+    return RunDraft(
+        id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
+        file=base + file,
+        look=item,
+        test=test,
+        settings=tuple(setting for setting in settings if setting.key not in known),
+        problems=tuple(str(problem) for problem in item.problems),
+    )
+
+
+def _test_of_table(known: set[str]) -> str | None:
+    if {"drift_deg", "rudder_deg"} <= known:
+        return "drift_rudder"
+    return next(
+        (
+            test
+            for key, test in (("drift_deg", "static_drift"), ("rudder_deg", "static_rudder"))
+            if key in known and "period" not in known
+        ),
+        None,
+    )
+
+
+def _read_all(group: Group) -> list[FileLook]:
+    """Each file of a group of tables as it was looked at, its columns those of the first."""
+    first = group.first
+    return [first] + [
+        replace(first, path=item.path, shown=item.shown, options=item.options, problems=())
+        for item in group.files[1:]
+    ]
+
+
+def _kind(runs: Sequence[RunDraft], tables: Sequence[RunDraft], saved: str | None) -> str:
+    """Free-running where most histories are of such tests."""
+    if saved is not None:
+        return saved
+    counted = Counter(run.test in FREE_TESTS or _is_track(run) for run in runs)
+    return "free-running" if counted[True] > counted[False] + len(tables) else "captive"
+
+
+def _is_track(run: RunDraft) -> bool:
+    known = set(run.look.known)
+    return {"x", "y"} <= known and not {"X", "Y", "N"} & known
+
+
+def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
+    """A straight run without drift among runs of static drift is the one at zero."""
+    if not any(run.test == "static_drift" for run in runs):
+        return list(runs)
+    return [
+        replace(run, test="static_drift", settings=(*run.settings, _NO_DRIFT))
+        if run.test == "resistance" and facts_of(_stem(run.file)).test is None
+        else run
+        for run in runs
+    ]
+
+
+_NO_DRIFT: Final = Setting(key="drift_deg", value=0.0, reason="no drift is recorded")
+
+
+def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple[RunDraft, ...]:
+    """Ids of their own: with the folders, where files of several folders have the same name."""
+    counted = Counter([run.id for run in runs] + list(taken))
+    apart = [
+        replace(run, id=_stem(run.file).replace("../", "").replace("/", "_"))
+        if counted[run.id] > 1
+        else run
+        for run in runs
+    ]
+    seen = Counter(taken)
+    out = []
+    for run in apart:
+        seen[run.id] += 1
+        out.append(run if seen[run.id] == 1 else replace(run, id=f"{run.id}_{seen[run.id]}"))
+    return tuple(out)
+
+
+def _stem(shown: str) -> str:
+    """The name without suffix; what follows the point of a number is none."""
+    return re.sub(r"\.[A-Za-z]\w{0,5}$", "", shown.partition(", sheet ")[0])

@@ -1,0 +1,227 @@
+"""What the name of a file says of its test: kind, speed, angles, period.
+
+Names such as ``SD_U1.5_b+08``, ``static drift/beta12deg``, ``PMM_sway_T12.5_a0.2``, ``ZZ10-10``.
+Only what cannot mean anything else becomes a setting; the rest is a hint for a person.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from pmmkit.campaigns.run import DYNAMIC_TESTS, STATIC_TESTS
+
+
+@dataclass(frozen=True, kw_only=True)
+class Named:
+    """What a name says.
+
+    Parameters
+    ----------
+    test : str or None
+        Kind of test.
+    settings : mapping of str to (float, str)
+        Value and the part of the name it stands in, by key of the campaign file; ``froude`` is
+        the Froude number.
+    hints : mapping of str to (float, str)
+        Values whose meaning a person must confirm, and why.
+    """
+
+    test: str | None
+    settings: Mapping[str, tuple[float, str]]
+    hints: Mapping[str, tuple[float, str]]
+
+
+_NUMBER: Final = r"([+-]?\d+(?:[.p]\d+)?)"
+
+_SETTINGS: Final = tuple(
+    (key, re.compile(pattern.replace("#", _NUMBER)))
+    for key, pattern in (
+        ("speed", r"(?:U|Uc|Uo|U0|[Ss]peed|[Vv]el)#(?:m/s|ms|mps)?"),
+        ("speed", r"V?#(?:mps|ms|m/s)"),
+        ("knots", r"[VvUu]?#(?:kn|kts|knots)"),
+        ("froude", r"(?:[Ff][nr]|FN|FR|[Ff]roude)#"),
+        ("drift_deg", r"(?:[Bb]eta|BETA|[Dd]rift|DRIFT|β|b)#(?:deg|d|°)?"),
+        ("rudder_deg", r"(?:[Dd]elta|DELTA|[Rr]udder|RUDDER|[Rr]ud|δ)#(?:deg|°)?"),
+        ("rudder_deg", r"d(?=[+-])#(?:deg|°)?"),
+        ("heel_deg", r"(?:[Hh]eel|[Pp]hi|φ)#(?:deg|°)?"),
+        ("period", r"(?:T|Tp|[Pp]eriod|[Pp]er)#(?:s|sec)?"),
+        ("frequency_hz", r"(?:f|F|[Ff]req)?#(?:Hz|hz|HZ)"),
+        ("yaw_amplitude_deg", r"(?:[Pp]si|ψ)#(?:deg|°)?"),
+        ("amplitude_m", r"(?:a|A|[Aa]mp|y|ya)#(?:m)?"),
+        ("amplitude_mm", r"(?:a|A|[Aa]mp|y|ya)#mm"),
+        ("propeller_rps", r"(?:n|N|rps)?#rps|rps#"),
+        ("propeller_rpm", r"(?:n|N|rpm)?#rpm|rpm#"),
+        ("hint v", r"v#"),
+        ("hint r", r"r#"),
+        ("hint p", r"p#"),
+    )
+)
+
+_CODES: Final = {
+    "SD": "static_drift", "SDT": "static_drift", "OT": "static_drift", "OTT": "static_drift",
+    "PS": "pure_sway", "PSW": "pure_sway", "PY": "pure_yaw", "PYW": "pure_yaw",
+    "YD": "yaw_drift", "PYD": "yaw_drift", "PX": "pure_surge", "PSU": "pure_surge",
+    "SR": "static_rudder", "SRT": "static_rudder", "DR": "drift_rudder", "SH": "static_heel",
+    "YR": "yaw_rudder", "SY": "sway_yaw", "CM": "circular_motion", "CMT": "circular_motion",
+    "RES": "resistance", "ZZ": "zigzag", "TC": "turning", "PO": "pull_out", "CS": "stopping",
+}  # fmt: skip
+"""Usual abbreviations, in capitals at the beginning of a part of the name."""
+
+_PHRASES: Final = tuple(
+    (test, re.compile(pattern))
+    for test, pattern in (
+        ("yaw_drift", r"\byaw\b.*\bdrift\b|\bdrift\b.*\byaw\b"),
+        ("yaw_rudder", r"\byaw\b.*\brudder\b"),
+        ("sway_yaw", r"\bsway\b.*\byaw\b"),
+        ("drift_rudder", r"\bdrift\b.*\brudder\b"),
+        ("static_drift", r"\b(?:static|steady) ?drift\b|\boblique\b|\bdrift\b"),
+        ("static_rudder", r"\b(?:static|steady) ?rudder\b|\brudder (?:angle|test)\b"),
+        ("static_heel", r"\b(?:static|steady) ?heel\b"),
+        ("pure_sway", r"\b(?:pure ?)?sway\b"),
+        ("pure_yaw", r"\b(?:pure ?)?yaw\b"),
+        ("pure_surge", r"\b(?:pure ?)?surge\b"),
+        ("circular_motion", r"\bcircular\b|\brotating ?arm\b|\bcmt\b"),
+        ("resistance", r"\bresistance\b"),
+        ("propulsion", r"\b(?:self ?)?propulsion\b"),
+        ("zigzag", r"\bzig ?zag\b"),
+        ("turning", r"\bturn(?:ing)?\b"),
+        ("pull_out", r"\bpull ?out\b"),
+        ("spiral", r"\bspiral\b"),
+        ("stopping", r"\b(?:crash ?)?stop(?:ping)?\b"),
+        ("random", r"\brandom\b|\bprbs\b"),
+    )
+)
+
+
+def facts_of(name: str) -> Named:
+    """What the name of a file says, folders included, the file before its folders.
+
+    Parameters
+    ----------
+    name : str
+        Relative path without its suffix, folders with ``/`` between.
+
+    Examples
+    --------
+    >>> found = facts_of("KCS/SD_U1.5_b+08")
+    >>> found.test, found.settings["speed"], found.settings["drift_deg"]
+    ('static_drift', (1.5, 'U1.5'), (8.0, 'b+08'))
+    >>> facts_of("PS_U1.0_v0.08").hints
+    {'v_amplitude': (0.08, 'v0.08, if it is the sway velocity over U')}
+    """
+    parts = list(reversed(name.split("/")))
+    test = next((found for part in parts if (found := _test_of(part)) is not None), None)
+    settings: dict[str, tuple[float, str]] = {}
+    marks: dict[str, tuple[float, str]] = {}
+    for part in parts:
+        for key, item in _zigzag(part) if test == "zigzag" else ():
+            settings.setdefault(key, item)
+        for token in _tokens(part):
+            for key, value in _values(token):
+                (marks if key.startswith("hint") else settings).setdefault(key, (value, token))
+    test = _refined(test, settings)
+    return Named(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
+
+
+def _tokens(part: str) -> list[str]:
+    """Parts of a name between separators, a word joined with the number that follows it."""
+    parts = re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)
+    pieces = [piece for piece in parts if piece]
+    joined = [
+        first + second
+        for first, second in itertools.pairwise(pieces)
+        if re.fullmatch(r"[A-Za-zβδψφ]{2,}", first) and re.fullmatch(_NUMBER + r"\w*", second)
+    ]
+    return [*pieces, *joined]
+
+
+def _values(token: str) -> Iterable[tuple[str, float]]:
+    factors = {
+        "knots": ("speed", 1852 / 3600),
+        "amplitude_mm": ("amplitude_m", 1e-3),
+        "propeller_rpm": ("propeller_rps", 1 / 60),
+    }
+    for key, pattern in _SETTINGS:
+        found = pattern.fullmatch(token)
+        if found is None:
+            continue
+        text = next(group for group in found.groups() if group is not None)
+        value = float(text.replace("p", "."))
+        if key == "froude" and re.fullmatch(r"0\d+", text):
+            value = float(f"0.{text[1:]}")
+        named, factor = factors.get(key, (key, 1.0))
+        yield named, value * factor
+        return
+
+
+def _test_of(part: str) -> str | None:
+    words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", part)
+    plain = " ".join(re.findall(r"[A-Za-z]+", words)).lower()
+    for test, pattern in _PHRASES:
+        if pattern.search(plain):
+            return test
+    for token in re.split(r"[_\s-]+", part):
+        found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
+        if found and found[1] in _CODES:
+            return _CODES[found[1]]
+    return "zigzag" if _ORDERS.search(part) else None
+
+
+_ORDERS: Final = re.compile(
+    r"(?<![A-Za-z])(?:ZZ?|[Zz]ig[-_ ]?[Zz]ag)[-_ ]?(?P<rudder>[+-]?\d{1,2}(?:\.\d+)?)"
+    r"(?:deg)?(?:[-_ /x](?P<switch>\d{1,2}(?:\.\d+)?)(?!\d|[-_]\w{3}[-_]))?(?![\d.]|-\w{3}-)"
+)
+
+
+def _zigzag(part: str) -> Iterable[tuple[str, tuple[float, str]]]:
+    """Rudder and switching heading of a zigzag such as ``Z_10_05``."""
+    found = _ORDERS.search(part)
+    if found is None:
+        return
+    yield "rudder_deg", (float(found["rudder"]), found[0])
+    yield "switch_deg", (float(found["switch"] or abs(float(found["rudder"]))), found[0])
+
+
+def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str | None:
+    """Yaw with a drift angle in its name is yaw with drift, and so on."""
+    drift, rudder = (settings.get(key, (0.0, ""))[0] for key in ("drift_deg", "rudder_deg"))
+    if test == "pure_yaw":
+        return "yaw_drift" if drift else "yaw_rudder" if rudder else test
+    if test in ("static_drift", "static_rudder") and drift and rudder:
+        return "drift_rudder"
+    return test
+
+
+def _kept(
+    test: str | None, settings: Mapping[str, tuple[float, str]]
+) -> dict[str, tuple[float, str]]:
+    """Settings that a test of that kind can have."""
+    dropped: set[str] = set()
+    if test in STATIC_TESTS or test is None:
+        dropped |= {"period", "frequency_hz", "yaw_amplitude_deg", "amplitude_m"}
+    if test not in ("pure_sway", "pure_surge", "sway_yaw"):
+        dropped.add("amplitude_m")
+    if test not in DYNAMIC_TESTS:
+        dropped |= {"period", "frequency_hz"}
+    return {key: item for key, item in settings.items() if key not in dropped}
+
+
+def _hints(
+    test: str | None, marks: Mapping[str, tuple[float, str]]
+) -> dict[str, tuple[float, str]]:
+    """Letters that may mean several things, as the likeliest of them."""
+    yaw = test in ("pure_yaw", "yaw_drift", "yaw_rudder")
+    likely = {
+        "hint v": ("v_amplitude", "the sway velocity over U", test == "pure_sway"),
+        "hint r": ("r_amplitude", "the yaw rate times L/U", yaw),
+        "hint p": ("yaw_amplitude_deg", "the amplitude of the heading", yaw),
+    }
+    return {
+        key: (marks[mark][0], f"{marks[mark][1]}, if it is {what}")
+        for mark, (key, what, fits) in likely.items()
+        if mark in marks and fits
+    }

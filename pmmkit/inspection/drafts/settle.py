@@ -1,0 +1,157 @@
+"""What the settings of a run are put to: the name's word beside the record's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from pmmkit.campaigns.run import FREE_TESTS
+from pmmkit.inspection.drafts.motion import Moved
+from pmmkit.inspection.drafts.names import Named
+
+NEEDED: Final[dict[str, tuple[str, ...]]] = {
+    "static_drift": ("drift_deg",), "static_heel": ("heel_deg",),
+    "static_rudder": ("rudder_deg",), "drift_rudder": ("drift_deg", "rudder_deg"),
+    "circular_motion": ("drift_deg", "yaw_rate"), "pure_surge": ("period", "amplitude_m"),
+    "pure_sway": ("period", "amplitude_m"), "pure_yaw": ("period", "yaw_amplitude_deg"),
+    "yaw_drift": ("period", "yaw_amplitude_deg", "drift_deg"),
+    "yaw_rudder": ("period", "yaw_amplitude_deg", "rudder_deg"),
+    "sway_yaw": ("period", "amplitude_m", "yaw_amplitude_deg"),
+    "turning": ("rudder_deg",), "zigzag": ("rudder_deg", "switch_deg"),
+}  # fmt: skip
+"""Settings of each test, in the order in which they are written."""
+_ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
+WORDS: Final[dict[str, str]] = {
+    "speed": "speed of the carriage, or of the approach [m/s]",
+    "drift_deg": "drift angle [deg], positive with the bow to starboard of the track",
+    "heel_deg": "heel [deg]", "rudder_deg": "rudder angle [deg]",
+    "yaw_rate": "yaw rate [rad/s], or radius = ... [m]", "period": "period [s]",
+    "amplitude_m": "amplitude of the displacement [m]",
+    "yaw_amplitude_deg": "amplitude of the heading [deg]",
+    "switch_deg": "heading at which the rudder is put over [deg]",
+}  # fmt: skip
+_CLOSE: Final = {"speed": 0.03, "period": 0.02, "propeller_rps": 0.03}
+"""Relative difference up to which name and record agree; 6 % for others, angles 0.6°."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """A key of a run.
+
+    Parameters
+    ----------
+    key : str
+        Its name.
+    value : float or None
+        None where nobody knows.
+    reason : str
+        Where it comes from.
+    todo : str
+        What a person must decide; empty where nothing.
+    active : bool
+        Whether the line counts, or is commented out.
+    """
+
+    key: str
+    value: float | None
+    reason: str = ""
+    todo: str = ""
+    active: bool = True
+
+
+def settled(
+    test: str | None, named: Named, moved: Moved, *, length: float | None, g: float = 9.81
+) -> tuple[Setting, ...]:
+    """The settings of a run from its name and its record.
+
+    Parameters
+    ----------
+    test : str or None
+        Kind of test.
+    named, moved : Named, Moved
+        What the name and the record say.
+    length : float or None
+        Length of the ship, for a Froude number in the name [m].
+    g : float
+        Gravity [m/s²].
+    """
+    said = _with_speed(named.settings, length, g)
+    wanted = ("speed", *NEEDED.get(test or "", ()))
+    free = test in FREE_TESTS
+    out = [
+        _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted
+    ]
+    out += [
+        _one(key, said, moved.settings, named, unsure=free)
+        for key in _ALSO
+        if key not in wanted and (key in said or key in moved.settings)
+        and abs(said.get(key, moved.settings.get(key, (0.0, "")))[0]) > 0.2
+    ]  # fmt: skip
+    return tuple(out)
+
+
+def _with_speed(
+    settings: Mapping[str, tuple[float, str]], length: float | None, g: float
+) -> dict[str, tuple[float, str]]:
+    """With the speed of a Froude number where the ship is known, the period of a frequency."""
+    said = dict(settings)
+    if "froude" in said and "speed" not in said and length is not None:
+        value, text = said.pop("froude")
+        speed = float(f"{value * math.sqrt(g * length):.4g}")
+        said["speed"] = (speed, f"{text} and L = {length:g} m")
+    if "frequency_hz" in said:
+        value, text = said.pop("frequency_hz")
+        said.setdefault("period", (float(f"{1 / value:.6g}"), text))
+    return said
+
+
+def _one(
+    key: str,
+    said: Mapping[str, tuple[float, str]],
+    recorded: Mapping[str, tuple[float, str]],
+    named: Named,
+    froude: tuple[float, str] | None = None,
+    *,
+    unsure: bool,
+) -> Setting:
+    if key in said and key in recorded:
+        value, text = said[key]
+        other, where = recorded[key]
+        if _agree(key, value, other):
+            return Setting(key=key, value=value, reason=f"{text} in the name; {where}: {other:g}")
+        todo = f"the name says {value:g}, the record ({where}) {other:g}: which is right?"
+        return Setting(key=key, value=value, reason=f"{text} in the name", todo=todo)
+    if key in said:
+        value, text = said[key]
+        return Setting(key=key, value=value, reason=f"{text} in the name")
+    if key in recorded:
+        value, where = recorded[key]
+        return Setting(key=key, value=value, reason=where, todo="right?" if unsure else "")
+    hint = next(
+        (
+            (name, item)
+            for name, item in named.hints.items()
+            if (name, key) in _STANDS_FOR or name == key
+        ),
+        None,
+    )
+    if hint is not None:
+        name, (value, why) = hint
+        return Setting(key=name, value=value, todo=f"{why}; else {key} = ...", active=False)
+    todo = WORDS.get(key, key)
+    if key == "speed" and froude is not None:
+        todo += f": Fn = {froude[0]:g} times the root of 9.81 L"
+    return Setting(key=key, value=None, todo=todo, active=False)
+
+
+_STANDS_FOR: Final = frozenset(
+    {("v_amplitude", "amplitude_m"), ("r_amplitude", "yaw_amplitude_deg")}
+)
+
+
+def _agree(key: str, value: float, other: float) -> bool:
+    if key.endswith("_deg"):
+        return abs(value - other) < 0.6 + 0.03 * abs(value)
+    return abs(value - other) <= _CLOSE.get(key, 0.06) * abs(value)

@@ -1,0 +1,322 @@
+"""What lies there: a file or a folder looked at before anything is known of it."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.inspection.file import look_at
+from pmmkit.inspection.seen import FileLook
+from pmmkit.readers import FORMATS, head_of, recognise
+
+MOST_FILES: Final = 2000
+"""Files of a folder that are looked at; of more it is only said how many there are."""
+MOST_COUNTED: Final = 20_000
+"""Further files that are counted."""
+_RESULTS: Final = ("derivatives.csv", "comparison.json", "diagnosis.json", "metrics.json")
+"""Files by which a folder with results of pmmkit is known; it is passed over."""
+_DEEPEST: Final = 8
+_FEW: Final = 40
+"""Lines from which the beginning of an export is told."""
+_PASSED: Final = frozenset(
+    {".toml", ".py", ".m", ".md", ".ipynb", ".html", ".png", ".jpg", ".jpeg", ".gif", ".svg",
+     ".pdf", ".doc", ".docx", ".ppt", ".pptx", ".mp4", ".avi", ".mov", ".zip", ".7z", ".gz"}
+)  # fmt: skip
+"""Suffixes of files that are not measurements and are not opened."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CampaignLook:
+    """A campaign that is there.
+
+    Parameters
+    ----------
+    file : str
+        Campaign file or saved campaign.
+    title, kind, ship : str
+        As stated there.
+    runs, excluded : int
+        How many.
+    tests : mapping of str to int
+        Runs of each kind.
+    speeds : tuple of float
+        Nominal speeds [m/s].
+    problem : str
+        Why it cannot be opened; empty if it can.
+    """
+
+    file: str
+    title: str = ""
+    kind: str = ""
+    ship: str = ""
+    runs: int = 0
+    excluded: int = 0
+    tests: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    speeds: tuple[float, ...] = ()
+    problem: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Files of the same format with the same headers.
+
+    Parameters
+    ----------
+    files : tuple of FileLook
+        The first one with its numbers, the others by their beginnings.
+    """
+
+    files: tuple[FileLook, ...]
+
+    @property
+    def first(self) -> FileLook:
+        """The file that was read."""
+        return self.files[0]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """What lies at a path.
+
+    Parameters
+    ----------
+    path : Path
+        File or folder.
+    groups : tuple of Group
+        Files with data; for a file a group for each of its sheets.
+    campaigns : tuple of CampaignLook
+        Campaign file in the folder, saved campaigns.
+    others : mapping of str to int
+        How many files without data there are, by suffix.
+    problems : tuple of Problem
+        Files that cannot be read or understood.
+    passed_over : int
+        Files that were not looked at because there are too many.
+    """
+
+    path: Path
+    groups: tuple[Group, ...] = ()
+    campaigns: tuple[CampaignLook, ...] = ()
+    others: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    problems: tuple[Problem, ...] = ()
+    passed_over: int = 0
+
+
+def look(path: str | Path) -> Look:
+    """Look at a file or a folder of which nothing is known; nothing is changed.
+
+    Parameters
+    ----------
+    path : path
+        A file of measurements, a campaign (folder, campaign file or saved), or a folder.
+
+    Returns
+    -------
+    Look
+        Of text files above 64 MB only beginning, middle and end are read; of a folder's files all
+        beginnings and the first file of each group.
+
+    Raises
+    ------
+    CampaignError
+        If there is nothing, if the layout of a single file is not known (with its first lines), or
+        if a folder holds no measurements.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> file = Path(tempfile.mkdtemp()) / "run.csv"
+    >>> _ = file.write_text("Time;Fx [kN]\\n0,0;1,5\\n0,1;1,6\\n0,2;1,4\\n")
+    >>> (group,) = look(file).groups
+    >>> [column.suggestion.name for column in group.first.columns]
+    ['t', 'X']
+    """
+    place = Path(path).expanduser()
+    if not place.exists():
+        raise CampaignError(Problem(message="there is no such file or folder.", file=str(place)))
+    if place.is_dir() and not _is_one_run(place):
+        return _look_folder(place)
+    if not (place.is_file() or place.is_dir()):
+        raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
+    if place.suffix == ".toml":
+        return Look(path=place, campaigns=(_campaign(place, place.name),))
+    looks = look_at(place, place.name)
+    if looks[0].format == "pmmkit":
+        return Look(path=place, campaigns=(_campaign(place, place.name),))
+    good = [item for item in looks if item.columns]
+    problems = tuple(problem for item in looks for problem in item.problems)
+    if not good:
+        raise CampaignError(problems)
+    return Look(path=place, groups=tuple(Group(files=(item,)) for item in good), problems=problems)
+
+
+def _look_folder(folder: Path) -> Look:
+    files, passed_over = _files(folder)
+    campaigns = [_campaign(folder, FILE_NAME)] if (folder / FILE_NAME).is_file() else []
+    others: Counter[str] = Counter()
+    problems: list[Problem] = []
+    groups: dict[object, list[FileLook]] = {}
+    for path in files:
+        shown = path.relative_to(folder).as_posix()
+        if not _is_text(shown):
+            problems.append(_ODD_NAME)
+            continue
+        if path.suffix.lower() in _PASSED and not path.is_dir():
+            others[path.suffix.lower()] += 1
+            continue
+        for item in look_at(path, shown, numbers=False):
+            if item.format == "pmmkit":
+                campaigns.append(_campaign(path, shown))
+            elif item.columns:
+                groups.setdefault(_key(item), []).append(item)
+            elif item.format or not item.size or _refused(item):
+                problems += item.problems
+            else:
+                others[path.suffix.lower()] += 1
+    if not (groups or campaigns):
+        raise _nothing(folder, others, problems)
+    found = []
+    for members in groups.values():
+        read = _read_first(members)
+        found.append(Group(files=(read, *members[1:])))
+        problems += read.problems
+    return Look(
+        path=folder,
+        groups=tuple(found),
+        campaigns=tuple(campaigns),
+        others=MappingProxyType(dict(others)),
+        problems=tuple(problems),
+        passed_over=passed_over,
+    )
+
+
+def _is_text(name: str) -> bool:
+    """Whether a name can be written as UTF-8."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+_ODD_NAME: Final = Problem(
+    message="the name of a file is not Unicode text: it was passed over.", remedy="Rename it."
+)
+
+
+def _refused(item: FileLook) -> bool:
+    return any("cannot be read" in problem.message for problem in item.problems)
+
+
+def _key(item: FileLook) -> tuple[object, ...]:
+    return item.format, item.titles, item.options
+
+
+def _read_first(members: list[FileLook]) -> FileLook:
+    """The first of some files with its numbers."""
+    first = members[0]
+    return next(
+        item
+        for item in look_at(first.path, first.shown.partition(", sheet ")[0])
+        if item.shown == first.shown
+    )
+
+
+def _files(folder: Path) -> tuple[list[Path], int]:
+    """Files below a folder, folders of a format among them, in order; and how many more."""
+    found: list[Path] = []
+    more = 0
+    for path in _walk(folder, 0):
+        if len(found) < MOST_FILES:
+            found.append(path)
+        elif more < MOST_COUNTED:
+            more += 1
+        else:
+            break
+    return found, more
+
+
+def _walk(folder: Path, depth: int) -> Iterator[Path]:
+    """Regular files and folders of a format; links to folders are not followed."""
+    try:
+        entries = sorted(os.scandir(folder), key=lambda entry: (entry.is_dir(), entry.name))
+    except OSError:
+        return
+    for entry in entries:
+        if entry.name.startswith((".", "~$")):
+            continue
+        path = Path(entry.path)
+        if entry.is_file():
+            yield path
+        elif not entry.is_dir(follow_symlinks=False) or any(
+            (path / name).is_file() for name in _RESULTS
+        ):
+            continue
+        elif _is_one_run(path):
+            yield path
+        elif depth < _DEEPEST:
+            yield from _walk(path, depth + 1)
+
+
+def _is_one_run(folder: Path) -> bool:
+    """Whether a folder is one measurement: of a format of folders, its files parts of one run.
+
+    Exports of STAR-CCM+ are so if their columns differ, or if one begins well after another.
+    """
+    name = recognise(folder)
+    if name is None or name != "star-ccm+":
+        return name is not None
+    heads = [head_of(file).split(b"\n") for file in sorted(folder.glob("*.csv"))]
+    tops = {lines[0] for lines in heads}
+    return len(heads) > 1 and (len(tops) == len(heads) or _follow(heads))
+
+
+def _follow(heads: Sequence[Sequence[bytes]]) -> bool:
+    """Whether files with the same columns begin at different times, as restarts do."""
+    if len({lines[0] for lines in heads}) > 1:
+        return False
+    try:
+        times = [[float(line.split(b",")[0]) for line in lines[1:_FEW]] for lines in heads]
+    except ValueError:
+        return False
+    begins = sorted(own[0] for own in times if own)
+    usual = max((own[-1] - own[0] for own in times if own), default=0.0)
+    return len(begins) == len(heads) and all(b - a > usual for a, b in pairwise(begins))
+
+
+def _campaign(path: Path, shown: str) -> CampaignLook:
+    try:
+        opened = open_campaign(path)
+    except DataError as error:
+        return CampaignLook(file=shown, problem=str(error))
+    return CampaignLook(
+        file=shown,
+        title=opened.title,
+        kind=opened.kind,
+        ship=opened.ship.name,
+        runs=len(opened),
+        excluded=len(opened.excluded),
+        tests=MappingProxyType(dict(Counter(run.test for run in opened))),
+        speeds=tuple(sorted({run.settings.speed for run in opened})),
+    )
+
+
+def _nothing(folder: Path, others: Mapping[str, int], problems: list[Problem]) -> CampaignError:
+    there = ", ".join(f"{count} {suffix or 'without suffix'}" for suffix, count in others.items())
+    said = f"There are {sum(others.values())} other files: {there}." if others else "It is empty."
+    if problems and not others:
+        said = "Its files cannot be read."
+    main = Problem(
+        message=f"there are no measurements in this folder. {said}",
+        file=str(folder),
+        remedy=f"Expected: files of the formats {', '.join(FORMATS)}.",
+    )
+    return CampaignError([main, *problems])

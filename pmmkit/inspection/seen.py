@@ -1,0 +1,157 @@
+"""What was seen of a file: its columns, its clock, how it is read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from pmmkit.errors import Problem
+from pmmkit.inspection.guessing import Suggestion
+from pmmkit.readers.base import Options, Request
+from pmmkit.readers.text.layout import Layout
+
+FORMAT_WORDS: Final[Mapping[str, str]] = {
+    "csv": "text of columns", "excel": "workbook", "pmmkit": "campaign saved by pmmkit",
+    "openfoam": "OpenFOAM", "star-ccm+": "STAR-CCM+ export", "matlab": "MATLAB file",
+    "tdms": "TDMS (LabVIEW)", "hdf5": "HDF5",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clock:
+    """The time of a history.
+
+    Parameters
+    ----------
+    interval, duration : float
+        Median step and whole length [in the unit of the column].
+    even : bool
+        Whether all steps differ by less than 2 % from the median, gaps apart.
+    gaps, repeated, backward : int
+        Steps longer than 1.5 intervals, of zero, and back in time.
+    longest : float
+        The longest step [in the unit of the column].
+    """
+
+    interval: float
+    duration: float
+    even: bool
+    gaps: int
+    repeated: int
+    backward: int
+    longest: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnLook:
+    """A column.
+
+    Parameters
+    ----------
+    position : int
+        Counted from 0.
+    header : str
+        As in the file, without its unit; empty where there is none.
+    unit : str or None
+        As stated in the file.
+    title : str
+        The whole header, by which a campaign file names it.
+    numbers : bool
+        Whether it holds numbers; if not, what follows is NaN.
+    low, high, mean, first : float
+        Of the finite numbers.
+    suggestion : Suggestion or None
+        What it probably is.
+    remark : str
+        What else is seen.
+    """
+
+    position: int
+    header: str
+    unit: str | None
+    title: str
+    numbers: bool = False
+    low: float = np.nan
+    high: float = np.nan
+    mean: float = np.nan
+    first: float = np.nan
+    suggestion: Suggestion | None = None
+    remark: str = ""
+
+    @property
+    def constant(self) -> bool:
+        """Whether all numbers are the same."""
+        return self.numbers and self.low == self.high
+
+    @property
+    def label(self) -> str:
+        """Header, or the number of the column counted from 1."""
+        return self.header or f"column {self.position + 1}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileLook:
+    """A file, or a sheet of a workbook.
+
+    Parameters
+    ----------
+    path : Path
+        Where it lies.
+    shown : str
+        Its name, relative to the folder that was looked at.
+    format : str
+        Name of the reader; empty where no reader knows it.
+    size : int
+        [bytes].
+    kind : {"history", "table", "open water", "unknown"}
+        Samples in time, rows that are runs, a table of propeller coefficients.
+    rows : int
+        Rows of numbers; an estimate where `sampled`.
+    sampled : bool
+        Whether only parts of a large file were read.
+    options : Options
+        What ``[source]`` must state to read it.
+    layout : Layout or None
+        Of text files.
+    columns : tuple of ColumnLook
+        All columns.
+    clock : Clock or None
+        Of a history.
+    problems : tuple of Problem
+        What keeps it from being read as it is.
+    notes : tuple of str
+        What the reader said.
+    """
+
+    path: Path
+    shown: str
+    format: str = ""
+    size: int = 0
+    kind: str = "unknown"
+    rows: int = 0
+    sampled: bool = False
+    options: Options = field(default_factory=Options)
+    layout: Layout | None = None
+    columns: tuple[ColumnLook, ...] = ()
+    clock: Clock | None = None
+    problems: tuple[Problem, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    @property
+    def titles(self) -> tuple[str, ...]:
+        """Headers as in the file."""
+        return tuple(column.title for column in self.columns)
+
+    @property
+    def known(self) -> dict[str, ColumnLook]:
+        """Columns by the name that is suggested for them."""
+        return {column.suggestion.name: column for column in self.columns if column.suggestion}
+
+    @property
+    def request(self) -> Request:
+        """How it is read."""
+        return Request(path=self.path, shown=self.shown, options=self.options)

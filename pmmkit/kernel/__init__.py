@@ -1,5 +1,0 @@
-"""From a model to the right-hand side of its equations of motion."""
-
-from pmmkit.kernel.program import CALM, Conditions, Prepared, prepare
-
-__all__ = ["CALM", "Conditions", "Prepared", "prepare"]

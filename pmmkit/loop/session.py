@@ -1,0 +1,381 @@
+"""The loop without a screen: diagnose, add, watch the error fall, undo, replay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.joint_fit import joint_fit, refined
+from pmmkit.diagnosis.captive.refit import ADDED, is_fault, name_of_step, refitted
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.own import OwnEffect
+from pmmkit.errors import ModelError
+from pmmkit.files import write_text
+from pmmkit.models import Model, load_model
+from pmmkit.models.edit import without_effect
+from pmmkit.structures import Structure
+from pmmkit.toml_files import read_toml, toml_text
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+BASE: Final = "base"
+"""First line of an error fall: the model before any step."""
+FALLS: Final = 0.995
+"""A step whose held-out error is above this share of the one before does not lower it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """One effect that was added.
+
+    Parameters
+    ----------
+    effect : str
+        Its name.
+    why : str
+        Evidence, or what a person says of it.
+    """
+
+    effect: str
+    why: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Session:
+    """A base model, the tests, and the effects that were added one after another.
+
+    Each action gives a new session; the old one stays as it is.
+
+    Parameters
+    ----------
+    source : Model, str or sequence of str
+        The base: a model, the name of a structure, or derivatives.
+    campaign : Campaign
+        Captive tests.
+    system : System
+        Runs, base and candidates.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    begun : tuple of str
+        Effects that the base has from the beginning.
+    steps : tuple of Step
+        What was added.
+    own : tuple of OwnEffect
+        Effects of the user.
+    """
+
+    source: Model | str | tuple[str, ...] | Structure
+    campaign: Campaign
+    system: System
+    floor: float
+    begun: tuple[str, ...] = ()
+    steps: tuple[Step, ...] = ()
+    own: tuple[OwnEffect, ...] = ()
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Effects that the base has now."""
+        return (*self.begun, *(step.effect for step in self.steps))
+
+    def diagnose(self, seed: int = 0) -> Diagnosis:
+        """What the base, with the effects added so far, still lacks."""
+        return answer(self.system, self.given, floor=self.floor, seed=seed)
+
+    def add(self, effect: str, why: str = "") -> Session:
+        """A session with one effect more.
+
+        Raises
+        ------
+        UnknownNameError
+            If no such effect takes part.
+        ModelError
+            If the base has it already.
+        """
+        if effect in self.given:
+            raise ModelError(f"The model has {effect} already.")
+        known = [block.candidate.name for block in self.system.blocks]
+        if effect not in known:
+            raise no_such_effect(effect, known)
+        return replace(self, steps=(*self.steps, Step(effect=effect, why=why)))
+
+    def undo(self) -> Session:
+        """The session before the last step.
+
+        Raises
+        ------
+        ModelError
+            If there is no step.
+        """
+        if not self.steps:
+            raise ModelError("There is no step to undo.")
+        return replace(self, steps=self.steps[:-1])
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """The effects of the base at the values of their nonlinear parameters."""
+        return refined(self.system, taken_as_given(self.system, self.given).blocks)
+
+    def fall(self) -> ErrorFall:
+        """Held-out errors of the base and after each step."""
+        blocks = self.blocks
+        first = len(self.begun)
+        names = (BASE, *(step.effect for step in self.steps))
+        return ErrorFall(
+            steps=names,
+            errors=tuple(
+                held_out(self.system, blocks[: first + number]) for number in range(len(names))
+            ),
+        )
+
+    def model(self) -> Model:
+        """The model with base and effects fitted together, its history with a line per step.
+
+        Raises
+        ------
+        ModelError
+            If the base is a structure: it has no ship to sail with.
+        """
+        if not isinstance(self.source, Model):
+            raise ModelError(
+                f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
+                f"the campaign first, then take its model.toml."
+            )
+        blocks = self.blocks
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        return found.model.with_(
+            history=(*found.model.history, *self._history(fit.std.size)), notes=(
+                *found.model.notes, *found.notes
+            ),
+        )  # fmt: skip
+
+    def _history(self, count: int) -> list[str]:
+        errors = self.fall()
+        title = self.campaign.title or self.campaign.ship.name
+        lines = []
+        if not self.steps:
+            lines.append(f"Fitted {count} coefficients to {title}.")
+        for number, step in enumerate(self.steps, start=1):
+            before, after = (errors.errors[i].share() for i in (number - 1, number))
+            why = f" ({step.why})" if step.why else ""
+            lines.append(
+                f"{ADDED}{step.effect}{why}: error of left-out conditions {100 * before:.2f} % to "
+                f"{100 * after:.2f} % of the rms forces of {title}."
+            )
+        return lines
+
+    def save(self, path: str | Path) -> None:
+        """Write the steps as TOML, all or nothing; `replay` carries them out again."""
+        data: dict[str, Any] = {
+            "session": {
+                "campaign": self.campaign.title, "floor": self.floor,
+                "effects": [step.effect for step in self.steps],
+                "why": [step.why for step in self.steps],
+            }
+        }  # fmt: skip
+        write_text(Path(path), toml_text(data))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ErrorFall:
+    """How the held-out error falls with each step.
+
+    Parameters
+    ----------
+    steps : tuple of str
+        ``base``, then the effects in the order in which they were added.
+    errors : tuple of HeldOut
+        After each.
+    """
+
+    steps: tuple[str, ...]
+    errors: tuple[HeldOut, ...]
+
+    @property
+    def useless(self) -> tuple[str, ...]:
+        """Steps that do not lower the held-out error."""
+        shares = [item.share() for item in self.errors]
+        return tuple(
+            name for name, before, after in zip(self.steps[1:], shares, shares[1:], strict=False)
+            if after > FALLS * before
+        )  # fmt: skip
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per step, test type (``all`` too) and channel.
+
+        Columns: step, test, channel, error and force [N, N m], share (error over the force),
+        better (share of conditions and channels that a step improves, ``all`` only).
+        """
+        import pandas as pd
+
+        rows = []
+        for number, (name, item) in enumerate(zip(self.steps, self.errors, strict=True)):
+            better = item.better_than(self.errors[number - 1]) if number else float("nan")
+            whole = item.of_channel(kind="force")
+            for test in (None, *dict.fromkeys(item.tests)):
+                errors = item.of_channel(test)
+                rows += [
+                    {
+                        "step": name,
+                        "test": test or "all",
+                        "channel": channel,
+                        "error": error,
+                        "force": whole[channel],
+                        "share": error / whole[channel],
+                        "better": better if test is None else float("nan"),
+                    }
+                    for channel, error in errors.items()
+                ]
+        return pd.DataFrame(rows)  # fmt: skip
+
+
+def begin(
+    model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, *,
+    floor: float | None = None, candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None, own: Sequence[OwnEffect] = (),
+) -> Session:  # fmt: skip
+    """A session about a model and captive tests.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        As for `diagnose`.
+    campaign : Campaign
+        Captive tests with histories.
+    floor, candidates, noise, own
+        As for `diagnose_captive`.
+
+    Returns
+    -------
+    Session
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running, or holds no run with a known noise.
+    """
+    base = derivatives_of(model)
+    system = captive_system(
+        campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
+    )
+    return Session(
+        source=base.source, campaign=campaign, system=system, floor=system.floor,
+        begun=base.effects, own=tuple(own),
+    )  # fmt: skip
+
+
+def replay(
+    path: str | Path, model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign,
+    *, candidates: Sequence[Candidate] | None = None, noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
+) -> Session:  # fmt: skip
+    """The steps of a file carried out again on a model and a campaign.
+
+    Parameters
+    ----------
+    path : str or path
+        Written by `Session.save`. Nothing in it is executed.
+    model, campaign, candidates, noise, own
+        As for `begin`.
+
+    Raises
+    ------
+    ModelError
+        If the file is damaged or of another kind.
+    """
+    steps = _steps(read_toml(Path(path)).get("session"), str(path))
+    session = begin(model, campaign, floor=steps.floor, candidates=candidates, noise=noise, own=own)
+    for effect, why in steps.steps:
+        session = session.add(effect, why)
+    return session
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Saved:
+    """What a file of steps holds."""
+
+    floor: float
+    steps: tuple[tuple[str, str], ...]
+
+
+def _steps(data: object, path: str) -> _Saved:
+    """The steps of a file, checked."""
+    head = data if isinstance(data, dict) else {}
+    floor, effects, why = (head.get(name) for name in ("floor", "effects", "why"))
+    texts = [
+        x for x in (effects, why) if isinstance(x, list) and all(isinstance(t, str) for t in x)
+    ]
+    if not isinstance(floor, float) or len(texts) != 2 or len(texts[0]) != len(texts[1]):
+        raise ModelError(
+            f"{path} is no session: [session] needs the number floor, and the lists effects and "
+            f"why of equal length."
+        )
+    return _Saved(floor=floor, steps=tuple(zip(*texts, strict=True)))
+
+
+def fit(
+    model: Model | str | Path, campaign: Campaign, *, floor: float | None = None,
+    noise: float | None = None,
+) -> Model:  # fmt: skip
+    """A model with its derivatives and effects fitted together to captive tests.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        Says what is fitted: its derivatives of hull and added mass, and those of its effects that
+        have usual sizes. Propeller, rudder and inertia stay as they are.
+    campaign : Campaign
+        Captive tests with histories.
+    floor : float, optional
+        As for `diagnose_captive`; it widens the uncertainty.
+    noise : float, optional
+        As for `diagnose_captive`.
+
+    Returns
+    -------
+    Model
+        With covariance, and a line in its history.
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running, or holds no run with a known noise.
+    """
+    loaded = model if isinstance(model, Model) else load_model(model)
+    return begin(loaded, campaign, floor=floor, noise=noise).model()
+
+
+def undone(model: Model, own: Sequence[OwnEffect] = ()) -> tuple[Model, str]:
+    """A model without the effect that was added last, and its name; its values are to be refitted.
+
+    Parameters
+    ----------
+    model : Model
+        With a step in its history.
+    own : sequence of OwnEffect
+        Effects of the user.
+
+    Raises
+    ------
+    ModelError
+        If its history knows of no step.
+    """
+    steps = [number for number, line in enumerate(model.history) if line.startswith(ADDED)]
+    if not steps:
+        raise ModelError(f"The history of {model.name} knows of no effect that was added.")
+    last = steps[-1]
+    effect = name_of_step(model.history[last])
+    history = (*model.history[:last], *model.history[last + 1 :])
+    named = next((item for item in own if item.name == effect), effect)
+    bare = model if is_fault(effect) else without_effect(model, named)
+    return bare.with_(history=history), effect

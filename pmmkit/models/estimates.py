@@ -1,0 +1,138 @@
+"""A whole model from particulars, each value marked as an estimate."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from pmmkit.empirical import (
+    METHODS,
+    estimate,
+    friction_coefficient,
+    rudder_values,
+    wake_fraction,
+    wetted_surface,
+)
+from pmmkit.errors import MissingPartError, UnknownNameError
+from pmmkit.models.model import Model, Part
+from pmmkit.ship import Ship, Water, viscosity
+
+
+def estimated_model(
+    ship: Ship,
+    method: str = "yoshimura-masumoto",
+    *,
+    speed: float,
+    propeller_diameter: float,
+    rudder_area: float,
+    rudder_aspect: float = 1.6,
+    rate_deg_s: float = 2.32,
+    resistance: float | None = None,
+    water: Water | None = None,
+) -> Model:
+    """A model that can be simulated, from a ship's particulars alone.
+
+    Parameters
+    ----------
+    ship : Ship
+        Particulars.
+    method : {"yoshimura-masumoto", "kijima"}
+        Nonlinear hull; the linear methods do not carry a turning circle. Kijima gives no surge
+        terms: those of Yoshimura and Masumoto are taken.
+    speed : float
+        Service speed [m/s], for the resistance.
+    propeller_diameter : float
+        [m]
+    rudder_area : float
+        [m²]
+    rudder_aspect : float
+        Height squared over area.
+    rate_deg_s : float
+        Rate of the steering gear [deg/s]; by default the least that SOLAS allows.
+    resistance : float, optional
+        Resistance at that speed [N]; by default ITTC 1957 friction with a form factor of 1.2, an
+        allowance of 0.0004 and a residuary coefficient of 0.0006 on a wetted surface of
+        1.7 L d + volume/d.
+    water : Water, optional
+        Salt water by default.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such method.
+    MissingPartError
+        If the method has no nonlinear terms.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> from pmmkit.simulation import simulate
+    >>> model = estimated_model(load_ship("kvlcc2"), speed=7.97, propeller_diameter=9.86,
+    ...                         rudder_area=112.5)
+    >>> 2.0 < simulate(model, speed=7.97, compiled=False).metrics["tactical_diameter_L"] < 4.5
+    True
+    """
+    if method not in METHODS:
+        raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
+    sea = water or Water()
+    guess = estimate(ship, method)
+    if guess.convention.system == "prime":
+        raise MissingPartError(
+            f"{method} gives linear derivatives only, which do not carry a manoeuvre. Take "
+            f"yoshimura-masumoto or kijima, or join its values with tests (to_model)."
+        )
+    surge = {
+        name: value
+        for name, value in estimate(ship, "yoshimura-masumoto").values.items()
+        if name[0] == "X" and name != "Xudot"
+    }
+    if guess.convention.sway == "beta":
+        surge = {name: -x if name == "Xvr" else x for name, x in surge.items()}
+    values = {**surge, **guess.values}
+    unit = 0.5 * sea.rho * ship.L * ship.d * speed**2
+    values["Xuu"] = -(resistance or _resistance(ship, sea, speed)) / unit
+    mass = {name: x for name, x in values.items() if name.endswith("dot")}
+    hull = {name: x for name, x in values.items() if name not in mass}
+    w = wake_fraction(ship)
+    screw = {
+        "D": propeller_diameter, "t": 0.2, "kt0": 0.33, "kt1": -0.3, "kt2": -0.13, "wp": w,
+        "xp": -0.48,
+    }  # fmt: skip
+    blade = rudder_values(ship, area=rudder_area, aspect=rudder_aspect, D=propeller_diameter)
+    parts = (
+        Part(
+            effect="hull_polynomial", values=MappingProxyType(hull),
+            source=f"empirical: {guess.source}",
+            sources=MappingProxyType(
+                {"Xuu": "measured: resistance" if resistance else "empirical: ITTC 1957 friction"}
+            ),
+        ),
+        Part(
+            effect="added_mass", values=MappingProxyType(mass), source="empirical: Zhou et al. 1983"
+        ),
+        Part(
+            effect="propeller", values=MappingProxyType(screw),
+            source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
+        ),
+        Part(
+            effect="rudder_mmg", options=MappingProxyType({"inflow": "mmg"}),
+            values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
+            source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
+        ),
+    )  # fmt: skip
+    return Model(
+        name=ship.name, ship=ship, water=sea, convention=guess.convention,
+        parts=MappingProxyType({part.effect: part for part in parts}),
+        title=f"{ship.name}, estimated from its particulars",
+        scale=f"L = {ship.L:g} m; propulsion point: self-propulsion of the model's equations",
+        notes=("Every value is an estimate from particulars: a first look, not a verdict.",),
+        history=(f"Estimated by {method}.",),
+    )  # fmt: skip
+
+
+def _resistance(ship: Ship, water: Water, speed: float) -> float:
+    friction = friction_coefficient(speed * ship.L / viscosity(water))
+    return 0.5 * water.rho * wetted_surface(ship) * speed**2 * (1.2 * friction + 0.0010)

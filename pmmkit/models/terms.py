@@ -1,0 +1,250 @@
+"""Effects that are derivatives: into the polynomials of a model, in its convention, and out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.effects.terms import BY_SPEED
+from pmmkit.errors import ModelError
+from pmmkit.models import Model, Part
+from pmmkit.models.model import Value, needs_roll
+from pmmkit.tables import converted, from_values
+
+Array = NDArray[np.float64]
+HULL: Final = "hull_polynomial"
+RUDDER: Final = "rudder_abkowitz"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """One effect as it is to enter a model.
+
+    Parameters
+    ----------
+    name : str
+        Of the effect.
+    shares : mapping of str to (mapping of str to float)
+        By coefficient, the derivatives that it stands for, each with its share of it.
+    coefficients : mapping of str to float
+        As the diagnosis gives them.
+    known : bool
+        Whether these are sizes and not just zeros to start from.
+    value : float or None
+        Nonlinear parameter.
+    Fn : tuple of float
+        Froude numbers of the tests; empty where they are those of the model.
+    source : str
+        Where the values come from.
+    """
+
+    name: str
+    shares: Mapping[str, Mapping[str, float]]
+    coefficients: Mapping[str, float]
+    known: bool
+    value: float | None
+    Fn: tuple[float, ...]
+    source: str
+
+    def derivatives(self) -> dict[str, float]:
+        """Values of the derivatives from those of the coefficients."""
+        found: dict[str, float] = {}
+        for label, own in self.shares.items():
+            for derivative, share in own.items():
+                size = share * self.coefficients.get(label, 0.0)
+                found[derivative] = found.get(derivative, 0.0) + size
+        return found
+
+
+def reference(model: Model, asked: Asked) -> float:
+    """Froude number at which F is zero: the middle of the tests, as in the diagnosis."""
+    return float(np.median(_rows(model, asked)))
+
+
+def _rows(model: Model, asked: Asked) -> tuple[float, ...]:
+    rows = tuple(sorted(set(asked.Fn))) or model.Fn
+    if not rows:
+        raise ModelError(
+            f"{asked.name} changes with the Froude number and model {model.name!r} has none: give "
+            f"the Froude numbers of the tests, Fn = (0.15, 0.2, 0.25)."
+        )
+    return rows
+
+
+def with_terms(model: Model, asked: Asked) -> Model:
+    """The model with the derivatives of an effect that it lacks, in its convention."""
+    sizes = asked.derivatives()
+    roll = [label for label in sizes if needs_roll(label.removesuffix(BY_SPEED))]
+    if roll and not model.rolls:
+        raise ModelError(
+            f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} has no part "
+            f"'roll'. Take a ship that rolls, as to_model(table, parts=\"s175\") does."
+        )
+    by_speed = {
+        label.removesuffix(BY_SPEED): size for label, size in sizes.items()
+        if label.endswith(BY_SPEED)
+    }  # fmt: skip
+    plain = {label: size for label, size in sizes.items() if not label.endswith(BY_SPEED)}
+    if by_speed:
+        model = _changing(model, asked, by_speed)
+    there = {label for label in plain if label in _home(model, label).values}
+    lacking = {label: size for label, size in plain.items() if label not in there}
+    if plain and not lacking:
+        raise ModelError(
+            f"Model {model.name!r} has {', '.join(plain)} of {asked.name} already: change their "
+            f"values, or take them out first (without_effect)."
+        )
+    values: dict[str, Value] = dict(lacking)
+    if asked.known:
+        carried = _carried(model, lacking, model.Fn or None)
+        values = {name: _plain(x + _apart(model, name)) for name, x in carried.items()}
+    made = replace(model, parts=_parts(model, values, asked.source))
+    left = f" It had {', '.join(sorted(there))} before." if there else ""
+    changes = {f"{name}{BY_SPEED}": x for name, x in by_speed.items()}
+    return told(made, added(asked.name, changes | values) + left)
+
+
+def _home(model: Model, name: str) -> Part:
+    steered = parse_derivative(name).count("d") and RUDDER in model.parts
+    return model.part(RUDDER if steered else HULL, "an effect of derivatives")
+
+
+def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[str, Part]:
+    """Parts with more derivatives, or with others than before."""
+    parts = dict(model.parts)
+    for name, value in values.items():
+        part = parts[home := _home(model, name).effect]
+        before = f"{part.source_of(name)}; " if name in part.values else ""
+        parts[home] = replace(
+            part, values=MappingProxyType({**part.values, name: value}),
+            sources=MappingProxyType({**part.sources, name: before + source}),
+        )  # fmt: skip
+    return MappingProxyType(parts)
+
+
+def _changing(model: Model, asked: Asked, slopes: Mapping[str, float]) -> Model:
+    """Derivatives with a value per Froude number: c F more."""
+    rows = model.Fn or _rows(model, asked)
+    if len(set(rows)) < 2:
+        raise ModelError(f"{asked.name} needs two Froude numbers or more, not {list(rows)}.")
+    held = {name: _home(model, name).values.get(name, 0.0) for name in slopes}
+    if all(isinstance(x, tuple) and np.ptp(x) > 0 for x in held.values()):
+        raise ModelError(
+            f"{', '.join(held)} of model {model.name!r} change with the Froude number already."
+        )
+    more = {name: size * _law(model, asked, rows) for name, size in slopes.items()}
+    carried = _carried(model, more, rows) if asked.known else more
+    values: dict[str, Value] = {
+        name: tuple((np.broadcast_to(held[name], len(rows)) + x).tolist())
+        for name, x in carried.items()
+    }
+    covariance = model.covariance
+    if not model.Fn and covariance is not None:
+        covariance = np.kron(np.ones((len(rows), len(rows))), covariance).astype(float)
+    parts = _parts(model, values, asked.source)
+    return replace(model, Fn=rows, covariance=covariance, parts=parts)
+
+
+def _law(model: Model, asked: Asked, rows: Sequence[float]) -> Array:
+    """F = (Fn/Fn0)² - 1 at the Froude numbers of the model."""
+    return (np.asarray(rows) / reference(model, asked)) ** 2 - 1.0
+
+
+def _carried(
+    model: Model, sizes: Mapping[str, float | Array], rows: Sequence[float] | None
+) -> dict[str, Array]:
+    """Derivatives of the diagnosis in the system and signs of a model, one per Froude number."""
+    if not sizes:
+        return {}
+    target = model.convention
+    surges = any(parse_derivative(name).count("u") for name in sizes)
+    table = from_values(
+        {name: np.ravel(size).tolist() if np.ndim(size) else float(size)
+         for name, size in sizes.items()},
+        ship=model.ship, water=model.water, Fn=rows,
+        convention=Convention() if surges else Convention(surge=target.surge),
+    )  # fmt: skip
+    same = converted(table, target.with_(coriolis="in-derivatives"))
+    return {name: same[name] for name in sizes}
+
+
+def _apart(model: Model, name: str) -> Array | float:
+    """What a derivative gains where the Coriolis terms of the added mass stand apart."""
+    if model.convention.coriolis == "in-derivatives" or name not in ("Yr", "Xvr"):
+        return 0.0
+    added = model.part("added_mass", "a derivative with Coriolis terms").values
+    mx, my = (-np.asarray(added.get(item, 0.0)) for item in ("Xudot", "Yvdot"))
+    return mx if name == "Yr" else -my
+
+
+def _plain(column: Array) -> Value:
+    """One number where all Froude numbers have the same."""
+    numbers: list[float] = np.ravel(column).tolist()
+    return numbers[0] if len(set(numbers)) == 1 else tuple(numbers)
+
+
+def without_terms(model: Model, asked: Asked) -> Model:
+    """The model without the derivatives of an effect, or without their change with speed."""
+    sizes = asked.derivatives()
+    slopes = [label.removesuffix(BY_SPEED) for label in sizes if label.endswith(BY_SPEED)]
+    gone = [x for x in sizes if not x.endswith(BY_SPEED) and x in _home(model, x).values]
+    changing = [x for x in slopes if isinstance(_home(model, x).values.get(x), tuple)]
+    if not gone and not changing:
+        raise ModelError(f"Model {model.name!r} has nothing of {asked.name}.")
+    parts = model.parts
+    for name in gone:
+        parts = _without(parts, _home(model, name).effect, name)
+    kept = [i for i, name in enumerate(model.covariance_names) if name not in gone]
+    count, rows = len(model.covariance_names), max(len(model.Fn), 1)
+    at = [row * count + i for row in range(rows) for i in kept]
+    C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
+    made = replace(
+        model, parts=parts, covariance=C,
+        covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
+    )  # fmt: skip
+    if not changing:
+        return made
+    F = _law(made, asked, made.Fn)
+    design = np.stack([np.ones_like(F), F], axis=1)
+    for name in changing:
+        series = np.asarray(_home(made, name).values[name])
+        slope = np.linalg.lstsq(design, series, rcond=None)[0][1]
+        left = series - slope * F
+        home = _home(made, name)
+        if np.abs(left).max() < 1e-12 * np.abs(series).max():
+            made = replace(made, parts=_without(made.parts, home.effect, name))
+        else:
+            made = made.with_values(home.effect, **{name: tuple(left.tolist())})
+    return made
+
+
+def _without(parts: Mapping[str, Part], home: str, name: str) -> Mapping[str, Part]:
+    """Parts without one value."""
+    part = parts[home]
+    changed = replace(
+        part,
+        values=MappingProxyType({k: v for k, v in part.values.items() if k != name}),
+        sources=MappingProxyType({k: v for k, v in part.sources.items() if k != name}),
+    )
+    return MappingProxyType({**parts, home: changed})
+
+
+def told(model: Model, step: str) -> Model:
+    """The model with one step more in its history."""
+    return replace(model, history=(*model.history, step))
+
+
+def added(name: str, values: Mapping[str, Value]) -> str:
+    """A step of the history in words."""
+
+    def text(value: Value) -> str:
+        numbers = value if isinstance(value, tuple) else (value,)
+        return " | ".join(f"{x:.4g}" for x in numbers)
+
+    return f"Effect {name} added: " + ", ".join(f"{k} = {text(x)}" for k, x in values.items()) + "."

@@ -1,0 +1,1 @@
+"""What a run says: means and harmonics with covariance, scatter, stated uncertainties."""

@@ -1,0 +1,373 @@
+"""One run, brought to the steady window or the whole cycles that count."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pmmkit.campaigns.motion.kinematics import (
+    displacement_phase,
+    measured_motion,
+    move_motion,
+    nominal_motion,
+)
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.conventions import CHANNELS
+from pmmkit.effects.state import Array, State
+from pmmkit.errors import DataError, Problem
+from pmmkit.numerics import projector
+from pmmkit.observations.inertia import Rig, at_midship, inertia_force
+from pmmkit.signals import (
+    Harmonics,
+    Mean,
+    design_matrix,
+    estimate_frequency,
+    harmonics,
+    steady_mean,
+    steady_window,
+    whole_cycles,
+)
+from pmmkit.signals.record import time_weights
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+CycleChoice = int | tuple[int, int] | None
+ORDER = 5
+GRID = 120
+"""Points of the one-cycle grid on which motions without a record are evaluated."""
+SLIP = math.radians(5)
+"""Phase by which record and stated period must drift apart before the record counts."""
+EXTRAS = ("sinkage", "trim", "T", "Q", "FX_rudder", "FY_rudder")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunResult:
+    """What the reduction found in one run; small, however long the record.
+
+    Parameters
+    ----------
+    run : Run
+        The run, with the period that the record has.
+    froude : float
+        Its Froude number.
+    labels : tuple of str (m,)
+        ``C0`` for static runs; ``C0, C1, S1, …`` for oscillating ones.
+    measured : dict of str to array (m,)
+        Harmonics of the channels as they stand in the data [N, N m]; NaN where not known.
+    covariance : dict of str to array (m, m) or None
+        Their covariance; None where the source states none.
+    dof : dict of str to float
+        Degrees of freedom of the covariance.
+    samples : int
+        How many samples count.
+    window : str
+        What was left out and why, in words.
+    cycles : int or None
+        Whole cycles used.
+    scatter : dict of str to array (m,)
+        Standard deviation over the cycles.
+    frequency : float or None
+        Angular frequency [rad/s].
+    extras : dict of str to float
+        Means of the channels that are only reported (sinkage, trim, thrust …).
+    notes : tuple of str
+        What a reader should know of this run.
+    conversions : tuple of str
+        What was done to the source's numbers when they were read.
+    """
+
+    run: Run
+    froude: float
+    labels: tuple[str, ...]
+    measured: Mapping[str, Array]
+    covariance: Mapping[str, Array | None]
+    dof: Mapping[str, float]
+    samples: int
+    window: str
+    cycles: int | None = None
+    scatter: Mapping[str, Array] = field(default_factory=dict)
+    frequency: float | None = None
+    extras: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    conversions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prepared:
+    """A run cut to what counts, with the projection onto its mean or its harmonics.
+
+    Parameters
+    ----------
+    result : RunResult
+        The harmonics.
+    projection : array (m, n)
+        The linear map from n samples to the m harmonics.
+    motion : State
+        Motion of the motion reference point at the n samples.
+    t : array (n,)
+        Time of the samples [s]; zeros where there is no record.
+    begin : float
+        Time at which the record begins [s].
+    """
+
+    result: RunResult
+    projection: Array
+    motion: State
+    t: Array
+    begin: float = 0.0
+
+    def motion_at_midship(self, rig: Rig) -> State:
+        """Motion of midship at the samples."""
+        return move_motion(self.motion, rig.motion_x)
+
+    def water_force(self, rig: Rig) -> dict[str, Array]:
+        """Harmonics of the force of the water on the hull at midship [N, N m]."""
+        force = at_midship(self.result.measured, rig)
+        if self.result.run.forces == "hydrodynamic":
+            return force
+        inertia = inertia_force(self.motion_at_midship(rig), rig)
+        return {name: force[name] + self.projection @ inertia[name] for name in force}
+
+
+def label_harmonics(order: int) -> tuple[str, ...]:
+    """Labels of harmonics in their order: C0, C1, S1, C2, S2 …
+
+    Examples
+    --------
+    >>> label_harmonics(1)
+    ('C0', 'C1', 'S1')
+    """
+    return ("C0", *(f"{kind}{n}" for n in range(1, order + 1) for kind in "CS"))
+
+
+def prepare(
+    run: Run, campaign: Campaign, *, cycles: CycleChoice = None, noise: bool = True
+) -> Prepared:
+    """Cut one run to its steady window or whole cycles and project it.
+
+    Parameters
+    ----------
+    run : Run
+        The run; its data are read once.
+    campaign : Campaign
+        Ship and conventions.
+    cycles : int or (int, int), optional
+        Only this cycle, or these; the cycle-to-cycle test decides where absent.
+    noise : bool
+        Whether the noise of an oscillating record is estimated; without it there are no
+        covariances.
+
+    Raises
+    ------
+    DataError
+        If the run holds none of X, Y, N, K or too little to reduce.
+    """
+    data = run.data
+    channels = [
+        name for name in CHANNELS if name in data or f"{name}_cos" in data or f"{name}_sin" in data
+    ]
+    if not channels:
+        raise DataError(
+            Problem(
+                message="holds none of the channels X, Y, N, K.",
+                file=run.source or None,
+                run=run.id,
+                remedy="Name them under [columns].",
+            )
+        )
+    make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
+    if run.kind == "history" and run.dynamic:
+        prepared = _from_cycles(run, campaign, data, channels, cycles, noise)
+    else:
+        prepared = make[run.kind](run, campaign, data, channels, cycles)
+    steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
+    return replace(prepared, result=replace(prepared.result, conversions=steps))
+
+
+def _froude(run: Run, campaign: Campaign) -> float:
+    return campaign.ship.froude(run.settings.speed, campaign.water.g)
+
+
+def _from_history(
+    run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], _: CycleChoice
+) -> Prepared:
+    times = np.asarray(data["t"].values, float)
+    record = np.stack([np.asarray(data[name].values, float) for name in channels])
+    window = steady_window(times, record)
+    cut = slice(window.start, window.stop)
+    mean = steady_mean(times[cut], record[:, cut])
+    steady = data.isel(t=cut)
+    weights = time_weights(times[cut])
+    weights = weights / weights.sum()
+    return Prepared(
+        result=RunResult(
+            run=run,
+            froude=_froude(run, campaign),
+            labels=("C0",),
+            measured={
+                name: np.array([value]) for name, value in zip(channels, mean.value, strict=True)
+            },
+            covariance=_mean_covariance(channels, mean),
+            dof=dict(zip(channels, mean.dof.tolist(), strict=True)),
+            samples=window.stop - window.start,
+            window=window.reason,
+            extras=_extras(steady, weights),
+            notes=() if window.steady else (f"{run.id}: {window.reason}",),
+        ),
+        projection=weights[None, :],
+        motion=measured_motion(run, steady, times[cut]),
+        t=times[cut],
+        begin=float(times[0]),
+    )
+
+
+def _mean_covariance(channels: list[str], mean: Mean) -> dict[str, Array | None]:
+    return {
+        name: np.array([[mean.covariance[place, place]]]) for place, name in enumerate(channels)
+    }
+
+
+def _from_cycles(
+    run: Run,
+    campaign: Campaign,
+    data: xr.Dataset,
+    channels: list[str],
+    cycles: CycleChoice,
+    noise: bool,
+) -> Prepared:
+    times = np.asarray(data["t"].values, float)
+    record = np.stack([np.asarray(data[name].values, float) for name in channels])
+    phase = displacement_phase(run, data, times)
+    kept = whole_cycles(times, phase, record, cycles=cycles)
+    cut = slice(kept.start, kept.stop)
+    notes: tuple[str, ...] = ()
+    nominal = run.settings.omega
+    if nominal is not None and kept.count >= 3:
+        own, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
+        slip = abs(own - nominal) * (times[cut][-1] - times[cut][0])
+        if abs(own - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
+            notes = (
+                f"{run.id}: the record oscillates at {own:.5g} rad/s (± {deviation:.1g}), "
+                f"the campaign says {nominal:.5g}; the record counts.",
+            )
+            run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
+            phase = displacement_phase(run, data, times)
+            kept = whole_cycles(times, phase, record, cycles=cycles)
+            cut = slice(kept.start, kept.stop)
+    part = data.isel(t=cut)
+    theta = phase[cut]
+    projection = projector(design_matrix(theta, ORDER))
+    found: Harmonics | None = harmonics(theta, record[:, cut], order=ORDER) if noise else None
+    values = record[:, cut] @ projection.T if found is None else found.coefficients
+    scatter = None if found is None else found.scatter
+    return Prepared(
+        result=RunResult(
+            run=run,
+            froude=_froude(run, campaign),
+            labels=label_harmonics(ORDER),
+            measured=_without_mean(dict(zip(channels, values, strict=True)), run),
+            covariance={} if found is None else dict(zip(channels, found.covariance, strict=True)),
+            dof={} if found is None else dict(zip(channels, found.dof.tolist(), strict=True)),
+            samples=kept.stop - kept.start,
+            window=kept.reason,
+            cycles=kept.count,
+            scatter={} if scatter is None else dict(zip(channels, scatter, strict=True)),
+            frequency=run.settings.omega,
+            extras=_extras(part, np.full(len(theta), 1 / len(theta))),
+            notes=notes,
+        ),
+        projection=projection,
+        motion=measured_motion(run, part, times[cut]),
+        t=times[cut],
+        begin=float(times[0]),
+    )
+
+
+def _extras(data: xr.Dataset, weights: Array) -> dict[str, float]:
+    return {
+        name: float(weights @ np.asarray(data[name].values, float))
+        for name in EXTRAS
+        if name in data and data[name].ndim == 1
+    }
+
+
+def _from_means(
+    run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], cycles: CycleChoice
+) -> Prepared:
+    del cycles
+    covariance: dict[str, Array | None] = {
+        name: np.array([[float(data[f"{name}_std"]) ** 2]]) if f"{name}_std" in data else None
+        for name in channels
+    }
+    return Prepared(
+        result=RunResult(
+            run=run,
+            froude=_froude(run, campaign),
+            labels=("C0",),
+            measured={name: np.array([float(data[name])]) for name in channels},
+            covariance=covariance,
+            dof=dict.fromkeys(channels, math.inf),
+            samples=1,
+            window="a mean from the source's table",
+            extras={name: float(data[name]) for name in EXTRAS if name in data},
+        ),
+        projection=np.ones((1, 1)),
+        motion=measured_motion(run, data, np.zeros(1)),
+        t=np.zeros(1),
+    )
+
+
+def _from_harmonics(
+    run: Run, campaign: Campaign, data: xr.Dataset, channels: list[str], cycles: CycleChoice
+) -> Prepared:
+    del cycles
+    order = int(data["harmonic"].values.max())
+    theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
+    basis = design_matrix(theta, order)
+    omega = run.settings.omega
+    if omega is None:
+        raise DataError(Problem(message="has no period.", file=run.source or None, run=run.id))
+    settings = run.settings
+    motion = nominal_motion(run, (theta - settings.phase) / omega)
+    if "T_cos" in data or "T_sin" in data:
+        motion = motion.with_(thrust=basis @ np.nan_to_num(_interleaved(data, "T", order)))
+    measured = {name: _interleaved(data, name, order) for name in channels}
+    return Prepared(
+        result=RunResult(
+            run=run,
+            froude=_froude(run, campaign),
+            labels=label_harmonics(order),
+            measured=_without_mean(measured, run),
+            covariance=dict.fromkeys(channels),
+            dof=dict.fromkeys(channels, math.inf),
+            samples=GRID,
+            window="harmonics from the source's table"
+            + ("" if run.use_means else ", without their means"),
+            frequency=omega,
+        ),
+        projection=projector(basis),
+        motion=motion,
+        t=np.zeros(len(motion.u)),
+    )
+
+
+def _without_mean(measured: Mapping[str, Array], run: Run) -> dict[str, Array]:
+    """The harmonics with NaN for a mean that is known to be wrong."""
+    if run.use_means:
+        return dict(measured)
+    return {name: np.concatenate([[np.nan], values[1:]]) for name, values in measured.items()}
+
+
+def _interleaved(data: xr.Dataset, name: str, order: int) -> Array:
+    """C0, C1, S1 … of a channel from its two arrays; NaN where the source gives none."""
+    missing = np.full(order + 1, np.nan)
+    cosine = np.asarray(data[f"{name}_cos"].values, float) if f"{name}_cos" in data else missing
+    sine = np.asarray(data[f"{name}_sin"].values, float) if f"{name}_sin" in data else missing
+    pairs = np.stack([cosine[1:], sine[1:]], axis=1).ravel()
+    return np.concatenate([cosine[:1], pairs])

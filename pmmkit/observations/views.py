@@ -1,0 +1,315 @@
+"""Runs as the diagnosis looks at them: harmonics of forces, and how to project a history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.effects.state import State
+from pmmkit.errors import DataError
+from pmmkit.observations.inertia import Rig, rig_of
+from pmmkit.observations.prepare import Prepared, prepare
+
+Array = NDArray[np.float64]
+Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
+"""Where the noise of a channel is known from."""
+RECORD: Final[Mapping[str, Noise]] = MappingProxyType({})
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class View:
+    """One piece of a run: a steady mean, the cycles that count, or an early cycle.
+
+    Parameters
+    ----------
+    run : Run
+        The run it comes from.
+    early : bool
+        Whether this is the earliest cycle that is used of an oscillating run.
+    projection : array (m, n)
+        From n samples to the mean (m = 1) or the harmonics C0, C1, S1 …
+    motion : State
+        Motion of midship at the samples.
+    t : array (n,)
+        Time since the record began [s].
+    force : mapping of channel to array (m,)
+        Force of the water at midship [N, N m].
+    covariance : mapping of channel to array (m, m)
+        Of its noise.
+    heading : array (n,)
+        Heading of the model in the tank [rad].
+    labels : tuple of str (m,)
+        C0, C1, S1 …
+    noise : mapping of channel to str
+        Where a covariance comes from that is not that of a record: the repeats of the campaign,
+        what it states, the numerical uncertainty; ``unknown`` where it is zero for want of
+        anything better.
+    every : array (k, n), optional
+        The projection onto all harmonics, where a table lacks some of them.
+    kept : array of bool (k,), optional
+        Which of them it has.
+    expected : mapping of channel to array (k,)
+        All harmonics of the forces that a fitted base predicts; empty before the fit.
+    """
+
+    run: Run
+    early: bool
+    projection: Array
+    motion: State
+    t: Array
+    force: Mapping[str, Array]
+    covariance: Mapping[str, Array]
+    heading: Array
+    labels: tuple[str, ...] = ()
+    noise: Mapping[str, Noise] = field(default_factory=lambda: RECORD)
+    every: Array | None = None
+    kept: NDArray[np.bool_] | None = None
+    expected: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+
+    def known(self, channel: str) -> bool:
+        """Whether anything is known of the noise of a channel."""
+        return self.noise.get(channel, "record") != "unknown"
+
+    @property
+    def speed(self) -> float:
+        """Carriage speed [m/s]."""
+        return self.run.settings.speed
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency of the oscillation [rad/s]; 0 for a static run."""
+        return (self.run.settings.omega or 0.0) if self.run.dynamic else 0.0
+
+    @property
+    def instants(self) -> Array:
+        """Time of the samples [s]; one cycle where a table stands for a record."""
+        if not self.omega or np.ptp(self.t) > 0.0:
+            return self.t
+        step = 2 * math.pi / self.omega / len(self.t)
+        return step * np.arange(len(self.t), dtype=np.float64)
+
+    @property
+    def rows(self) -> int:
+        """Number of harmonics."""
+        return len(self.projection)
+
+    def project(self, history: Array) -> Array:
+        """Mean or harmonics of a history (n,) or (n, q)."""
+        found: Array = self.projection @ history
+        return found
+
+    def harmonics(self, history: Array) -> Array:
+        """C0, C1, S1 … of a history, those too that the forces lack."""
+        found: Array = (self.projection if self.every is None else self.every) @ history
+        return found
+
+    def pick(self, harmonics: Array) -> Array:
+        """Of all harmonics those that the forces have."""
+        return harmonics if self.kept is None else harmonics[self.kept]
+
+    @property
+    def has_mean(self) -> bool:
+        """Whether the first row is a mean."""
+        return self.kept is None or bool(self.kept[0])
+
+
+def views_of(
+    campaign: Campaign, *, unknown_noise: bool = False, pieces: bool = True
+) -> tuple[View, ...]:
+    """All runs of a captive campaign, oscillating ones in two pieces.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Captive tests.
+    unknown_noise : bool
+        Keep the forces of tables, which state no noise. Their covariance is that of repeats in the
+        campaign, else of the gauges as stated, else the numerical uncertainty; else it is zero, and
+        `View.known` says so. Harmonics that a table lacks are left out.
+    pieces : bool
+        Whether long records are cut in two; False takes each as the reduction does.
+
+    Returns
+    -------
+    tuple of View
+        The first cycle is left out; of four cycles or more the second is a piece of its own: it
+        shows what dies away. Noise is pooled over runs of one speed and kind, channel by channel.
+
+    Raises
+    ------
+    DataError
+        If the campaign is not captive.
+    """
+    if campaign.kind != "captive":
+        raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
+    rig = rig_of(campaign)
+    found: list[View] = []
+    for run in campaign.runs:
+        if pieces:
+            found += _pieces(run, campaign, rig, unknown_noise)
+        else:
+            found.append(_view(prepare(run, campaign), rig, unknown_noise))
+    pooled = _pooled(found)
+    return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
+
+
+def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
+    """The run as a reduction takes it; a long record in two pieces, its second cycle and the rest.
+
+    Noise is that of all cycles but the first together; that of a piece goes with the inverse of
+    its cycles.
+    """
+    if run.kind != "history" or not run.dynamic:
+        return [_view(prepare(run, campaign), rig, keep)]
+    data = run.data
+    run = run.with_(loader=lambda: data)
+    times = np.asarray(data["t"].values, float)
+    omega = run.settings.omega or 1.0
+    covered = (times[-1] - times[0]) * omega / (2 * math.pi)
+    for count in (int(covered + 0.5), int(covered + 0.5) - 1):
+        if count < 4:
+            return [_view(prepare(run, campaign), rig, keep)]
+        try:
+            return _cycles(run, campaign, rig, keep, count)
+        except DataError:
+            continue
+    return [_view(prepare(run, campaign), rig, keep)]
+
+
+def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> list[View]:
+    whole = _view(prepare(run, campaign, cycles=(2, count)), rig, keep)
+    found = []
+    for first, last, early in ((2, 2, True), (3, count, False)):
+        cut = prepare(whole.run, campaign, cycles=(first, last), noise=False)
+        piece = _view(cut, rig, True)
+        wider = (count - 1.0) / (last - first + 1.0)
+        noise = {name: wider * x for name, x in whole.covariance.items()}
+        force = {name: x for name, x in piece.force.items() if name in whole.force}
+        found.append(replace(piece, force=force, covariance=noise, early=early))
+    return found
+
+
+def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
+    result = prepared.result
+    motion = prepared.motion_at_midship(rig)
+    measured = prepared.water_force(rig)
+    rows = _there(measured) if keep else np.full(len(result.labels), True)
+    force = {name: x[rows] for name, x in measured.items() if np.isfinite(x[rows]).all()}
+    covariance = {
+        name: item[np.ix_(rows, rows)]
+        for name in force
+        if (item := result.covariance.get(name)) is not None
+    }
+    return View(
+        run=result.run, early=False, projection=prepared.projection[rows], motion=motion,
+        t=prepared.t - prepared.begin, covariance=covariance,
+        force=force if keep else {name: force[name] for name in covariance},
+        heading=_heading(result.run, motion),
+        every=None if rows.all() else prepared.projection, kept=None if rows.all() else rows,
+        labels=tuple(label for label, there in zip(result.labels, rows, strict=True) if there),
+    )  # fmt: skip
+
+
+def _there(measured: Mapping[str, Array]) -> NDArray[np.bool_]:
+    """Harmonics that every channel has which has any."""
+    finite = np.array([np.isfinite(values) for values in measured.values()])
+    return np.asarray(finite[finite.any(axis=1)].all(axis=0), bool)
+
+
+def _heading(run: Run, motion: State) -> Array:
+    """Heading in the tank: drift, and the integral of a harmonic yaw rate."""
+    omega = run.settings.omega if run.dynamic else None
+    turned = -motion.rdot / omega**2 if omega else np.zeros_like(motion.u)
+    return run.settings.drift + turned
+
+
+def _pooled(views: Sequence[View]) -> list[View]:
+    """Covariances averaged over pieces of one speed, frequency and kind."""
+    kin: dict[tuple[object, ...], list[int]] = {}
+    for place, view in enumerate(views):
+        key = (
+            round(math.log(view.speed), 2), round(view.omega / view.speed, 1), view.rows, view.early
+        )  # fmt: skip
+        kin.setdefault(key, []).append(place)
+    made = list(views)
+    for members in kin.values():
+        channels = {name for place in members for name in views[place].covariance}
+        mean = {
+            name: np.mean(
+                [views[p].covariance[name] for p in members if name in views[p].covariance], axis=0
+            )
+            for name in channels
+        }
+        for place in members:
+            own = views[place]
+            made[place] = replace(own, covariance={name: mean[name] for name in own.covariance})
+    return made
+
+
+def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
+    """Covariances from elsewhere for the forces that have none."""
+    scatter = repeat_scatter(views)
+    made = []
+    for view in views:
+        lacking = [name for name in view.force if name not in view.covariance]
+        given = {name: _elsewhere(view, name, scatter, campaign) for name in lacking}
+        made.append(
+            replace(
+                view, covariance={**view.covariance, **{name: V for name, (V, _) in given.items()}},
+                noise=MappingProxyType({name: origin for name, (_, origin) in given.items()}),
+            )
+        )  # fmt: skip
+    return made
+
+
+def _elsewhere(
+    view: View, channel: str, scatter: Mapping[str, float], campaign: Campaign
+) -> tuple[Array, Noise]:
+    one = np.eye(view.rows)
+    if channel in scatter:
+        return (scatter[channel] * view.speed**2) ** 2 * one, "repeats"
+    stated = [item for item in campaign.uncertainty if item.name == f"{channel}_gauge"]
+    if stated:
+        variance = sum(
+            (item.std * view.force[channel]) ** 2 if item.relative else np.full(
+                view.rows, item.std**2
+            )
+            for item in stated
+        )  # fmt: skip
+        return np.diag(variance), "stated"
+    if channel in campaign.numerical:
+        return campaign.numerical[channel] ** 2 * one, "numerical"
+    return 0.0 * one, "unknown"
+
+
+def repeat_scatter(views: Sequence[View]) -> dict[str, float]:
+    """Standard deviation of one run's harmonics over U² by channel, from runs that were repeated.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Runs; those that repeat another one say so in their settings.
+
+    Returns
+    -------
+    dict of channel to float
+        [N/(m/s)²], [N m/(m/s)²]; channels without any repeat are left out.
+    """
+    first = {view.run.id: view for view in views if not view.early}
+    squares: dict[str, list[float]] = {}
+    for view in first.values():
+        original = first.get(view.run.settings.repeat_of or "")
+        if original is None or original.labels != view.labels:
+            continue
+        for channel in set(view.force) & set(original.force):
+            change = view.force[channel] / view.speed**2
+            change = change - original.force[channel] / original.speed**2
+            squares.setdefault(channel, []).append(float(np.mean(change**2)) / 2.0)
+    return {channel: math.sqrt(float(np.mean(found))) for channel, found in squares.items()}

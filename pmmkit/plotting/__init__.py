@@ -1,0 +1,1 @@
+"""Axes from arrays: nothing of runs, models or tables."""

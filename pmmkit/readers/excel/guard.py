@@ -1,0 +1,208 @@
+"""Looks at a workbook before it is read: how far it expands, how far its cells reach.
+
+The library that reads workbooks lays a sheet out from its first to its last cell, and gives every
+cell a copy of its text. A few kilobytes can say that there are 17 milliards of cells, or a million
+cells with one long text; no memory is enough for that.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import stat
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from pmmkit.errors import CampaignError
+from pmmkit.readers.base import Request
+from pmmkit.readers.bounds import inflated_size, limit_of, too_large
+
+ZIP: Final = b"PK\x03\x04"
+CFB: Final = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_CELL: Final = 32
+"""Bytes that the library takes for a cell."""
+_MOST_MEMBERS: Final = 10_000
+_LOCAL_HEADER: Final = 30
+_XML: Final = re.compile(rb"(?:\xef\xbb\xbf)?\s*<[^\0]")
+_CELLS_OR_TEXTS: Final = re.compile(rb"sheetData|<(?:\w+:)?si\b|table:table-row")
+_CELL_TAG: Final = re.compile(rb"<(?:\w+:)?c[ >]")
+_REFERENCE: Final = re.compile(rb"""\br\s*=\s*["']([A-Za-z]{1,9})[0-9]""")
+_ROW_NUMBER: Final = re.compile(rb"""\br\s*=\s*["'][A-Za-z]{0,9}([0-9]{1,10})["']""")
+_SHARED: Final = re.compile(rb"""\bt\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v[^>]*>\s*([0-9]{1,9})""")
+_ITEM: Final = re.compile(rb"<(?:\w+:)?si\b")
+_ODS_ROW: Final = re.compile(
+    rb"<table:table-row\b([^>]*?)(?:/>|>(.*?)</table:table-row>)", re.DOTALL
+)
+_ODS_CELL: Final = re.compile(
+    rb"<table:(?:covered-)?table-cell\b([^>]*?)(?:/>|>(.*?)</table:(?:covered-)?table-cell>)",
+    re.DOTALL,
+)
+_REPEATED: Final = re.compile(rb"""number-(?:columns|rows)-repeated=["']([0-9]{1,9})["']""")
+
+
+def check_workbook(request: Request) -> None:
+    """Refuse a workbook that would expand to far more than its size.
+
+    Raises
+    ------
+    CampaignError
+        With what was found.
+    """
+    data = request.path.read_bytes()
+    if not data.startswith(ZIP):
+        return
+    try:
+        parts = dict(_parts(data, request))
+    except (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedError, EOFError) as error:
+        raise _damaged(request, str(error)) from error
+    for name, cells in _extents(parts):
+        if cells * _CELL > limit_of(len(data)):
+            raise too_large(request, cells * _CELL, len(data), f"the cells of {name}")
+
+
+def _parts(data: bytes, request: Request) -> Iterator[tuple[str, bytes]]:
+    """The parts that hold cells and texts, every part having been unpacked once to count."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = archive.infolist()
+    if len(members) > _MOST_MEMBERS or len({item.filename for item in members}) != len(members):
+        raise _damaged(request, "it has too many parts, or two of one name")
+    declared = sum(item.file_size for item in members)
+    if declared > limit_of(len(data)):
+        raise too_large(request, declared, len(data), "the workbook unpacked")
+    for item in members:
+        if stat.S_ISLNK(item.external_attr >> 16) or item.flag_bits & 1:
+            raise _damaged(request, f"{item.filename} is a link or encrypted")
+        packed = _packed(data, item)
+        if item.compress_type == zipfile.ZIP_STORED:
+            count = len(packed)
+        elif item.compress_type == zipfile.ZIP_DEFLATED:
+            count = inflated_size(packed, item.file_size, raw=True)
+        else:
+            raise _damaged(request, f"{item.filename} is packed in an unusual way")
+        if count != item.file_size:
+            raise _damaged(request, f"{item.filename} is not as long as it says")
+        if item.filename.endswith((".xml", ".bin")):
+            stored = item.compress_type == zipfile.ZIP_STORED
+            part = bytes(packed) if stored else zlib.decompress(packed, -15)
+            if _XML.match(part) is None and item.filename.endswith(".xml"):
+                raise _damaged(request, f"{item.filename} is not UTF-8")
+            if _CELLS_OR_TEXTS.search(part) or item.filename.endswith(".bin"):
+                yield item.filename, part
+
+
+def _packed(data: bytes, item: zipfile.ZipInfo) -> memoryview:
+    """The bytes of a part as they stand in the archive."""
+    start = item.header_offset
+    header = data[start : start + _LOCAL_HEADER]
+    if len(header) < _LOCAL_HEADER or not header.startswith(ZIP):
+        raise zipfile.BadZipFile(f"{item.filename} has no header")
+    start += _LOCAL_HEADER + int.from_bytes(header[26:28], "little")
+    start += int.from_bytes(header[28:30], "little")
+    if start + item.compress_size > len(data):
+        raise zipfile.BadZipFile(f"{item.filename} is cut off")
+    return memoryview(data)[start : start + item.compress_size]
+
+
+def _extents(parts: dict[str, bytes]) -> Iterator[tuple[str, int]]:
+    """Cells that each sheet spans; long texts count as so many cells.
+
+    What a part is shows in its content: where it stands is up to the workbook.
+    """
+    texts = [part for part in parts.values() if _ITEM.search(part)]
+    for name, part in parts.items():
+        if name.endswith(".bin"):
+            yield name, _xlsb_cells(part)
+        elif b"table:table-row" in part:
+            yield name, _ods_cells(part)
+        else:
+            shared = max((_shared_texts(part, each) for each in texts), default=0)
+            yield name, _xlsx_cells(part) + shared
+
+
+def _xlsx_cells(sheet: bytes) -> int:
+    placed = Counter(found[1] for found in _REFERENCE.finditer(sheet))
+    rows = Counter(found[1] for found in _ROW_NUMBER.finditer(sheet))
+    unplaced = sum(1 for _ in _CELL_TAG.finditer(sheet)) - placed.total()
+    widest = max(map(_column, placed), default=1) + max(0, unplaced)
+    return widest * max(map(int, rows), default=1)
+
+
+def _column(letters: bytes) -> int:
+    """Number of a column, counted from 1.
+
+    Examples
+    --------
+    >>> _column(b"A"), _column(b"XFD")
+    (1, 16384)
+    """
+    number = 0
+    for letter in letters.upper():
+        number = number * 26 + letter - 64
+    return number
+
+
+def _shared_texts(sheet: bytes, texts: bytes) -> int:
+    """Cells' worth of memory that the texts take which a sheet shares."""
+    starts = np.array([found.start() for found in _ITEM.finditer(texts)] + [len(texts)])
+    lengths = np.diff(starts)
+    used = np.fromiter((int(found[1]) for found in _SHARED.finditer(sheet)), dtype=np.int64)
+    used = used[used < len(lengths)]
+    return int(lengths[used].sum()) // _CELL
+
+
+def _xlsb_cells(sheet: bytes) -> int:
+    """Cells that a binary sheet spans: records are a number, a length and so many bytes."""
+    place, row, column = 0, 0, 0
+    while place < len(sheet):
+        kind, place = _packed_number(sheet, place, 2)
+        size, place = _packed_number(sheet, place, 4)
+        if kind <= 11 and size >= 4:
+            number = int.from_bytes(sheet[place : place + 4], "little")
+            row, column = (max(row, number), column) if kind == 0 else (row, max(column, number))
+        place += size
+    return (row + 1) * (column + 1)
+
+
+def _packed_number(data: bytes, place: int, most: int) -> tuple[int, int]:
+    number = 0
+    for step in range(most):
+        byte = data[place + step] if place + step < len(data) else 0
+        number |= (byte & 0x7F) << (7 * step)
+        if byte < 0x80:
+            return number, place + step + 1
+    return number, place + most
+
+
+def _ods_cells(content: bytes) -> int:
+    """Cells that the sheets of an ODS file span, repeated ones counted as often as they stand."""
+    rows = columns = copied = blank = 0
+    for found in _ODS_ROW.finditer(content):
+        times = _times(found[1])
+        across = last = 0
+        for cell in _ODS_CELL.finditer(found[2] or b""):
+            wide = _times(cell[1])
+            across += wide
+            if cell[2] or b"office:value" in cell[1]:
+                last = across
+                copied += times * wide * (len(cell[0]) // _CELL)
+        columns = max(columns, last)
+        rows, blank = (rows + blank + times, 0) if last else (rows, blank + times)
+    return rows * columns + copied
+
+
+def _times(attributes: bytes) -> int:
+    found = _REPEATED.search(attributes)
+    return int(found[1]) if found else 1
+
+
+def _damaged(request: Request, what: str) -> CampaignError:
+    return request.error(
+        request.problem(
+            f"the workbook is damaged or cut short ({what}).", remedy="Copy or save it again."
+        )
+    )

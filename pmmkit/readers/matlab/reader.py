@@ -1,0 +1,214 @@
+"""MATLAB files (.mat): versions 4, 5, 7 and 7.3.
+
+Vectors are columns, matrices several columns, fields of structs stand behind dots. A cell array of
+texts beside a matrix with as many columns names them. Nothing in the file is ever executed.
+"""
+
+from __future__ import annotations
+
+import functools
+import zlib
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+from pmmkit.channels import did_you_mean
+from pmmkit.errors import CampaignError
+from pmmkit.readers.base import Array, Cells, Choose, Columns, Request
+from pmmkit.readers.hdf5.datasets import opened
+from pmmkit.readers.hdf5.guard import is_hdf5
+from pmmkit.readers.matlab.mat5 import is_v4, read_v4, read_v5
+from pmmkit.readers.matlab.mat73 import read_v73
+from pmmkit.readers.matlab.variable import Damaged, Variable
+from pmmkit.readers.vectors import (
+    WIDEST,
+    Vector,
+    chosen_columns,
+    headers_of,
+    main_length,
+    matrix_columns,
+    numbers_only,
+    small_table,
+)
+
+_HEADER: Final = 128
+_SAVE_PLAINLY: Final = (
+    "Save plain numbers in MATLAB: for a timetable s = table2struct(timetable2table(tt), "
+    '"ToScalar", true), for a table s = table2struct(tb, "ToScalar", true), for a timeseries '
+    "s.t = ts.Time; s.Y = ts.Data, for times seconds(d - d(1)); then save run.mat -struct s."
+)
+
+
+def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
+    """Whether a file is one of MATLAB, by its first bytes."""
+    return _is_v5(head) or (head.startswith(b"MATLAB 7.3") and is_hdf5(head)) or is_v4(head)
+
+
+def names(request: Request) -> tuple[str, ...]:
+    """Headers of the columns."""
+    with _contents(request) as (vectors, left_out):
+        return headers_of(numbers_only(vectors, left_out, request))
+
+
+def columns(request: Request, choose: Choose) -> Columns:
+    """Some vectors, or columns of matrices, as numbers.
+
+    Raises
+    ------
+    CampaignError
+        If the file is damaged, cut short or would expand to far more than its size; if what is
+        asked for is kept in a form of MATLAB's own; or with every value that is missing.
+    """
+    with _contents(request) as (vectors, left_out):
+        return chosen_columns(vectors, left_out, request, choose)
+
+
+def cells(request: Request) -> Cells:
+    """Vectors of the main length as a table, cell arrays of texts among them."""
+    with _contents(request) as (vectors, left_out):
+        return small_table(vectors, left_out, request)
+
+
+@contextmanager
+def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
+    """What the file offers as columns, and what else it holds; open as long as it is used."""
+    with _variables(request) as found:
+        chosen = _group(found, request)
+        offered = _vectors(chosen)
+        opaque = [variable for variable in chosen if variable.opaque]
+        if opaque and not any(vector.texts is None for vector in offered):
+            listed = ", ".join(f"{variable.name} ({variable.other})" for variable in opaque)
+            raise request.error(
+                request.problem(
+                    f"{listed}: MATLAB keeps these in a form of its own that is not published.",
+                    remedy=_SAVE_PLAINLY,
+                )
+            )
+        yield offered, [_described(variable) for variable in chosen if not _is_column(variable)]
+
+
+@contextmanager
+def _variables(request: Request) -> Iterator[list[Variable]]:
+    try:
+        with request.path.open("rb") as stream:
+            head = stream.read(1 << 16)
+    except OSError as error:
+        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+    if is_hdf5(head):
+        with opened(request) as file:
+            yield read_v73(file, request)
+        return
+    yield _in_memory(head, request)
+
+
+def _in_memory(head: bytes, request: Request) -> list[Variable]:
+    try:
+        if _is_v5(head):
+            return read_v5(request.path.read_bytes(), request)
+        if is_v4(head):
+            return read_v4(request.path.read_bytes())
+    except (Damaged, zlib.error, OSError) as error:
+        raise request.error(
+            request.problem(
+                f"the MATLAB file is damaged or cut short ({error}).", remedy="Copy it again."
+            )
+        ) from error
+    raise _not_matlab(head, request)
+
+
+def _not_matlab(head: bytes, request: Request) -> CampaignError:
+    if not head:
+        return request.error(request.problem("the file is empty (0 bytes)."))
+    octave = head.startswith((b"# Created by Octave", b"Octave-1"))
+    return request.error(
+        request.problem(
+            "Octave's own format is not read." if octave else "this is not a MATLAB file.",
+            remedy="Save it with save -v7 run.mat.",
+        )
+    )
+
+
+def _is_v5(head: bytes) -> bool:
+    return len(head) >= _HEADER and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
+
+
+def _group(found: list[Variable], request: Request) -> list[Variable]:
+    """The variables, or the fields of the struct that is asked for."""
+    wanted = request.options.group
+    if wanted is None:
+        return found
+    inside = [
+        replace(variable, name=variable.name.removeprefix(f"{wanted}."))
+        for variable in found
+        if variable.name.startswith(f"{wanted}.")
+    ]
+    if not inside:
+        structs = sorted({variable.name.rpartition(".")[0] for variable in found} - {""})
+        listed = f"It has {', '.join(structs)}." if structs else "It has no structs."
+        raise request.error(
+            request.problem(
+                f"there is no struct {wanted!r}{did_you_mean(wanted, structs) or '.'} {listed}"
+            )
+        )
+    return inside
+
+
+def _is_column(variable: Variable) -> bool:
+    rows, columns = variable.shape
+    if variable.texts is not None:
+        return min(rows, columns) == 1
+    return variable.other is None and rows * columns > 1 and min(rows, columns) <= WIDEST
+
+
+def _vectors(found: Sequence[Variable]) -> list[Vector]:
+    usable = [variable for variable in found if _is_column(variable)]
+    lengths = frozenset(
+        max(item.shape) for item in usable if min(item.shape) == 1 and item.texts is None
+    )
+    offered: list[Vector] = []
+    for item in usable:
+        if min(item.shape) == 1:
+            offered.append(
+                Vector(name=item.name, length=max(item.shape), read=_flat(item), texts=_texts(item))
+            )
+        else:
+            offered += _matrix(item, lengths, usable)
+    main = main_length([vector.length for vector in offered if vector.texts is None])
+    return [vector for vector in offered if vector.texts is None or vector.length == main]
+
+
+def _matrix(item: Variable, lengths: frozenset[int], found: Sequence[Variable]) -> list[Vector]:
+    """Columns of a matrix, named by the one list of texts beside it that fits."""
+    owner, dot, _ = item.name.rpartition(".")
+    plain = matrix_columns(item.name, item.shape, item.read, lengths=lengths)
+    lists = [
+        other.texts
+        for other in found
+        if other.texts is not None
+        and len(other.texts) == len(plain)
+        and other.name.rpartition(".")[0] == owner
+    ]
+    if len(lists) != 1:
+        return plain
+    named = [f"{owner}{dot}{text}" for text in lists[0]]
+    return matrix_columns(item.name, item.shape, item.read, lengths=lengths, names=named)
+
+
+def _flat(item: Variable) -> functools.partial[Array]:
+    return functools.partial(lambda read: read().reshape(-1), item.read)
+
+
+def _texts(item: Variable) -> Callable[[], tuple[str, ...]] | None:
+    texts = item.texts
+    return None if texts is None else lambda: texts
+
+
+def _described(variable: Variable) -> str:
+    rows, columns = variable.shape
+    if variable.opaque:
+        return f"{variable.name} ({variable.other}: {_SAVE_PLAINLY})"
+    if variable.other is None and rows * columns > 1:
+        return f"{variable.name} (a matrix of {rows} by {columns})"
+    return f"{variable.name} ({variable.other or 'a single number' if rows * columns else 'empty'})"

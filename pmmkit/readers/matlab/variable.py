@@ -1,0 +1,56 @@
+"""A variable of a MATLAB file, of whatever version."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.readers.base import Array
+
+
+class Damaged(ValueError):
+    """A file of MATLAB is not as its own sizes say; never leaves the reader."""
+
+
+def _nothing() -> Array:
+    return np.empty((0, 0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variable:
+    """A variable, or a field of a struct.
+
+    Parameters
+    ----------
+    name : str
+        Its name, fields behind dots.
+    shape : tuple of int
+        Rows and columns.
+    read : callable
+        Gives real numbers in rows and columns.
+    texts : tuple of str or None
+        The texts of a cell array of texts.
+    other : str or None
+        What it is, if neither numbers nor texts.
+    opaque : bool
+        Whether it is of a class that MATLAB keeps in a form of its own (tables, times).
+    """
+
+    name: str
+    shape: tuple[int, int]
+    read: Callable[[], Array] = _nothing
+    texts: tuple[str, ...] | None = None
+    other: str | None = None
+    opaque: bool = False
+
+    @classmethod
+    def of(cls, name: str, values: NDArray[Any]) -> Variable:
+        """A matrix of numbers in the bytes of the file."""
+        rows, columns = values.shape
+        return cls(
+            name=name, shape=(rows, columns), read=lambda: np.asarray(values, dtype=np.float64)
+        )

@@ -1,0 +1,86 @@
+"""Rows of a table of tests: choosing them, naming them, taking their numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Final
+
+from pmmkit.channels import did_you_mean, split_unit
+from pmmkit.errors import Problem
+from pmmkit.readers.base import Cell, Cells, Request, to_number
+
+Plain = str | float | int | bool
+_BRACES: Final = re.compile(r"\{([^{}]*)\}")
+
+
+def column_named(cells: Cells, name: str) -> int | None:
+    """Position of a column by its header, with or without its unit; None if not exactly one."""
+    for titles in (cells.headers, [split_unit(header)[0] for header in cells.headers]):
+        places = [place for place, title in enumerate(titles) if title == name.strip()]
+        if len(places) == 1:
+            return places[0]
+    return None
+
+
+def matching_rows(
+    cells: Cells, where: Mapping[str, Plain], request: Request
+) -> tuple[list[int], list[Problem]]:
+    """Indices of the rows whose cells are as stated, and what is wrong with the statement.
+
+    Cells are compared as numbers where both are numbers, else as text.
+    """
+    problems: list[Problem] = []
+    chosen = list(range(len(cells.rows)))
+    for name, wanted in where.items():
+        place = column_named(cells, name)
+        if place is None:
+            problems.append(no_column(cells, name, request))
+            continue
+        chosen = [
+            index for index in chosen if _same(cells.rows[index][place], wanted, cells.decimal)
+        ]
+    return chosen, problems
+
+
+def no_column(cells: Cells, name: str, request: Request) -> Problem:
+    """The problem of a column that is not there, or there twice."""
+    return request.problem(
+        f"there is not exactly one column {name!r}{did_you_mean(name, cells.headers) or '.'} "
+        f"The file has {', '.join(repr(header) for header in cells.headers)}."
+    )
+
+
+def filled_in(template: str, cells: Cells, index: int) -> tuple[str, list[str]]:
+    """An id with the cells of a row in place of ``{their column}``, and columns not found.
+
+    Examples
+    --------
+    >>> table = Cells(headers=("Run No.", "beta"), rows=((376.0, "4"),), lines=(2,))
+    >>> filled_in("SD_{Run No.}_b{beta}", table, 0)
+    ('SD_376_b4', [])
+    """
+    missing = [name for name in _BRACES.findall(template) if column_named(cells, name) is None]
+
+    def cell(found: re.Match[str]) -> str:
+        place = column_named(cells, found[1])
+        return found[0] if place is None else as_text(cells.rows[index][place])
+
+    return _BRACES.sub(cell, template), missing
+
+
+def as_text(cell: Cell) -> str:
+    """A cell as text; whole numbers without decimals."""
+    if isinstance(cell, float):
+        return f"{cell:.15g}"
+    return (cell or "").strip()
+
+
+def _same(cell: Cell, wanted: Plain, decimal: str) -> bool:
+    number = to_number(cell, decimal)
+    if isinstance(wanted, bool):
+        return as_text(cell).lower() == str(wanted).lower()
+    target = to_number(wanted if isinstance(wanted, str) else float(wanted))
+    if number is not None and target is not None:
+        return number == target
+    return as_text(cell) == str(wanted).strip()

@@ -1,0 +1,166 @@
+"""Bytes of a text file as UTF-8 with unix line ends, and columns of fixed width taken apart."""
+
+from __future__ import annotations
+
+import codecs
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.errors import Problem
+from pmmkit.readers.base import Request
+
+CUT: Final = "\x01"
+"""Stands between columns of fixed width once they are taken apart."""
+_MARKS: Final = (
+    (codecs.BOM_UTF32_LE, "utf-32"),
+    (codecs.BOM_UTF32_BE, "utf-32"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_WINDOWS: Final = "cp1252"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decoded:
+    """A text as UTF-8 without byte order mark.
+
+    Parameters
+    ----------
+    data : bytes
+        The text.
+    doubt : Problem or None
+        What is wrong if the text is not ASCII from the first row of numbers on: it is not UTF-8
+        and was read as cp1252, which a heading may be and numbers need not.
+    """
+
+    data: bytes
+    doubt: Problem | None = None
+
+
+def marked(data: bytes) -> str | None:
+    """The encoding that a byte order mark tells, None for UTF-8 and where there is none."""
+    return next((name for mark, name in _MARKS if data.startswith(mark)), None)
+
+
+def keeps_line_ends(encoding: str) -> bool:
+    """Whether the line ends of a text in this encoding are those of its bytes."""
+    return "az09,\n".encode(encoding) == b"az09,\n"
+
+
+def decoded(data: bytes, request: Request, line: int = 1) -> Decoded:
+    """The text in the encoding stated, or that of its byte order mark, or UTF-8, or cp1252.
+
+    Parameters
+    ----------
+    data : bytes
+        The file, or a piece of it.
+    request : Request
+        The file, for messages and its options.
+    line : int
+        Line of the file, counted from 1, in which the piece begins.
+
+    Raises
+    ------
+    CampaignError
+        If it is empty, cannot be decoded or holds zero bytes.
+    """
+    if not data:
+        raise request.error(request.problem("the file is empty (0 bytes)."))
+    encoding = request.options.encoding or marked(data) or "utf-8"
+    doubt = None
+    plain = keeps_line_ends(encoding)
+    if not (plain and data.isascii()):
+        try:
+            text = data.decode(encoding)
+        except UnicodeError as error:
+            doubt = _not_decoded(data, encoding, error, line if plain else None, request)
+            if encoding != "utf-8" or request.options.encoding is not None:
+                raise request.error(doubt) from error
+            try:
+                text = data.decode(_WINDOWS)
+            except UnicodeDecodeError:
+                raise request.error(doubt) from error
+        if doubt is not None or codecs.lookup(encoding).name != "utf-8":
+            data = text.encode()
+    data = data.removeprefix(codecs.BOM_UTF8)
+    nul = data.find(b"\0")
+    if nul >= 0:
+        raise request.error(
+            request.problem(
+                "there are zero bytes: the file is damaged or not plain text.",
+                row=data.count(b"\n", 0, nul) + line,
+            )
+        )
+    return Decoded(data=data, doubt=doubt)
+
+
+def _not_decoded(
+    data: bytes, encoding: str, error: UnicodeError, line: int | None, request: Request
+) -> Problem:
+    place = error.start if isinstance(error, UnicodeDecodeError) else None
+    return request.problem(
+        f"the text is not {encoding}."
+        if place is None
+        else f"byte {data[place]:#04x} is not {encoding} text.",
+        row=data.count(b"\n", 0, place) + line if line and place is not None else None,
+        remedy=f'State the right one in [source], e.g. encoding = "{_WINDOWS}".',
+    )
+
+
+def unix_ends(data: bytes, request: Request, line: int = 1) -> bytes:
+    """The text with line feeds at its line ends, those after carriage returns included.
+
+    `line` is the line of the file, counted from 1, in which the text begins.
+
+    Raises
+    ------
+    CampaignError
+        If a carriage return stands inside a line.
+    """
+    if b"\r" not in data or data.count(b"\r") == data.count(b"\r\n"):
+        return data
+    if b"\n" not in data and line == 1:
+        return data.replace(b"\r", b"\n")
+    stray = re.search(rb"\r(?!\n)", data)
+    if stray is None or stray.end() != len(data):
+        row = data.count(b"\n", 0, stray.start()) + line if stray else None
+        raise request.error(request.problem("there is a carriage return inside the line.", row=row))
+    return data
+
+
+def cut_apart(data: bytes, widths: Sequence[int]) -> bytes:
+    r"""Lines of columns of fixed width with ``CUT`` between the columns.
+
+    Parameters
+    ----------
+    data : bytes
+        Lines as UTF-8.
+    widths : sequence of int
+        Width of each column [characters]. What a line has beyond them becomes one more field; a
+        line that ends before them has empty fields.
+
+    Examples
+    --------
+    >>> cut_apart(b" 0.00-12.5\n 0.10\n", (5, 5)).replace(CUT.encode(), b"|")
+    b' 0.00|-12.5\n 0.10|\n'
+    """
+    kind, encoding = ("u1", "ascii") if data.isascii() else ("<u4", "utf-32-le")
+    code = np.frombuffer(data.decode().encode(encoding), dtype=kind)
+    ends = np.append(np.flatnonzero(code == 10), len(code))
+    starts = np.concatenate([[0], ends[:-1] + 1])
+    filled = np.flatnonzero(code > 32)
+    before = np.searchsorted(filled, starts)
+    after = np.searchsorted(filled, ends)
+    some = after > before
+    starts, ends, after = starts[some], ends[some], after[some]
+    edges = np.cumsum(widths)
+    inner = np.minimum(starts[:, None] + edges[:-1], ends[:, None])
+    beyond = starts + sum(widths)
+    longer = filled[after - 1] >= beyond
+    places = np.sort(np.append(inner.ravel(), beyond[longer]))
+    cut = np.insert(code, places, ord(CUT))
+    return cut.tobytes().decode(encoding).encode()

@@ -1,0 +1,102 @@
+"""Which derivatives a campaign is asked for: the structure and what its tests add."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from pmmkit.campaigns.run import Run
+from pmmkit.conventions import CHANNELS, bare, parse_derivative
+from pmmkit.structures import Structure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Columns:
+    """Names by channel: those asked for, and those taken where they spoil nothing.
+
+    Parameters
+    ----------
+    required, optional : mapping of channel to names
+        The derivatives.
+    """
+
+    required: Mapping[str, tuple[str, ...]]
+    optional: Mapping[str, tuple[str, ...]]
+
+    @property
+    def names(self) -> dict[str, tuple[str, ...]]:
+        """All names by channel, the required ones first."""
+        return {
+            channel: (*self.required[channel], *self.optional[channel]) for channel in self.required
+        }
+
+    def only(self, factors: Iterable[str], *, optional: bool = True) -> Columns:
+        """The columns whose factors are all among those given (constants always are)."""
+        allowed = {"0", *factors}
+
+        def inside(name: str) -> bool:
+            return {bare(factor) for factor in parse_derivative(name).factors} <= allowed
+
+        return Columns(
+            required={c: tuple(filter(inside, names)) for c, names in self.required.items()},
+            optional={
+                c: tuple(filter(inside, names)) if optional else ()
+                for c, names in self.optional.items()
+            },
+        )
+
+
+def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str]) -> Columns:
+    """The derivatives of a structure with what rudder, heel and propeller runs add.
+
+    Parameters
+    ----------
+    structure : Structure
+        What the user asks for.
+    runs : iterable of Run
+        The tests; rudder runs add δ terms, heeled runs φ terms.
+    channels : iterable of str
+        Channels that were measured.
+
+    Returns
+    -------
+    Columns
+        Optional ones: the zero offset of Y, N and K, the thrust term of X, and the higher δ and φ
+        terms.
+    """
+    tests = list(runs)
+    measured = [channel for channel in CHANNELS if channel in set(channels)]
+    required = {
+        channel: list(structure.of(channel)) for channel in measured if structure.of(channel)
+    }
+    optional: dict[str, list[str]] = {
+        channel: ["XT"] if channel == "X" else [f"{channel}0"] for channel in required
+    }
+    moving = {run.test for run in tests}
+    ruddered = [run for run in tests if run.settings.rudder]
+    heeled = [run for run in tests if run.settings.heel]
+    if ruddered:
+        _add(required, {"X": "dd", "Y": "d", "N": "d"})
+        _add(optional, {"Y": "ddd", "N": "ddd"})
+        if any(run.settings.drift for run in ruddered):
+            _add(optional, {"X": "vd", "Y": "vvd vdd", "N": "vvd vdd"})
+    if "yaw_rudder" in moving:
+        _add(optional, {"X": "rd", "Y": "rrd rdd", "N": "rrd rdd"})
+    if heeled:
+        _add(required, {"Y": "phi", "N": "phi", "K": "phi"})
+        _add(optional, {"X": "phiphi"})
+        if any(run.settings.drift for run in heeled):
+            _add(optional, {"Y": "vvphi vphiphi", "N": "vvphi vphiphi"})
+    return Columns(
+        required={channel: tuple(dict.fromkeys(names)) for channel, names in required.items()},
+        optional={
+            channel: tuple(name for name in names if name not in required[channel])
+            for channel, names in optional.items()
+        },
+    )
+
+
+def _add(names: dict[str, list[str]], terms: Mapping[str, str]) -> None:
+    for channel, listed in terms.items():
+        if channel in names:
+            names[channel] += [channel + term for term in listed.split()]

@@ -1,0 +1,221 @@
+"""What the fits say, in plain words: identifiability, offsets, lack of fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmmkit.conventions import bare, parse_derivative
+from pmmkit.observations.equations import Rows
+from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.solve import Solution
+
+TOGETHER = 0.95
+"""Correlation from which two derivatives are said to move together."""
+INFLATED = 30.0
+"""Variance inflation from which a derivative is said to be hard to tell from the others."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offset:
+    """Force at zero drift, yaw rate and rudder.
+
+    Parameters
+    ----------
+    Fn : float
+        Froude number; NaN for all speeds.
+    channel : str
+        Y, N or K.
+    value, std : float
+        Non-dimensional offset and its standard uncertainty.
+    drift_deg : float or None
+        Drift angle that would give the same force [deg]; None where no slope is known.
+    """
+
+    Fn: float
+    channel: str
+    value: float
+    std: float
+    drift_deg: float | None
+
+    @property
+    def clear(self) -> bool:
+        """Whether it is larger than twice its uncertainty."""
+        return abs(self.value) > 2 * self.std
+
+
+def tests_for(name: str) -> str:
+    """Which tests excite a derivative.
+
+    Examples
+    --------
+    >>> tests_for("Nvvr")
+    'yaw with drift or circular motion with drift'
+    """
+    factors = {bare(factor) for factor in parse_derivative(name).factors}
+    choices = (
+        ({"d", "v"}, "drift with rudder"),
+        ({"d", "r"}, "yaw with rudder"),
+        ({"d"}, "static rudder"),
+        ({"phi", "v"}, "heeled drift"),
+        ({"phi"}, "static heel"),
+        ({"vdot"}, "pure sway"),
+        ({"rdot"}, "pure yaw"),
+        ({"udot"}, "pure surge, or pure yaw at large heading"),
+        ({"v", "r"}, "yaw with drift or circular motion with drift"),
+        ({"v"}, "static drift or pure sway"),
+        ({"r"}, "pure yaw or circular motion"),
+        ({"u"}, "runs at several speeds"),
+        ({"p"}, "roll decay"),
+    )
+    return next((test for needed, test in choices if needed <= factors), "more runs")
+
+
+def offsets(solution: Solution) -> tuple[Offset, ...]:
+    """The zero offsets that were fitted beside the derivatives."""
+    found = []
+    value = dict(zip(solution.joint.labels, solution.joint.value.tolist(), strict=True))
+    std = dict(
+        zip(solution.joint.labels, np.sqrt(np.diagonal(solution.joint.covariance)), strict=True)
+    )
+    for group, item in solution.fits:
+        key = (group, f"{item.channel}0")
+        if key not in value or math.isnan(value[key]):
+            continue
+        slope = value.get((group, f"{item.channel}v"), math.nan)
+        found.append(
+            Offset(
+                Fn=float(solution.Fn[group]),
+                channel=item.channel,
+                value=value[key],
+                std=float(std[key]),
+                drift_deg=None
+                if math.isnan(slope) or slope == 0
+                else math.degrees(-value[key] / slope),
+            )
+        )
+    return tuple(found)
+
+
+def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
+    """Sentences on what the runs do and do not determine."""
+    return (
+        *_not_excited(solution),
+        *_thrust_inside(solution, rows),
+        *dict.fromkeys(_sentences(solution)),
+    )
+
+
+def _thrust_inside(solution: Solution, rows: Sequence[Rows]) -> Iterator[str]:
+    """Speeds at which the propeller's thrust is part of Xuu."""
+    groups = [
+        group
+        for group, item in solution.fits
+        if "Xuu" in item.fit.names
+        and "XT" not in item.fit.names
+        and any(
+            rows[solution.groups[group][block.run]].result.run.settings.propeller_rps
+            for block in item.blocks
+        )
+    ]
+    if groups:
+        yield (
+            f"Xuu{_speeds(solution, groups)} is thrust less resistance: the propeller turned, and "
+            f"its thrust was not measured or did not vary. Tows without propeller part the two."
+        )
+
+
+def _not_excited(solution: Solution) -> Iterator[str]:
+    """One sentence for all derivatives that lack the same tests at the same speeds."""
+    missing: dict[tuple[str, str], list[int]] = {}
+    for group, item in solution.fits:
+        tied = {name for names in item.fit.tied for name in names}
+        for column, name in enumerate(item.fit.names):
+            if not item.fit.determined[column] and name not in tied:
+                missing.setdefault((tests_for(name), name), []).append(group)
+    alike: dict[tuple[str, tuple[int, ...]], list[str]] = {}
+    for (test, name), listed in missing.items():
+        alike.setdefault((test, tuple(listed)), []).append(name)
+    for (test, groups), names in alike.items():
+        where = _speeds(solution, groups)
+        verb, has = ("is", "has") if len(names) == 1 else ("are", "have")
+        yield f"{_list(names)}{where} {verb} not excited by these runs and {has} no value: " + (
+            f"that takes {test}."
+        )
+
+
+def _speeds(solution: Solution, groups: Sequence[int]) -> str:
+    if len(groups) == len(solution.Fn) > 1:
+        return " at all Froude numbers"
+    numbers = [f"{solution.Fn[group]:.3f}" for group in groups]
+    return "" if math.isnan(solution.Fn[groups[0]]) else f" at Fn {_list(numbers)}"
+
+
+def _sentences(solution: Solution) -> Iterator[str]:
+    for group, item in solution.fits:
+        where = _where(solution, group)
+        for names in item.fit.tied:
+            yield (
+                f"{_list(names)}{where}: only a combination is determined, so none has a value. "
+                f"Leave one out, or add {tests_for(names[-1])} at another amplitude."
+            )
+        yield from _together(item, where)
+        yield from _signs(item, where)
+        if item.excessive:
+            yield (
+                f"{item.channel}{where}: the misfit is {math.sqrt(item.scale):.1f} times the "
+                f"noise of the records. The structure lacks something or runs scatter; the "
+                f"intervals are widened by that factor."
+            )
+        elif math.isnan(item.chi_square) and item.freedom == 0:
+            yield (
+                f"{item.channel}{where}: as many coefficients as rows and no stated noise, "
+                f"so no uncertainty can be given."
+            )
+
+
+def _where(solution: Solution, group: int) -> str:
+    froude = solution.Fn[group]
+    return "" if math.isnan(froude) else f" at Fn {froude:.3f}"
+
+
+def _list(names: Sequence[str]) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
+
+
+def _together(item: ChannelFit, where: str) -> Iterator[str]:
+    gain = item.fit.gain
+    covariance = gain @ gain.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        scale = np.sqrt(np.diagonal(covariance))
+        correlation = covariance / np.outer(scale, scale)
+    for first in range(len(item.fit.names)):
+        for second in range(first + 1, len(item.fit.names)):
+            value = correlation[first, second]
+            if abs(value) > TOGETHER:
+                names = f"{item.fit.names[first]} and {item.fit.names[second]}"
+                yield (
+                    f"{names}{where} move together (correlation {value:+.3f}): the runs fix a "
+                    f"combination better than each of them."
+                )
+    for name, inflation in zip(item.fit.names, item.fit.inflation.tolist(), strict=True):
+        if inflation > INFLATED:
+            yield (
+                f"{name}{where} resembles other terms in these runs: its variance is "
+                f"{inflation:.0f} times what it would be alone (condition number of "
+                f"{item.channel} {item.fit.condition:.0f})."
+            )
+
+
+def _signs(item: ChannelFit, where: str) -> Iterator[str]:
+    for name, value in item.values().items():
+        if name in ("Xudot", "Yvdot", "Nrdot", "Kpdot") and value > 0:
+            yield (
+                f"{name}{where} = {value:.3g} is positive, which no added mass is: check the "
+                f"inertia and the units of the forces."
+            )
+        if name in ("Yv", "Nr") and value > 0:
+            yield f"{name}{where} = {value:.3g} is positive: damping that drives. Check the signs."

@@ -1,0 +1,1 @@
+"""Runs read once each, several at a time, and on from where one stopped."""

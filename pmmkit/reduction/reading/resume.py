@@ -1,0 +1,160 @@
+"""Results of runs kept on disk while a campaign is read, so that an interrupted command goes on.
+
+One file a run: a checksum and JSON text, in which every number stands to the last bit. Its name is
+a hash over the content of the run's files, the run, the way it is read and pmmkit's version, so a
+result is only taken up for what it was made from. Nothing in a file is ever executed; a damaged
+file counts as none.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import threading
+import uuid
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, fields
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.samples.loading import data_files
+from pmmkit.checks import Summary
+from pmmkit.errors import PmmkitError
+from pmmkit.files import sha256
+from pmmkit.json_text import from_json, to_json
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.prepare import RunResult
+from pmmkit.reduction.reading.run import Reading, Way
+from pmmkit.version import __version__
+
+LAYOUT: Final = 1
+"""Version of the files' content."""
+
+
+def resume_folder(out: Path) -> Path:
+    """Where the results of runs lie while the command that writes the folder `out` reads them.
+
+    Examples
+    --------
+    >>> resume_folder(Path("work/my-campaign-reduced")).name
+    '.my-campaign-reduced-resume'
+    """
+    target = out.resolve()
+    return target.with_name(f".{target.name}-resume")
+
+
+def forget(folder: Path) -> None:
+    """Remove the folder of kept results."""
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kept:
+    """Results of the runs of one campaign, kept in a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder; it is made when there is something to keep.
+    way : Way
+        How the runs are read.
+    """
+
+    folder: Path
+    way: Way
+    _digests: dict[Path, str] = field(default_factory=dict, repr=False)
+    _lock: threading.Lock = field(default_factory=threading.Lock, repr=False)
+
+    def load(self, run: Run) -> Reading | None:
+        """The result of a run if it was read before, from the same content and in the same way."""
+        if not self.folder.is_dir():
+            return None
+        file = self._file(run)
+        if file is None:
+            return None
+        try:
+            checksum, _, text = file.read_bytes().partition(b"\n")
+            if _checksum(file, text) != checksum:
+                return None
+            return _restored(from_json(text.decode()), run, self.way)
+        except (OSError, PmmkitError, ValueError, TypeError, LookupError, RecursionError):
+            return None
+
+    def save(self, run: Run, reading: Reading) -> None:
+        """Keep the result of a run; a folder that cannot be written keeps nothing."""
+        file = self._file(run)
+        if file is None:
+            return
+        text = to_json(_plain(reading)).encode()
+        part = file.with_name(f".{uuid.uuid4().hex}.part")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            part.write_bytes(_checksum(file, text) + b"\n" + text)
+            os.replace(part, file)
+        except OSError:
+            part.unlink(missing_ok=True)
+
+    def _file(self, run: Run) -> Path | None:
+        """The file of a run; None for one that does not come from a history on disk."""
+        if run.kind != "history":
+            return None
+        try:
+            content = [self._digest(path) for path in data_files(run).values()]
+        except (OSError, PmmkitError):
+            return None
+        if not content:
+            return None
+        campaign = self.way.campaign.with_(runs=(), excluded=(), title="", provenance={})
+        parts = (
+            LAYOUT, __version__, content, campaign, self.way.columns, self.way.convention,
+            self.way.cycles, self.way.blockage, run, run.loader,
+        )  # fmt: skip
+        return self.folder / f"{hashlib.sha256(repr(parts).encode()).hexdigest()}.json"
+
+    def _digest(self, path: Path) -> str:
+        """Hash of a file's content, found once."""
+        with self._lock:
+            known = self._digests.get(path)
+        if known is None:
+            known = sha256(path)
+            with self._lock:
+                self._digests[path] = known
+        return known
+
+
+def _checksum(file: Path, text: bytes) -> bytes:
+    """Of a file's text and its name, so that no result passes for that of another run."""
+    return hashlib.sha256(file.name.encode() + text).hexdigest().encode()
+
+
+def _plain(reading: Reading) -> dict[str, Any]:
+    """A result as mappings, tuples and arrays, without what the campaign gives anew."""
+    rows, result = reading.rows, reading.rows.result
+    return {
+        "settings": asdict(result.run.settings),
+        "result": _fields(result, "run"),
+        "rows": _fields(rows, "result"),
+        "sensitivities": [_fields(item, "source", "names") for item in reading.sensitivities],
+        "summary": _fields(reading.summary, "run"),
+    }
+
+
+def _fields(item: Any, *without: str) -> dict[str, Any]:
+    return {
+        each.name: getattr(item, each.name) for each in fields(item) if each.name not in without
+    }
+
+
+def _restored(plain: Mapping[str, Any], run: Run, way: Way) -> Reading:
+    kept = run.with_(settings=Settings(**plain["settings"]))
+    rows = Rows(result=RunResult(run=kept, **plain["result"]), **plain["rows"])
+    return Reading(
+        rows=rows,
+        sensitivities=tuple(
+            Sensitivity(source=source, names=rows.names, **item)
+            for source, item in zip(way.sources, plain["sensitivities"], strict=True)
+        ),
+        summary=Summary(run=run, **plain["summary"]),
+    )

@@ -1,0 +1,109 @@
+"""Reading one run: what is kept of it is small, however long its record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.checks import Summary, summarise
+from pmmkit.conventions import Convention
+from pmmkit.observations.blockage import speed_increase
+from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
+from pmmkit.observations.inertia import rig_of
+from pmmkit.observations.prepare import CycleChoice, prepare
+from pmmkit.reduction.derivatives import Columns
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """How the runs of a campaign are read.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Ship, water, rig and uncertainties; its runs are not looked at.
+    columns : Columns
+        The derivatives that may be asked for.
+    convention : Convention
+        Meaning of the derivatives.
+    cycles, blockage
+        As for `reduce_campaign`.
+    """
+
+    campaign: Campaign
+    columns: Columns
+    convention: Convention
+    cycles: CycleChoice
+    blockage: str
+
+    @property
+    def sources(self) -> tuple[TypeB, ...]:
+        """Stated uncertainties; the numerical one of a solver is a zero error of all runs."""
+        numerical = (
+            TypeB(name=f"{channel}_gauge", std=float(std), shared=True)
+            for channel, std in self.campaign.numerical.items()
+        )
+        return (*self.campaign.uncertainty, *numerical)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reading:
+    """What is kept of one run.
+
+    Parameters
+    ----------
+    rows : Rows
+        Its equations.
+    sensitivities : tuple of Sensitivity
+        How they change with each stated uncertainty.
+    summary : Summary
+        What the checks look at.
+    """
+
+    rows: Rows
+    sensitivities: tuple[Sensitivity, ...]
+    summary: Summary
+
+
+def read_run(run: Run, way: Way) -> Reading:
+    """Read the samples of a run once and keep what the reduction needs.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    way : Way
+        How.
+
+    Raises
+    ------
+    DataError
+        If the run cannot be read or reduced.
+    """
+    data = run.data
+    once = run.with_(loader=lambda: data)
+    rows, changes = _equations(once, way)
+    kept = run.with_(settings=rows.result.run.settings)
+    return Reading(
+        rows=replace(rows, result=replace(rows.result, run=kept)),
+        sensitivities=tuple(changes),
+        summary=replace(summarise(once, way.campaign), run=run),
+    )
+
+
+def _equations(run: Run, way: Way) -> tuple[Rows, Iterator[Sensitivity]]:
+    """What a run says about the derivatives, and how that changes with the uncertainties."""
+    campaign = way.campaign
+    rig = rig_of(campaign)
+    prepared = prepare(run, campaign, cycles=way.cycles)
+    share = speed_increase(campaign, run.settings.speed) if way.blockage == "correct" else None
+    names = {
+        channel: listed
+        for channel, listed in way.columns.names.items()
+        if channel in prepared.result.measured
+    }
+    rows = rows_of(prepared, campaign, rig, names, way.convention, blockage=share or 0.0)
+    return rows, (
+        sensitivity(rows, source, campaign, rig, names, way.convention) for source in way.sources
+    )

@@ -1,0 +1,1 @@
+"""Which tests to make next: the next run, and whole programmes."""

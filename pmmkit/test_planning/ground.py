@@ -1,0 +1,219 @@
+"""What a plan stands on: runs made and possible runs, seen with one base and one noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
+from pmmkit.diagnosis.captive.diagnose import captive_system, contestants, derivatives_of
+from pmmkit.diagnosis.captive.grid import best_blocks
+from pmmkit.diagnosis.captive.system import System, channels_of
+from pmmkit.errors import DataError
+from pmmkit.models import Model
+from pmmkit.observations.channels import Scatter
+from pmmkit.observations.views import View
+from pmmkit.observations.whitening import FLOOR
+from pmmkit.reduction.derivatives import columns_of
+from pmmkit.structures import Structure, structure_of
+from pmmkit.test_planning.information import FADING, Known, Rows, known, rows_of
+from pmmkit.test_planning.options import Limits, Option, limits_of, options_of
+from pmmkit.test_planning.planned import (
+    NoiseOf,
+    base_of,
+    measured_noise,
+    planned_views,
+    stated_noise,
+    with_names,
+)
+
+Asked = Model | str | Path | Sequence[str] | Structure
+CHANNELS: Final = ("X", "Y", "N")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ground:
+    """Runs made and runs that could be made.
+
+    Parameters
+    ----------
+    rows : Rows
+        Of all of them.
+    made : tuple of str
+        Ids of the runs that are made.
+    options : mapping of str to Option
+        Runs that could be made, by their id among the rows.
+    candidates : mapping of str to Candidate
+        Effects and faults by name.
+    given : tuple of str
+        Effects that the base has beside its derivatives.
+    system : System, optional
+        Of the runs that are made, as a diagnosis asks it.
+    """
+
+    rows: Rows
+    made: tuple[str, ...]
+    options: Mapping[str, Option]
+    candidates: Mapping[str, Candidate]
+    given: tuple[str, ...] = ()
+    system: System | None = None
+
+    def known(self) -> Known:
+        """What the runs made tell."""
+        return known(self.rows, self.made)
+
+    def check(self, effects: Sequence[str]) -> None:
+        """Raise an UnknownNameError if effects do not take part."""
+        for name in effects:
+            if name not in self.candidates:
+                raise no_such_effect(name, sorted(self.candidates))
+
+
+def ground_of(
+    model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
+    options: Sequence[Option] | None = None, floor: float = FLOOR, noise: float | None = None,
+    record_noise: float = 0.015, candidates: Sequence[Candidate] | None = None,
+    given: Sequence[str] = (),
+) -> Ground:  # fmt: skip
+    """Measured and possible runs on one footing.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        The base, as for `diagnose`; a model where there are no tests.
+    campaign : Campaign, optional
+        Tests that are made.
+    limits : Limits, optional
+        What tank and rig allow; what the campaign has done by default.
+    options : sequence of Option, optional
+        Runs that could be made; within the limits by default.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    noise : float, optional
+        Of tests that are made and state none, as for `diagnose_captive`.
+    record_noise : float
+        Before any test: standard deviation of a record's noise over the rms force.
+    candidates : sequence of Candidate, optional
+        Effects and faults; the catalogue by default.
+    given : sequence of str
+        Effects that the base has, beside its derivatives and those of the model.
+
+    Returns
+    -------
+    Ground
+
+    Raises
+    ------
+    DataError
+        If there are neither tests nor a model with values, or nothing can be offered.
+    """
+    base = derivatives_of(model)
+    have = tuple(dict.fromkeys((*base.effects, *given)))
+    if campaign is not None and campaign.runs:
+        return _with_tests(
+            structure_of(base.structure), campaign, limits or limits_of(campaign), options,
+            floor=floor, candidates=candidates, given=have, noise=noise,
+        )  # fmt: skip
+    if limits is None and options:
+        limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
+    if limits is None:
+        raise DataError("Before any test a plan needs limits: the speeds at least.")
+    if not isinstance(base.source, Model):
+        raise DataError(
+            "Before any test a plan needs the size of the forces: give a model with values, such "
+            "as estimated_model makes from particulars, in place of a structure."
+        )
+    loaded = base.source
+    if campaign is not None:
+        loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
+    return _before_tests(
+        loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
+    )  # fmt: skip
+
+
+def _with_tests(
+    structure: Structure, campaign: Campaign, limits: Limits, options: Sequence[Option] | None, *,
+    floor: float, candidates: Sequence[Candidate] | None, given: tuple[str, ...],
+    noise: float | None,
+) -> Ground:  # fmt: skip
+    system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    views = system.views
+    offered = _offered(options, limits, system.base)
+    speeds = [*(view.speed for view in views), *limits.speeds]
+    every = _contestants(system.base, speeds, candidates)
+    channels = tuple(c.name for c in system.channels)
+    base = _ruddered(system.base, structure, offered, channels)
+    planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
+    rows = rows_of(
+        [*views, *planned], base, every, floor=floor, scatter=system.scatter,
+        scale={c.name: c.scale for c in system.channels},
+    )  # fmt: skip
+    values = {name: [b.value for b in best_blocks(system, name, 2)] for name in given}
+    made = tuple(dict.fromkeys(view.run.id for view in views))
+    return _ground(rows.knowing(values), made, offered, every, given, system)
+
+
+def _before_tests(
+    model: Model, limits: Limits, options: Sequence[Option] | None, *, floor: float, noise: float,
+    candidates: Sequence[Candidate] | None, given: tuple[str, ...],
+) -> Ground:  # fmt: skip
+    base = base_of(model, limits.speeds)
+    offered = _offered(options, limits, base)
+    structure = structure_of([name for own in base.names.values() for name in own])
+    base = _ruddered(base, structure, offered, CHANNELS)
+    rough = _views(offered, base, stated_noise(dict.fromkeys(CHANNELS, 1.0)), 0.0)
+    scale = {c.name: c.scale for c in channels_of(rough, base)}
+    size = {name: x * base.reference**2 for name, x in scale.items()}
+    planned = _views(offered, base, stated_noise(size, noise), 0.0)
+    every = _contestants(base, limits.speeds, candidates)
+    rows = rows_of(planned, base, every, floor=floor, scatter=Scatter(), scale=scale)
+    grids = {c.name: c.grid for c in every}
+    values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
+    return _ground(rows.knowing(values), (), offered, every, given, None)
+
+
+def _ground(
+    rows: Rows, made: tuple[str, ...], offered: Sequence[Option], every: Sequence[Candidate],
+    given: tuple[str, ...], system: System | None,
+) -> Ground:  # fmt: skip
+    return Ground(
+        rows=rows, made=made, given=given, system=system,
+        options=MappingProxyType({option.run().id: option for option in offered}),
+        candidates=MappingProxyType({c.name: c for c in every if c.name not in given}),
+    )  # fmt: skip
+
+
+def _offered(options: Sequence[Option] | None, limits: Limits, base: Base) -> tuple[Option, ...]:
+    found = options_of(limits, base.ship, base.water) if options is None else tuple(options)
+    if not found:
+        raise DataError("No run is possible within these limits.")
+    return tuple({option.id: option for option in found}.values())
+
+
+def _ruddered(
+    base: Base, structure: Structure, offered: Sequence[Option], channels: Sequence[str]
+) -> Base:
+    """The base with what rudder and heel runs would add to it."""
+    runs = [option.run() for option in offered]
+    return with_names(base, columns_of(structure, runs, channels).required)
+
+
+def _views(
+    offered: Sequence[Option], base: Base, noise: NoiseOf, motion_x: float
+) -> list[View]:  # fmt: skip
+    return [
+        view for option in offered for view in planned_views(option, base, noise, motion_x=motion_x)
+    ]
+
+
+def _contestants(
+    base: Base, speeds: Sequence[float], candidates: Sequence[Candidate] | None
+) -> tuple[Candidate, ...]:
+    if candidates is not None:
+        return tuple(candidates)
+    return (*contestants(base, sorted({round(speed, 6) for speed in speeds})), FADING)

@@ -1,0 +1,331 @@
+"""What runs tell of effects, run by run: it adds up, so that a run can be tried before it is made.
+
+Rows of a run are whitened by its noise and scatter; their columns are the base and the smooth floor
+(the null, whatever they are), the candidates in units of their prior standard deviation, and the
+data. Products of columns add up over runs. What they say of the candidates is what is left when
+the null is taken off, as in `build`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.system import (
+    FEATURES,
+    WIDER,
+    Block,
+    candidate_columns,
+    channels_of,
+    floor_features,
+    run_columns,
+)
+from pmmkit.observations.channels import Places, Scatter
+from pmmkit.observations.views import View
+from pmmkit.observations.whitening import whitened
+
+Array = NDArray[np.float64]
+UNKNOWN: Final = 1e-9
+"""Prior precision of a base coefficient, over the precision that all runs together give."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rows:
+    """Whitened rows of runs.
+
+    Parameters
+    ----------
+    base : Base
+        Derivatives, of which every channel's first columns are.
+    blocks : tuple of Block
+        Candidates at their grid points, with their places among the candidates' columns.
+    centre : array (k,)
+        Expected coefficients of the candidates, in units of their prior.
+    given : array of int
+        Columns of effects that the base has, of unknown size within their prior.
+    null : mapping of channel to int
+        Columns of base and floor.
+    of_run : mapping of run id to mapping of channel to array (m, null + k + 1)
+        Base, floor, candidates, data.
+    prior : mapping of channel to array (null,)
+        Prior precision of the null's coefficients.
+    """
+
+    base: Base
+    blocks: tuple[Block, ...]
+    centre: Array
+    given: Places
+    null: Mapping[str, int]
+    of_run: Mapping[str, Mapping[str, Array]]
+    prior: Mapping[str, Array]
+
+    @property
+    def width(self) -> int:
+        """Number of the candidates' columns."""
+        return len(self.centre)
+
+    def knowing(self, values: Mapping[str, Sequence[float]]) -> Rows:
+        """Rows for a base that has effects, at some values of their grids; others take part."""
+        own = [b.places for b in self.blocks if b.value in values.get(b.candidate.name, ())]
+        return replace(
+            self,
+            given=np.concatenate([self.given, *own]),
+            blocks=tuple(b for b in self.blocks if b.candidate.name not in values),
+        )
+
+
+def rows_of(
+    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float,
+    scatter: Scatter, scale: Mapping[str, float] | None = None,
+) -> Rows:  # fmt: skip
+    """Whitened rows of measured and of planned runs together.
+
+    Parameters
+    ----------
+    views : sequence of View
+        Runs.
+    base : Base
+        With values.
+    candidates : sequence of Candidate
+        All that take part.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    scatter : Scatter
+        What differs from run to run.
+    scale : mapping of channel to float, optional
+        Rms force over U² to which floor and scatter refer [N/(m/s)²]; that of the views by default.
+    """
+    channels = [
+        replace(c, scale=(scale or {}).get(c.name, c.scale)) for c in channels_of(views, base)
+    ]
+    views = [replace(view, expected=base.expected(view)) for view in views]
+    blocks, centre = _blocks(candidates)
+    raw = [
+        candidate_columns(block.candidate, block.value, channels, views, base) for block in blocks
+    ]
+    of_run: dict[str, dict[str, Array]] = {view.run.id: {} for view in views}
+    null, prior = {}, {}
+    predicted = {
+        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
+    }
+    own = run_columns(channels, views, base, predicted)
+    for c in channels:
+        p = c.design.shape[1]
+        effects = np.zeros((len(c.y), len(centre)))
+        for block, by_channel in zip(blocks, raw, strict=True):
+            if c.name in by_channel:
+                effects[:, block.columns] = by_channel[c.name] * prior_sizes(block.candidate)
+        features = floor * floor_features(c, views, base)
+        columns = np.column_stack([c.design, features, effects, c.y])
+        white = whitened(c, columns, own[c.name], scatter)
+        size = np.linalg.norm(white[:, :p], axis=0)
+        white[:, :p] /= np.where(size > 0, size, 1.0)
+        null[c.name] = p + FEATURES
+        prior[c.name] = np.concatenate([np.full(p, UNKNOWN), np.ones(FEATURES)])
+        ids = dict.fromkeys(views[i].run.id for i in c.views)
+        for name, rows in zip(ids, c.runs, strict=True):
+            of_run[name][c.name] = white[rows]
+    return Rows(
+        base=base, blocks=blocks, centre=centre, given=np.zeros(0, int),
+        null=MappingProxyType(null), of_run=MappingProxyType(of_run), prior=MappingProxyType(prior),
+    )  # fmt: skip
+
+
+def _blocks(candidates: Sequence[Candidate]) -> tuple[tuple[Block, ...], Array]:
+    blocks, at, centres = [], 0, [np.zeros(0)]
+    for candidate in candidates:
+        for value in candidate.grid:
+            end = at + candidate.size
+            blocks.append(Block(candidate=candidate, value=value, columns=slice(at, end)))
+            own = np.array(candidate.centre) / prior_sizes(candidate) if candidate.centre else None
+            centres.append(np.zeros(candidate.size) if own is None else own)
+            at = end
+    return tuple(blocks), np.concatenate(centres)
+
+
+def _fading(view: View, base: Base, decay: float) -> Mapping[str, Array]:
+    """A share of a run's force that dies away, one for all runs."""
+    if not view.run.dynamic:
+        return {}
+    forces = base.forces(view.motion, view.speed)
+    part = view.project(np.exp(-view.t * view.speed / (decay * base.ship.L)))
+    return {
+        name: (float(np.linalg.norm(view.project(forces[name]))) * part)[:, None]
+        for name in view.force
+        if name in forces
+    }
+
+
+FADING: Final = replace(TRANSIENT_FAULT, columns=_fading)
+"""The start that has not died away, as one candidate among others."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Known:
+    """What runs tell together.
+
+    Parameters
+    ----------
+    rows : Rows
+        Of all runs there are or could be.
+    sums : mapping of channel to array (w, w)
+        Products of the columns over the runs that are made.
+    """
+
+    rows: Rows
+    sums: Mapping[str, Array]
+
+    def joined(self, run: str) -> Known:
+        """With one more run."""
+        added = self.rows.of_run[run]
+        sums = {
+            name: total + added[name].T @ added[name] if name in added else total
+            for name, total in self.sums.items()
+        }
+        return replace(self, sums=MappingProxyType(sums))
+
+    def plain(self) -> Array:
+        """Products of the candidates' columns as if base and floor were known (k, k)."""
+        found = np.zeros((self.rows.width, self.rows.width))
+        for name, total in self.sums.items():
+            n = self.rows.null[name]
+            found += total[n:-1, n:-1]
+        return found
+
+    def reduced(self) -> Reduced:
+        """What is said of the candidates, whatever base and floor are."""
+        from scipy.linalg import solve_triangular
+
+        k = self.rows.width
+        gram, score = np.zeros((k, k)), np.zeros(k)
+        inverse, solved = {}, {}
+        for name, total in self.sums.items():
+            n = self.rows.null[name]
+            root = np.linalg.cholesky(total[:n, :n] + np.diag(self.rows.prior[name]))
+            inverse[name] = solve_triangular(root, np.eye(n), lower=True, check_finite=False)
+            half = inverse[name] @ total[:n, n:]
+            solved[name] = inverse[name].T @ half
+            left = total[n:, n:] - half.T @ half
+            gram += left[:k, :k]
+            score += left[:k, k]
+        given, centre = self.rows.given, self.rows.centre[self.rows.given]
+        root = np.linalg.cholesky(gram[np.ix_(given, given)] + np.eye(len(given)))
+        across = np.linalg.solve(root, gram[given])
+        away = np.linalg.solve(root, score[given] - gram[np.ix_(given, given)] @ centre)
+        score = score - gram[:, given] @ centre - across.T @ away
+        gram = gram - across.T @ across
+        return Reduced(
+            rows=self.rows, gram=(gram + gram.T) / 2, score=score,
+            of_given=np.linalg.solve(root.T, np.column_stack([across, np.linalg.inv(root)])),
+            inverse=MappingProxyType(inverse), solved=MappingProxyType(solved),
+        )  # fmt: skip
+
+
+def known(rows: Rows, runs: Iterable[str] = ()) -> Known:
+    """What some runs tell, in any order."""
+    width = {name: n + rows.width + 1 for name, n in rows.null.items()}
+    found = Known(
+        rows=rows, sums=MappingProxyType({name: np.zeros((w, w)) for name, w in width.items()})
+    )
+    for run in runs:
+        found = found.joined(run)
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reduced:
+    """What runs say of the candidates, and how to add a run to it.
+
+    Parameters
+    ----------
+    rows : Rows
+        Of all runs.
+    gram : array (k, k)
+        Products of the candidates' columns, the null taken off.
+    score : array (k,)
+        Their products with the data.
+    of_given : array (g, k + g)
+        What the effects of the base answer to candidates, and their covariance.
+    inverse, solved : mapping of channel to array
+        Inverse root of the null's precision, and the null's answer to candidates and data.
+    """
+
+    rows: Rows
+    gram: Array
+    score: Array
+    of_given: Array
+    inverse: Mapping[str, Array]
+    solved: Mapping[str, Array]
+
+    def added(self, run: str, times: int = 1) -> Array:
+        """What a run adds: columns of the candidates in its rows, the null refitted (m, k).
+
+        The rows have unit covariance whatever the null; the Gram matrix grows by their products.
+
+        Parameters
+        ----------
+        run : str
+            One of the rows' runs.
+        times : int
+            How often it is made.
+        """
+        from scipy.linalg import solve_triangular
+
+        found = [np.zeros((0, self.rows.width))]
+        for name, white in self.rows.of_run[run].items():
+            n = self.rows.null[name]
+            part = np.sqrt(times) * white
+            own = part[:, n:-1] - part[:, :n] @ self.solved[name][:, :-1]
+            root = self._root(name, part)[1]
+            found.append(solve_triangular(root, own, lower=True, check_finite=False))
+        whole = np.concatenate(found)
+        held = whole[:, self.rows.given]
+        covariance = np.eye(len(whole)) + held @ self.of_given[:, self.rows.width :] @ held.T
+        spread = np.linalg.cholesky(covariance)
+        return np.asarray(
+            np.linalg.solve(spread, whole - held @ self.of_given[:, : self.rows.width]), float
+        )
+
+    def precision(self, run: str | None = None) -> dict[str, Array]:
+        """Precision of every base coefficient by channel, with one more run where one is named.
+
+        Coefficients are in units in which a column has the length one over all rows there are.
+        """
+        from scipy.linalg import solve_triangular
+
+        found = {}
+        for name, inverse in self.inverse.items():
+            p = self.rows.null[name] - FEATURES
+            variance = np.sum(inverse[:, :p] ** 2, axis=0)
+            white = self.rows.of_run[run].get(name) if run is not None else None
+            if white is not None:
+                half, root = self._root(name, white)
+                taken = solve_triangular(
+                    root, half @ inverse[:, :p], lower=True, check_finite=False
+                )  # fmt: skip
+                variance -= np.sum(taken**2, axis=0)
+            found[name] = 1.0 / np.maximum(variance, 1e-300)
+        return found
+
+    def _root(self, name: str, white: Array) -> tuple[Array, Array]:
+        """Rows over the root of the null's precision, and the root of their covariance."""
+        half = white[:, : self.rows.null[name]] @ self.inverse[name].T
+        root = np.asarray(np.linalg.cholesky(np.eye(len(white)) + half @ half.T), float)
+        return half, root
+
+
+def at_usual_size(block: Block) -> Array:
+    """Coefficients of a candidate at its usual size, in units of the prior."""
+    candidate = block.candidate
+    if candidate.centre:
+        return np.array(candidate.centre) / prior_sizes(candidate)
+    found: Array = np.sign(np.array(candidate.typical)) / WIDER
+    return found

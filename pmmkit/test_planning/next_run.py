@@ -1,0 +1,318 @@
+"""The next run: which one tells rivals apart, or shows what is invisible, for the least time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.verdict import RIVALS, answer
+from pmmkit.diagnosis.evidence import SHOWS
+from pmmkit.diagnosis.findings import Diagnosis, odds
+from pmmkit.observations.whitening import FLOOR
+from pmmkit.test_planning.ground import Asked, Ground, ground_of
+from pmmkit.test_planning.information import Reduced
+from pmmkit.test_planning.options import Limits, Option
+from pmmkit.test_planning.separation import expected_odds, likely, usual
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+LEAST: Final = 3.0
+"""Expected gain in ln odds below which a run is not worth its time."""
+REPEATS: Final = 8
+"""Repeats of one run that are thought of before a check at the bench is advised."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NextRun:
+    """One run that could be made next.
+
+    Parameters
+    ----------
+    option : Option
+        The run.
+    gain : float
+        What it is made for: expected gain in ln odds of the true rival over the others; or, where
+        effects are to be made visible, how many become so.
+    gains : mapping of str to float
+        By rival, if it is the true one, its expected gain in ln odds over the nearest other; by
+        effect, its squared signal over noise after the run.
+    resolves : float
+        Probability that the true rival stands alone afterwards; NaN where effects are to be shown.
+    repeats : int
+        How often the run is to be made.
+    hours : float
+        Time of all repeats [h].
+    words : str
+        The run and what is expected of it.
+    """
+
+    option: Option
+    gain: float
+    gains: Mapping[str, float]
+    resolves: float
+    repeats: int
+    hours: float
+    words: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Advice:
+    """What to do next.
+
+    Parameters
+    ----------
+    rivals : tuple of str
+        Sets of effects that the tests cannot tell apart; empty where effects are to be shown.
+    wanted : tuple of str
+        Effects that the advice is about.
+    runs : tuple of NextRun
+        Worth their time, the best first; repeats where no single run is.
+    checks : mapping of str to str
+        Checks at the bench or on the rig, by effect.
+    words : str
+        The advice.
+    """
+
+    rivals: tuple[str, ...]
+    wanted: tuple[str, ...]
+    runs: tuple[NextRun, ...]
+    checks: Mapping[str, str]
+    words: str
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A row per run: settings, gain, hours, probability that it resolves."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            [
+                {"run": item.option.id, "test": item.option.test,
+                 "speed": item.option.settings.speed, "repeats": item.repeats, "gain": item.gain,
+                 "resolves": item.resolves, "hours": item.hours, "words": item.words}
+                for item in self.runs
+            ]
+        )  # fmt: skip
+
+
+def next_runs(
+    model: Asked, campaign: Campaign, found: Diagnosis | None = None, *,
+    effects: Sequence[str] = (), limits: Limits | None = None,
+    options: Sequence[Option] | None = None, most: int = 10, floor: float = FLOOR,
+    **settings: Any,
+) -> Advice:  # fmt: skip
+    """Which run, or which check, to make next.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        The base, as for `diagnose`.
+    campaign : Campaign
+        The tests that are made.
+    found : Diagnosis, optional
+        Of that model and campaign; made if absent.
+    effects : sequence of str
+        What to ask about: two effects or more are told apart at their usual sizes, one is made
+        visible. By default the rivals of the diagnosis; where it has none, what its runs cannot
+        show.
+    limits : Limits, optional
+        What tank and rig allow; what the campaign has done by default.
+    options : sequence of Option, optional
+        Runs that could be made; all within the limits by default.
+    most : int
+        Runs that are listed.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    **settings
+        ``candidates``, ``given`` and ``noise``, as for `diagnose_captive`.
+
+    Returns
+    -------
+    Advice
+
+    Raises
+    ------
+    DataError
+        If the campaign is free-running, or no run is possible.
+    UnknownNameError
+        If an effect is not known.
+
+    Notes
+    -----
+    A rival's prediction of a run, with base and floor refitted and its own coefficients as
+    uncertain as the data leave them, is a normal distribution; so is the other's. The gain in ln
+    odds to be expected of the run is the divergence of one from the other. It holds within the
+    catalogue and for the noise and scatter of the campaign. Its standard deviation is about the
+    root of twice its size.
+    """
+    with threadpool_limits(1):
+        ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
+        ground.check(effects)
+        reduced = ground.known().reduced()
+        if len(effects) > 1:
+            return _apart_at_usual_size(ground, reduced, effects, most)
+        if not effects and found is None and ground.system is not None:
+            found = answer(ground.system, ground.given, floor=floor)
+        if not effects and found is not None:
+            group = [item for item in found.group if set(item[0]) <= set(ground.candidates)]
+            if len(group) > 1:
+                rivals, against = zip(*group, strict=True)
+                return _apart(ground, reduced, rivals, against, most)
+        return _shown(ground, reduced, effects, most)
+
+
+def _apart(
+    ground: Ground, reduced: Reduced, rivals: Sequence[Sequence[str]], against: Sequence[float],
+    most: int,
+) -> Advice:  # fmt: skip
+    """Rivals of a diagnosis, as the data have made them likely."""
+    sets = [likely(reduced, names) for names in rivals]
+    names = tuple(" and ".join(own) for own in rivals)
+    weight = np.array(against)
+    weight = weight / weight.sum()
+    ahead = np.log(weight)[:, None] - np.log(weight)
+
+    def tried(columns: Array) -> tuple[Array, float]:
+        gains = expected_odds(columns, sets)
+        return gains.min(axis=1), _resolved(gains, ahead, weight)
+
+    return _ranked(ground, reduced, names, weight, tried, most)
+
+
+def _apart_at_usual_size(
+    ground: Ground, reduced: Reduced, effects: Sequence[str], most: int
+) -> Advice:
+    """Effects that the user names, at their usual sizes."""
+    sizes = usual(ground.rows)
+    at = np.array([sizes.names.index(name) for name in effects])
+    before = sizes.separations(reduced.gram)[np.ix_(at, at)]
+    weight = np.full(len(at), 1.0 / len(at))
+
+    def tried(columns: Array) -> tuple[Array, float]:
+        after = sizes.separations(reduced.gram + columns.T @ columns)[np.ix_(at, at)]
+        with np.errstate(invalid="ignore"):
+            gains = (after - before) / 2
+        np.fill_diagonal(gains, np.inf)
+        return gains.min(axis=1), _resolved(gains, np.zeros_like(gains), weight)
+
+    return _ranked(ground, reduced, tuple(effects), weight, tried, most)
+
+
+def _resolved(gains: Array, ahead: Array, weight: Array) -> float:
+    """Probability that the truth leads every other by 20 to 1, the least over its rivals."""
+    from scipy.special import ndtr
+
+    with np.errstate(invalid="ignore"):
+        away = (gains + ahead - RIVALS) / np.sqrt(2.0 * np.maximum(gains, 1e-9))
+    chance = np.where(np.isfinite(away), ndtr(away), 1.0).min(axis=1)
+    return float(weight @ chance)
+
+
+def _ranked(
+    ground: Ground, reduced: Reduced, names: tuple[str, ...], weight: Array, tried: Any, most: int
+) -> Advice:
+    """Options by how probably they resolve, over time; repeats where no single run is worth it."""
+
+    def gains_of(run: str, times: int) -> tuple[float, dict[str, float], float]:
+        gains, resolves = tried(reduced.added(run, times))
+        return float(weight @ gains), dict(zip(names, gains.tolist(), strict=True)), resolves
+
+    def made(run: str, times: int, found: tuple[float, dict[str, float], float]) -> NextRun:
+        option = ground.options[run]
+        gain, gains, resolves = found
+        often = f"{times} times " if times > 1 else ""
+        return NextRun(
+            option=option, gain=gain, gains=MappingProxyType(gains), resolves=resolves,
+            repeats=times, hours=times * option.hours,
+            words=f"{often}{option.words}: expected odds {odds(gain)} between "
+            f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}, decided with "
+            f"{100 * resolves:.0f} %",
+        )  # fmt: skip
+
+    single = {run: gains_of(run, 1) for run in ground.options}
+    worth = [made(run, 1, found) for run, found in single.items() if found[0] >= LEAST]
+    worth.sort(key=lambda item: (-item.resolves / item.hours, -item.gain))
+    wanted = tuple(dict.fromkeys(part for name in names for part in name.split(" and ")))
+    checks = _checks(ground, wanted)
+    if not worth:
+        worth = _repeated(ground, single, gains_of, made)
+    return Advice(
+        rivals=names, wanted=wanted, runs=tuple(worth[:most]), checks=checks,
+        words=_advice(worth, checks, " and ".join(names[:2])),
+    )  # fmt: skip
+
+
+def _repeated(ground: Ground, single: Mapping[str, Any], gains_of: Any, made: Any) -> list[NextRun]:
+    """The fewest repeats of one run that are worth their time; none within `REPEATS`."""
+    best = sorted(single, key=lambda run: -single[run][0] / ground.options[run].hours)[:REPEATS]
+    for times in range(2, REPEATS + 1):
+        found = [made(run, times, gains_of(run, times)) for run in best]
+        worth = [item for item in found if item.gain >= LEAST]
+        if worth:
+            return sorted(worth, key=lambda item: -item.gain / item.hours)
+    return []
+
+
+def _advice(runs: Sequence[NextRun], checks: Mapping[str, str], names: str) -> str:
+    bench = "; ".join(f"{name}: {check}" for name, check in checks.items())
+    if runs and runs[0].repeats == 1:
+        return runs[0].words + "."
+    if runs:
+        return f"No single run will do: {runs[0].words}. Or a check ({bench})."
+    return f"No run within these limits tells {names} apart. A check will ({bench})."
+
+
+def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) -> Advice:
+    """Runs that make effects visible."""
+    sizes = usual(ground.rows)
+    before = sizes.signals(reduced.gram)
+    hidden = [
+        i for i, name in enumerate(sizes.names)
+        if before[i] < SHOWS and (not effects or name in effects)
+    ]  # fmt: skip
+    wanted = tuple(sizes.names[i] for i in hidden)
+    if effects and not hidden:
+        words = f"The tests that are made can show {' and '.join(effects)} already."
+        return Advice(rivals=(), wanted=tuple(effects), runs=(), checks={}, words=words)
+    found = []
+    for run, option in ground.options.items():
+        columns = reduced.added(run)
+        after = before + np.sum((columns @ sizes.sizes) ** 2, axis=0)
+        seen = [i for i in hidden if after[i] >= SHOWS]
+        if seen:
+            names = [sizes.names[i] for i in seen]
+            found.append(
+                NextRun(
+                    option=option,
+                    gain=float(len(seen)),
+                    resolves=math.nan,
+                    repeats=1,
+                    hours=option.hours,
+                    gains=MappingProxyType({sizes.names[i]: float(after[i]) for i in seen}),
+                    words=f"{option.words}: makes {', '.join(names)} visible at usual size",
+                )
+            )
+    found.sort(key=lambda item: (-item.gain / item.hours, -min(item.gains.values())))
+    shown = {name for item in found for name in item.gains}
+    checks = _checks(ground, [name for name in wanted if name not in shown])
+    bench = "; ".join(f"{name}: {check}" for name, check in checks.items())
+    words = f"{found[0].words}." if found else "No single run makes more visible."
+    if bench:
+        words += f" Not shown by a single run ({bench})."
+    return Advice(
+        rivals=(), wanted=wanted, runs=tuple(found[:most]), checks=checks, words=words
+    )  # fmt: skip
+
+
+def _checks(ground: Ground, names: Iterable[str]) -> Mapping[str, str]:
+    return MappingProxyType(
+        {name: ground.candidates[name].check for name in names if ground.candidates[name].check}
+    )

@@ -1,0 +1,159 @@
+"""TOML read with every fault named, and written always the same way."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.errors import ModelError, Problem
+
+_BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
+_ESCAPES: Final = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
+WIDTH: Final = 96
+
+
+def toml_text(data: Mapping[str, Any]) -> str:
+    """Write nested mappings as TOML that `tomllib` reads back equal.
+
+    Parameters
+    ----------
+    data : mapping
+        Texts, booleans, integers, floats, flat lists of them, lists of such lists, mappings, and
+        lists of mappings, which become arrays of tables. Floats are written with the fewest
+        digits that give the same float again.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(toml_text({"name": "a", "values": {"Yv|v|": -0.1, "Yv": [1.0, 2.0]}}), end="")
+    name = "a"
+    <BLANKLINE>
+    [values]
+    "Yv|v|" = -0.1
+    Yv = [1.0, 2.0]
+    >>> print(toml_text({"runs": [{"id": "a", "row": {"n": 1}}, {"id": "b"}]}), end="")
+    [[runs]]
+    id = "a"
+    <BLANKLINE>
+    [runs.row]
+    n = 1
+    <BLANKLINE>
+    [[runs]]
+    id = "b"
+    """
+    return "\n".join(_table(data, ())).lstrip("\n") + "\n"
+
+
+def _table(data: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
+    """The lines of a table without its own heading; tables inside follow behind its values."""
+    plain = {key: value for key, value in data.items() if not _is_table(value)}
+    lines = [
+        line
+        for key, value in plain.items()
+        for line in f"{_key(key)} = {_value(value)}".split("\n")
+    ]
+    for key in (key for key in data if key not in plain):
+        value, inner = data[key], (*path, key)
+        name = ".".join(map(_key, inner))
+        if isinstance(value, Mapping):
+            inside = _table(value, inner)
+            lines += inside if inside[:1] == [""] else ["", f"[{name}]", *inside]
+        else:
+            for item in value:
+                lines += ["", f"[[{name}]]", *_table(item, inner)]
+    return lines
+
+
+def _is_table(value: object) -> bool:
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and all(isinstance(x, Mapping) for x in value)
+    )
+
+
+def _key(name: str) -> str:
+    return name if _BARE.fullmatch(name) else _string(name)
+
+
+def _string(text: str) -> str:
+    body = "".join(
+        _ESCAPES.get(char)
+        or (f"\\u{ord(char):04x}" if ord(char) < 32 or ord(char) == 127 else char)
+        for char in text
+    )
+    return f'"{body}"'
+
+
+def _value(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _string(value)
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        return repr(float(value))
+    if isinstance(value, Sequence):
+        return _list([_value(item) for item in value], any(isinstance(v, str) for v in value))
+    raise TypeError(f"{type(value).__name__} has no place in a TOML file")
+
+
+def _list(items: list[str], texts: bool) -> str:
+    line = f"[{', '.join(items)}]"
+    if len(line) <= WIDTH and "\n" not in line:
+        return line
+    if texts or any("\n" in item or item.startswith("[") for item in items):
+        inner = "".join(f"{_indented(item)},\n" for item in items)
+        return f"[\n{inner}]"
+    wrapped = textwrap.wrap(
+        ", ".join(items), WIDTH - 4, break_long_words=False, break_on_hyphens=False
+    )
+    return "[\n" + _indented("\n".join(wrapped)) + ",\n]"
+
+
+def _indented(text: str) -> str:
+    """Lines moved in; only line feeds part them, not the further breaks that Unicode knows."""
+    return "    " + text.replace("\n", "\n    ")
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The content of a TOML file.
+
+    Raises
+    ------
+    ModelError
+        If the file is missing, not text or not TOML, with the line where known.
+    """
+    try:
+        text = Path(path).read_bytes().decode("utf-8-sig")
+        return tomllib.loads(text)
+    except FileNotFoundError as error:
+        raise ModelError(
+            Problem(message="The file does not exist.", file=str(path), remedy="Check the path.")
+        ) from error
+    except OSError as error:
+        raise ModelError(
+            Problem(message=f"The file cannot be read: {error.strerror}.", file=str(path))
+        ) from error
+    except UnicodeDecodeError as error:
+        raise ModelError(
+            Problem(
+                message=f"The file is not UTF-8 text (byte {error.start}).",
+                file=str(path),
+                remedy="Save it as UTF-8.",
+            )
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise ModelError(
+            Problem(
+                message=f"The file is not valid TOML: {error}.",
+                file=str(path),
+                remedy="Correct that line, or take the file from its source again.",
+            )
+        ) from error

@@ -1,0 +1,246 @@
+"""Captive tests beside a model: forces predicted on the measured motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.errors import DataError, ExtrapolationError
+from pmmkit.models import Model
+from pmmkit.observations.inertia import Rig, at_midship, inertia_force, rig_of
+from pmmkit.observations.views import View, repeat_scatter, views_of
+from pmmkit.progress import Progress
+from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
+from pmmkit.validation.uncertainty import (
+    COVERAGE,
+    SHARES,
+    Share,
+    model_share,
+    scales,
+    sources_of,
+    stated_share,
+)
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaptiveRun:
+    """One captive run, measured and predicted.
+
+    Parameters
+    ----------
+    view : View
+        What was measured: a mean, or the harmonics of the cycles that a reduction would take.
+    Fn : float
+        Froude number.
+    predicted : mapping of channel to array (m,)
+        Harmonics of the forces of the water that the model predicts on the same motion [N, N m].
+    history : mapping of channel to array (n,)
+        The prediction at the samples of the view.
+    shares : mapping of str to mapping of channel to array (m,)
+        What the validation uncertainty is made of, as standard uncertainties: `SHARES`.
+    """
+
+    view: View
+    Fn: float
+    predicted: Share
+    history: Share
+    shares: Mapping[str, Share]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that are compared."""
+        return tuple(self.predicted)
+
+    def error(self, channel: str) -> Array:
+        """Comparison error of each harmonic, predicted less measured [N, N m]."""
+        found: Array = self.predicted[channel] - self.view.force[channel]
+        return found
+
+    def uncertainty(self, channel: str) -> Array:
+        """Expanded validation uncertainty of each harmonic (k = 2) [N, N m]."""
+        squares = [self.shares[name][channel] ** 2 for name in SHARES]
+        found: Array = COVERAGE * np.sqrt(np.sum(squares, axis=0))
+        return found
+
+    def residual(self, rig: Rig) -> dict[str, Array]:
+        """The record in time: t [s], and by channel measured and predicted force [N, N m].
+
+        Parameters
+        ----------
+        rig : Rig
+            Of the campaign, from `rig_of`.
+        """
+        view, run = self.view, self.view.run
+        if run.kind != "history":
+            raise DataError(f"Run {run.id} is a row of a table: it has no record in time.")
+        data = run.data
+        times = np.asarray(data["t"].values, float)
+        cut = np.searchsorted(times - times[0], view.t - 1e-9)
+        force = at_midship(
+            {name: np.asarray(data[name].values, float)[cut] for name in "XYNK" if name in data},
+            rig,
+        )
+        if run.forces == "balance":
+            inertia = inertia_force(view.motion, rig)
+            force = {name: x + inertia[name] for name, x in force.items()}
+        return {"t": view.t} | {
+            key: values
+            for name in self.channels
+            for key, values in (
+                (f"{name}_measured", force[name]), (f"{name}_predicted", self.history[name])
+            )
+        }  # fmt: skip
+
+
+def compare_captive(
+    model: Model,
+    campaign: Campaign,
+    *,
+    floor: float,
+    extrapolate: bool = False,
+    progress: Progress | None = None,
+) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
+    """Every captive run beside a model.
+
+    Parameters
+    ----------
+    model : Model
+        At any scale.
+    campaign : Campaign
+        Captive tests.
+    floor : float
+        Share of the rms force of a channel that counts as uncertain whatever else is known.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+    progress : callable, optional
+        Told what is being done.
+
+    Returns
+    -------
+    tuple of CaptiveRun
+    tuple of str
+        What a reader must know.
+
+    Raises
+    ------
+    DataError
+        If no run is left.
+    ModelError
+        If the model is of another ship.
+    """
+    predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
+    notes = list(predictor.notes)
+    rig = rig_of(campaign)
+    views = views_of(campaign, unknown_noise=True, pieces=False)
+    scatter = repeat_scatter(views)
+    scale = scales(views)
+    found: list[CaptiveRun] = []
+    outside: list[str] = []
+    for number, view in enumerate(views, start=1):
+        if progress is not None:
+            progress(number, len(views), f"compare {view.run.id}")
+        turning = bool(np.any(view.motion.rps))
+        try:
+            forces = predictor.forces(view.speed, turning=turning)
+        except ExtrapolationError:
+            outside.append(view.run.id)
+            continue
+        found.append(_compared(view, forces, predictor, campaign, rig, scatter, scale, floor))
+    if outside:
+        notes.append(
+            f"Outside the speeds of the model and left out: {', '.join(outside)}. Allow them with "
+            f"extrapolate=True."
+        )
+    found, more = _judged(found, predictor.model)
+    if not found:
+        raise DataError(
+            ["No run is left to compare.", *notes, *more], title="Nothing can be compared"
+        )
+    return tuple(found), (*notes, *more)
+
+
+def _compared(
+    view: View, forces: Forces, predictor: Predictor, campaign: Campaign, rig: Rig,
+    scatter: Mapping[str, float], scale: Mapping[str, float], floor: float,
+) -> CaptiveRun:  # fmt: skip
+    Fn = campaign.froude(view.run)
+    history = {
+        name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
+    }
+    if not predictor.model.rolls:
+        history.pop("K", None)
+    predicted = {name: view.project(x) for name, x in history.items()}
+    noise = {name: np.sqrt(np.diagonal(view.covariance[name])) for name in predicted}
+    again = {
+        name: np.full(view.rows, _beyond(scatter.get(name, 0.0) * view.speed**2, noise[name]))
+        for name in predicted
+    }
+    sources = sources_of(campaign, repeated=bool(scatter))
+    told = {name for name in predicted if view.noise.get(name) == "stated"}
+    stated = stated_share(
+        view, rig, forces,
+        [item for item in sources if not (item.name.endswith("_gauge") and item.name[0] in told)],
+        campaign.water.rho, predicted,
+    )  # fmt: skip
+    numerical = {
+        name: np.full(
+            view.rows,
+            0.0 if view.noise.get(name) == "numerical" else campaign.numerical.get(name, 0.0),
+        )
+        for name in predicted
+    }
+    least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
+    return CaptiveRun(
+        view=view, Fn=Fn, predicted=predicted, history=history,
+        shares={
+            "noise": noise, "scatter": again, "stated": stated,
+            "model": model_share(view, predictor, Fn), "numerical": numerical, "floor": least,
+        },
+    )  # fmt: skip
+
+
+def _beyond(scatter: float, noise: Array) -> float:
+    """Scatter of repeats beyond what noise explains."""
+    return math.sqrt(max(scatter**2 - float(np.mean(noise**2)), 0.0))
+
+
+def _judged(found: Sequence[CaptiveRun], model: Model) -> tuple[list[CaptiveRun], list[str]]:
+    """Notes on what the comparison rests on; a surge force without its resistance is taken out."""
+    notes = []
+    kept = list(found)
+    if model.convention.surge == "delta-u":
+        notes.append(
+            "The model's surge force is that of the loss of speed under power, which towing tests "
+            "do not measure: X is left out."
+        )
+        kept = [_without(item, "X") for item in found]
+        kept = [item for item in kept if item.channels]
+    unknown = sorted({name for item in kept for name in item.channels if not item.view.known(name)})
+    if unknown:
+        notes.append(
+            f"Nothing is known of the noise of {', '.join(unknown)} in tables without repeats, "
+            f"[uncertainty] or U_SN: their uncertainty holds only the floor and what else is named."
+        )
+    elsewhere = {origin for item in kept for origin in item.view.noise.values()} - {"unknown"}
+    if elsewhere:
+        words = {"repeats": "repeats", "stated": "[uncertainty]", "numerical": "U_SN"}
+        notes.append(
+            f"The noise of runs that are rows of tables is that of "
+            f"{' and '.join(words[origin] for origin in sorted(elsewhere))}."
+        )
+    return kept, notes
+
+
+def _without(item: CaptiveRun, channel: str) -> CaptiveRun:
+    return replace(
+        item,
+        predicted={name: x for name, x in item.predicted.items() if name != channel},
+        history={name: x for name, x in item.history.items() if name != channel},
+    )

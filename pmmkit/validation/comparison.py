@@ -1,0 +1,366 @@
+"""A model beside measurements: errors against what may differ anyway, and where it fails."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.models import Model, load_model
+from pmmkit.numerics import rms
+from pmmkit.observations.inertia import Rig, rig_of
+from pmmkit.observations.whitening import FLOOR
+from pmmkit.progress import Progress
+from pmmkit.ship import Ship, Water
+from pmmkit.validation.captive import CaptiveRun, compare_captive
+from pmmkit.validation.free_running import (
+    FORCE_UNITS,
+    MOTIONS,
+    FreeRun,
+    Manoeuvre,
+    compare_free,
+)
+from pmmkit.validation.misfit import (
+    STANDS_OUT,
+    Cell,
+    Standout,
+    cells,
+    conditions,
+    order_words,
+    standouts_of,
+    words_of_test,
+)
+from pmmkit.validation.uncertainty import SHARES, rms_of
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Array = NDArray[np.float64]
+TOLD: Final = (
+    "advance", "transfer", "tactical_diameter", "steady_diameter", "steady_drift_deg",
+    "speed_ratio", "overshoot_1_deg", "overshoot_2_deg", "head_reach", "track_reach",
+)  # fmt: skip
+"""Measures of manoeuvres that get a sentence."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparison:
+    """A model beside the runs of a campaign.
+
+    Parameters
+    ----------
+    model, campaign : str
+        Name of the model, title of the campaign.
+    kind : {"captive", "free-running"}
+        Kind of tests.
+    ship, water : Ship, Water
+        As tested.
+    floor : float
+        Share of the rms force of a channel that counts as uncertain whatever else is known.
+    captive : tuple of CaptiveRun
+        Captive runs; empty for free-running tests.
+    free : tuple of FreeRun
+        Free-running records.
+    manoeuvres : tuple of Manoeuvre
+        Turning circles, zigzags and stops, measured and simulated.
+    rig : Rig
+        Of captive tests.
+    notes : tuple of str
+        What a reader must know.
+    """
+
+    model: str
+    campaign: str
+    kind: Literal["captive", "free-running"]
+    ship: Ship
+    water: Water
+    floor: float
+    captive: tuple[CaptiveRun, ...]
+    free: tuple[FreeRun, ...]
+    manoeuvres: tuple[Manoeuvre, ...]
+    rig: Rig
+    notes: tuple[str, ...]
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row per run and channel.
+
+        Forces of captive runs: root mean squares over a cycle of the comparison error (predicted
+        less measured), of the measured force and of the expanded validation uncertainty, with the
+        shares of the latter as standard uncertainties. Free-running records: the forces through the
+        smoother, and the motion over the whole record, with the errors over `window` seconds.
+        """
+        if self.captive:
+            return [_captive_row(run, name) for run in self.captive for name in run.channels]
+        return [row for run in self.free for row in _free_rows(run, self.floor)]
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The rows as a table: run, test, speed, Fn, channel, unit, error, measured, relative,
+        uncertainty, ratio, within, known, and the shares or the errors over windows."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def harmonics(self) -> pd.DataFrame:
+        """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,
+        harmonic (C0, C1, S1 …), measured, predicted, error, uncertainty (expanded), ratio, known,
+        and what the run varies."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            [
+                {
+                    "run": run.view.run.id, "test": run.view.run.test, "speed": run.view.speed,
+                    "Fn": run.Fn, "channel": channel, "harmonic": label, "measured": measured,
+                    "predicted": predicted, "error": predicted - measured, "uncertainty": doubt,
+                    "ratio": abs(predicted - measured) / doubt, "known": run.view.known(channel),
+                    **conditions(run, self.ship.L),
+                }
+                for run in self.captive
+                for channel in run.channels
+                for label, measured, predicted, doubt in zip(
+                    run.view.labels, run.view.force[channel].tolist(),
+                    run.predicted[channel].tolist(), run.uncertainty(channel).tolist(), strict=True,
+                )
+            ]
+        )  # fmt: skip
+
+    def cells(self) -> tuple[Cell, ...]:
+        """The cells of the map of misfit of captive tests."""
+        return cells(self.captive)
+
+    def misfit(self) -> pd.DataFrame:
+        """The map of misfit: a row per channel, test type, speed and harmonic.
+
+        The column `ratio` is the error in units of the expanded uncertainty, root mean square over
+        the runs of the cell; `with_velocity` and `with_displacement` are its parts by phase. Of
+        free-running tests a cell holds whole records (`harmonic` is -1).
+        """
+        import pandas as pd
+
+        if self.captive:
+            found = pd.DataFrame([asdict(cell) for cell in self.cells()])
+            found.insert(5, "what", [order_words(order) for order in found["harmonic"]])
+            return found
+        table = self.to_pandas()
+        keys = ["channel", "test", "speed", "Fn"]
+        grouped = table.groupby(keys, sort=False)
+        squares = {name: grouped[name].agg(rms) for name in ("error", "uncertainty", "ratio")}
+        found = pd.DataFrame({"runs": grouped.size(), **squares}).reset_index()
+        found["relative"] = (grouped["error"].agg(rms) / grouped["measured"].agg(rms)).to_numpy()
+        found.insert(4, "harmonic", -1)
+        found.insert(5, "what", "record")
+        return found
+
+    def outstanding(self, least: float = STANDS_OUT) -> tuple[Standout, ...]:
+        """What stands out of the map of captive tests, speeds merged, the worst first.
+
+        Parameters
+        ----------
+        least : float
+            Error over expanded uncertainty from which a cell stands out.
+        """
+        return standouts_of(self.captive, self.ship.L, least=least)
+
+    def standouts(self, least: float = STANDS_OUT) -> tuple[str, ...]:
+        """One sentence per cell that stands out, the worst first.
+
+        Parameters
+        ----------
+        least : float
+            As for `outstanding`.
+        """
+        if self.captive:
+            return tuple(str(item) for item in self.outstanding(least))
+        return (*_force_sentences(self.misfit(), least), *_measure_sentences(self.manoeuvres))
+
+    def metrics(self) -> pd.DataFrame:
+        """Measures of manoeuvres side by side: run, test, speed, measure, unit, measured,
+        simulated, error, relative, uncertainty (expanded, of the measured), ratio."""
+        import pandas as pd
+
+        return pd.DataFrame([row for item in self.manoeuvres for row in item.rows()])
+
+    def residuals(self, run: str) -> pd.DataFrame:
+        """One run in time: t [s], and per channel measured, predicted and error [N, N m].
+
+        Parameters
+        ----------
+        run : str
+            Id of a run, or name of a record.
+
+        Raises
+        ------
+        UnknownNameError
+            If it is not among those compared.
+        DataError
+            If it is a row of a table.
+        """
+        import pandas as pd
+
+        for item in self.captive:
+            if item.view.run.id == run:
+                columns = item.residual(self.rig)
+                for name in item.channels:
+                    columns[f"{name}_error"] = (
+                        columns[f"{name}_predicted"] - columns[f"{name}_measured"]
+                    )
+                return pd.DataFrame(columns)
+        for record in self.free:
+            if run in (record.name, record.run.id):
+                return pd.DataFrame(
+                    {"t": record.t}
+                    | {f"{name}_measured": x for name, x in record.force.items()}
+                    | {f"{name}_predicted": x for name, x in record.force_predicted.items()}
+                    | {
+                        f"{name}_error": record.force_predicted[name] - x
+                        for name, x in record.force.items()
+                    }
+                )  # fmt: skip
+        raise UnknownNameError(f"No run {run!r} was compared.")
+
+
+def compare(
+    model: Model | str | Path,
+    campaign: Campaign,
+    *,
+    floor: float = FLOOR,
+    window: float | None = None,
+    extrapolate: bool = False,
+    progress: Progress | None = None,
+) -> Comparison:
+    """A model beside measurements, and where it fails.
+
+    Parameters
+    ----------
+    model : Model, str or path
+        A model, the name of a library ship, or a file; at any scale: it is brought to that of the
+        tests by Froude's law.
+    campaign : Campaign
+        Captive tests: forces are predicted on the measured motion. Free-running tests: the motion
+        is simulated from the measured start with the measured rudder and revolutions.
+    floor : float
+        Share of the rms force of a channel that counts as uncertain whatever else is known.
+    window : float, optional
+        Free-running: length of the windows that are predicted [s]; 15 ship lengths by default.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+    progress : callable, optional
+        Told what is being done.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    ModelError
+        If the model is of another ship than the tests.
+    DataError
+        If nothing can be compared, with the reasons.
+
+    Notes
+    -----
+    The comparison error E is predicted less measured. Its validation uncertainty (ASME V&V 20,
+    ITTC 7.5-03-01-01) is twice the root of the sum of squares of: the noise of the mean or
+    harmonic, by the record's own spectrum; the scatter of repeated runs; the campaign's stated
+    uncertainties; that of the model's derivatives; the numerical uncertainty U_SN; and the floor.
+    Where E is less, nothing can be said.
+    """
+    if not 0.0 <= floor < 1.0:
+        raise DataError(f"The floor is a share of the force such as 0.005, not {floor:g}.")
+    known = model if isinstance(model, Model) else load_model(model)
+    captive: tuple[CaptiveRun, ...] = ()
+    free: tuple[FreeRun, ...] = ()
+    manoeuvres: tuple[Manoeuvre, ...] = ()
+    if campaign.kind == "captive":
+        captive, notes = compare_captive(
+            known, campaign, floor=floor, extrapolate=extrapolate, progress=progress
+        )
+    else:
+        free, manoeuvres, notes = compare_free(
+            known, campaign, window=window, extrapolate=extrapolate, progress=progress
+        )
+    return Comparison(
+        model=known.name, campaign=campaign.title, kind=campaign.kind, ship=campaign.ship,
+        water=campaign.water, floor=floor, captive=captive, free=free, manoeuvres=manoeuvres,
+        rig=rig_of(campaign), notes=notes,
+    )  # fmt: skip
+
+
+def _row(
+    run: str, test: str, speed: float, Fn: float, channel: str, unit: str,
+    numbers: tuple[float, float, float],
+) -> dict[str, Any]:  # fmt: skip
+    error, measured, doubt = numbers
+    return {
+        "run": run, "test": test, "speed": speed, "Fn": Fn, "channel": channel, "unit": unit,
+        "error": error, "measured": measured,
+        "relative": error / measured if measured else np.nan, "uncertainty": doubt,
+        "ratio": error / doubt if doubt else np.nan, "within": bool(error < doubt),
+    }  # fmt: skip
+
+
+def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
+    labels, own = run.view.labels, run.view.run
+    numbers = (
+        rms_of(run.error(channel), labels), rms_of(run.view.force[channel], labels),
+        rms_of(run.uncertainty(channel), labels),
+    )  # fmt: skip
+    return {
+        **_row(own.id, own.test, run.view.speed, run.Fn, channel, FORCE_UNITS[channel], numbers),
+        "known": run.view.known(channel),
+        **{name: rms_of(run.shares[name][channel], labels) for name in SHARES},
+    }
+
+
+def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
+    own = (run.name, run.run.test, run.run.settings.speed, run.Fn)
+    for name, numbers in run.force_errors(floor).items():
+        yield {**_row(*own, name, FORCE_UNITS[name], numbers), "window": np.nan,
+               "window_error": np.nan}  # fmt: skip
+    for name, numbers in run.motion_errors().items():
+        yield {**_row(*own, name, MOTIONS[name], numbers), "window": run.window,
+               "window_error": run.window_errors.get(name, np.nan)}  # fmt: skip
+
+
+def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
+    """Forces through the smoother that stand out."""
+    loud = table[table["channel"].isin(list(FORCE_UNITS)) & (table["ratio"] >= least)]
+    rows: list[dict[str, Any]] = [
+        {str(name): value for name, value in row.items()}
+        for row in loud.sort_values("ratio", ascending=False).to_dict("records")
+    ]
+    return [
+        f"{row['channel']}, {words_of_test(row['test'])}, {row['speed']:.3g} m/s: "
+        f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the measured "
+        f"force"
+        for row in rows
+    ]
+
+
+def _measure_sentences(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+    """Measures that differ to one side in all runs of a kind of test."""
+    found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for item in manoeuvres:
+        for row in item.rows():
+            if row["measure"] in TOLD:
+                found.setdefault((row["test"], row["measure"]), []).append(row)
+    sentences = []
+    for (test, measure), rows in found.items():
+        signs = {np.sign(row["error"]) for row in rows}
+        if len(signs) > 1 or not all(row["ratio"] > 1.0 for row in rows):
+            continue
+        share = 100.0 * float(np.mean([row["relative"] for row in rows]))
+        sentences.append(
+            f"{measure.removesuffix('_deg').replace('_', ' ')}, {words_of_test(test)}, "
+            f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
+            f"run{'s' if len(rows) > 1 else ''}: simulated {abs(share):.0f} % "
+            f"{'more' if share > 0 else 'less'} than measured"
+        )
+    return sentences

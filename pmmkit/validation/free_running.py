@@ -1,0 +1,293 @@
+"""Free-running records beside a model: motion with the measured rudder, forces, manoeuvres."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.conventions import CHANNELS
+from pmmkit.equations import CALM
+from pmmkit.equations.histories import water_forces
+from pmmkit.equations.program import packed, values_at
+from pmmkit.errors import DataError, PmmkitError
+from pmmkit.identification.binding import driven
+from pmmkit.identification.comparing import predicted_window
+from pmmkit.identification.from_run import free_records
+from pmmkit.identification.predict import predict, reference
+from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
+from pmmkit.models import Model
+from pmmkit.numerics import rms
+from pmmkit.progress import Progress
+from pmmkit.simulation import Track
+from pmmkit.simulation.simulate import simulate
+from pmmkit.trials import Trial, evaluate
+from pmmkit.trials.evaluate import JUDGED
+from pmmkit.trials.table import unit_of
+from pmmkit.validation.prediction import at_the_scale_of
+from pmmkit.validation.uncertainty import COVERAGE
+
+Array = NDArray[np.float64]
+WINDOW: Final = 15.0
+"""Length of the windows that are predicted, in ship lengths over the speed of the approach."""
+MOTIONS: Final[Mapping[str, str]] = {
+    "position": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s",
+}  # fmt: skip
+"""Errors of the motion and their units."""
+FORCE_UNITS: Final[Mapping[str, str]] = {name: CHANNEL_UNITS[name] for name in CHANNELS}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeRun:
+    """One free-running record, measured and simulated with the measured rudder and revolutions.
+
+    Parameters
+    ----------
+    run : Run
+        The run it is of.
+    name : str
+        Of the record.
+    Fn : float
+        Froude number of the approach.
+    t, delta : array (n,)
+        Instants [s], measured rudder [rad].
+    measured, std : mapping of str to array (n,)
+        Smoothed x, y [m], psi [rad], u, v [m/s], r [rad/s], and their standard uncertainties.
+    predicted : mapping of str to array (n,)
+        The same as simulated from the measured start to the end of the record.
+    force, force_std : mapping of channel to array (n,)
+        What the water must have exerted by the smoothed motion [N, N m], and its standard
+        uncertainty.
+    force_predicted : mapping of channel to array (n,)
+        What the model says along the same motion.
+    window : float
+        Length of the windows that are predicted too [s]; NaN for a record shorter than that.
+    window_errors : mapping of str to float
+        Root mean square errors over the windows, as `Prediction.errors`.
+    """
+
+    run: Run
+    name: str
+    Fn: float
+    t: Array
+    delta: Array
+    measured: Mapping[str, Array]
+    std: Mapping[str, Array]
+    predicted: Mapping[str, Array]
+    force: Mapping[str, Array]
+    force_std: Mapping[str, Array]
+    force_predicted: Mapping[str, Array]
+    window: float
+    window_errors: Mapping[str, float]
+
+    def motion_errors(self) -> dict[str, tuple[float, float, float]]:
+        """By `MOTIONS`, over the whole record: rms error, rms of the measured, expanded U."""
+        m, p, s = self.measured, self.predicted, self.std
+        degrees = math.degrees(1.0)
+        speed, simulated = np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])
+        return {
+            "position": (
+                rms(np.hypot(p["x"] - m["x"], p["y"] - m["y"])),
+                rms(np.hypot(m["x"] - m["x"][0], m["y"] - m["y"][0])),
+                COVERAGE * rms(np.hypot(s["x"], s["y"])),
+            ),
+            "heading": (
+                degrees * rms(p["psi"] - m["psi"]), degrees * rms(m["psi"] - m["psi"][0]),
+                degrees * COVERAGE * rms(s["psi"]),
+            ),
+            "speed": (
+                rms(simulated - speed), rms(speed), COVERAGE * rms(np.hypot(s["u"], s["v"])),
+            ),
+            "yaw_rate": (
+                degrees * rms(p["r"] - m["r"]), degrees * rms(m["r"]),
+                degrees * COVERAGE * rms(s["r"]),
+            ),
+        }  # fmt: skip
+
+    def force_errors(self, floor: float = 0.0) -> dict[str, tuple[float, float, float]]:
+        """By channel: rms error [N, N m], rms of the measured, expanded U.
+
+        Parameters
+        ----------
+        floor : float
+            Share of the measured rms that counts as uncertain whatever else is known.
+        """
+        return {
+            name: (
+                rms(self.force_predicted[name] - force), rms(force),
+                COVERAGE * math.hypot(rms(self.force_std[name]), floor * rms(force)),
+            )
+            for name, force in self.force.items()
+        }  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Manoeuvre:
+    """One manoeuvre of a trial beside the same manoeuvre simulated with the ship's own steering.
+
+    Parameters
+    ----------
+    run : Run
+        The run.
+    trial : Trial
+        Measured.
+    track : Track
+        Simulated.
+    """
+
+    run: Run
+    trial: Trial
+    track: Track
+
+    def rows(self) -> list[dict[str, Any]]:
+        """A row a measure: measured, simulated, error, expanded uncertainty of the measured."""
+        found = []
+        for name, measured in self.trial.metrics.items():
+            simulated = self.track.metrics.get(name, math.nan)
+            if math.isnan(measured) or math.isnan(simulated):
+                continue
+            doubt = COVERAGE * self.trial.std.get(name, math.nan)
+            error = simulated - measured
+            found.append(
+                {"run": self.run.id, "test": self.run.test, "speed": self.run.settings.speed,
+                 "measure": name, "unit": unit_of(name), "measured": measured,
+                 "simulated": simulated, "error": error,
+                 "relative": error / measured if measured else math.nan, "uncertainty": doubt,
+                 "ratio": abs(error) / doubt if doubt else math.nan}
+            )  # fmt: skip
+        return found
+
+
+def compare_free(
+    model: Model,
+    campaign: Campaign,
+    *,
+    window: float | None = None,
+    extrapolate: bool = False,
+    progress: Progress | None = None,
+) -> tuple[tuple[FreeRun, ...], tuple[Manoeuvre, ...], tuple[str, ...]]:
+    """Every free-running record beside a model.
+
+    Parameters
+    ----------
+    model : Model
+        At any scale; its ship is given the mass and inertia of the tests.
+    campaign : Campaign
+        Free-running tests with rudder and revolutions.
+    window : float, optional
+        Length of the windows that are predicted [s]; 15 ship lengths by default.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+    progress : callable, optional
+        Told what is being done.
+
+    Returns
+    -------
+    tuple of FreeRun
+    tuple of Manoeuvre
+    tuple of str
+        What a reader must know.
+
+    Raises
+    ------
+    DataError
+        If no record can be used, with the reasons.
+    ModelError
+        If the model is of another ship.
+    """
+    made, notes = as_tested(model, campaign)
+    runs: list[FreeRun] = []
+    manoeuvres: list[Manoeuvre] = []
+    reasons: list[str] = []
+    for number, run in enumerate(campaign, start=1):
+        if progress is not None:
+            progress(number, len(campaign), f"compare {run.id}")
+        data = run.data
+        held = run.with_(loader=lambda data=data: data)
+        try:
+            records = reference(made, free_records(held, made), extrapolate=extrapolate)
+            runs += [_compared(made, held, item, window, extrapolate) for item in records]
+        except PmmkitError as error:
+            reasons.append(f"{run.id} is left out: {error}")
+            continue
+        if run.test in JUDGED:
+            try:
+                manoeuvres.append(_sailed(made, held, campaign, extrapolate))
+            except PmmkitError as error:
+                notes.append(f"{run.id} has no measures: {error}")
+    if not runs:
+        raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
+    return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
+
+
+def as_tested(model: Model, campaign: Campaign) -> tuple[Model, list[str]]:
+    """A model at the scale of free-running tests, with their mass, inertia and water."""
+    made, notes = at_the_scale_of(model, campaign.ship)
+    own, theirs = made.ship, campaign.ship
+    given = {
+        name: getattr(theirs, name)
+        for name in ("mass", "Izz", "xG", "volume", "zG", "GM", "Ixx")
+        if getattr(theirs, name) is not None
+    }
+    if abs(theirs.mass / own.mass - 1.0) > 1e-3 or abs(theirs.Izz / own.Izz - 1.0) > 1e-3:
+        notes.append(
+            f"Mass, inertia and centre of gravity are those of the tests: {theirs.mass:.5g} kg and "
+            f"{theirs.Izz:.5g} kg m² (the model has {own.mass:.5g} and {own.Izz:.5g})."
+        )
+    return replace(made, ship=replace(own, **given), water=campaign.water), notes
+
+
+def _compared(
+    model: Model, run: Run, smoothed: Smoothed, window: float | None, extrapolate: bool
+) -> FreeRun:
+    record = smoothed.record
+    length = window or WINDOW * model.ship.L / record.speed
+    whole = predicted_window(
+        {"model": model}, [smoothed], window=float(record.t[-1] - record.t[0]),
+        extrapolate=extrapolate,
+    )  # fmt: skip
+    errors: Mapping[str, float] = {}
+    if record.t[-1] - record.t[0] >= length:
+        errors = predict(model, [smoothed], window=length, extrapolate=extrapolate).errors[
+            record.name
+        ]
+    implied = implied_forces(model, smooth(model, record, extrapolate=extrapolate))
+    ready = driven(model)
+    numbers = values_at(ready, record.speed, extrapolate=extrapolate)
+    structure, k = packed(ready, numbers, record.speed, CALM)
+    said = water_forces(structure, k, implied.motion)
+    names = tuple(whole.measured)
+    return FreeRun(
+        run=run, name=record.name, Fn=model.ship.froude(record.speed, model.water.g), t=whole.t,
+        delta=whole.delta, measured=whole.measured, predicted=whole.predicted["model"],
+        std=MappingProxyType({name: smoothed.motion_std[name] for name in names}),
+        force=implied.forces,
+        force_std=MappingProxyType({name: np.asarray(x, float) for name, x in implied.std.items()}),
+        force_predicted=MappingProxyType({name: said[name] for name in implied.forces}),
+        window=length if errors else math.nan, window_errors=errors,
+    )  # fmt: skip
+
+
+def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Manoeuvre:
+    """A manoeuvre measured, and simulated with the ship's own steering and revolutions held."""
+    settings = run.settings
+    trial = evaluate(run, campaign)
+    asked: dict[str, Any] = {}
+    if run.test in ("turning", "zigzag"):
+        asked["rudder_deg"] = math.degrees(settings.rudder)
+    if run.test == "zigzag":
+        switch = settings.rudder if settings.switch is None else settings.switch
+        asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
+    rate = campaign.rudder.get("rate_deg_s")
+    track = simulate(
+        model, run.test, speed=settings.speed, extrapolate=extrapolate,
+        rudder_rate_deg=None if rate is None else float(rate), **asked,
+    )  # fmt: skip
+    return Manoeuvre(run=run, trial=trial, track=track)

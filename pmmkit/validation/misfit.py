@@ -1,0 +1,366 @@
+"""The map of misfit, and what stands out in it, in words."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.numerics import rms
+from pmmkit.validation.captive import CaptiveRun
+
+Array = NDArray[np.float64]
+STANDS_OUT: Final = 2.0
+"""A cell stands out whose error is so many times its expanded uncertainty."""
+LEAST_RANGE: Final = 1.3
+"""A variable counts as varied if its largest value is so many times its least."""
+SHARP: Final = 0.2
+"""Standard uncertainty of an exponent that is told."""
+NEAR: Final = 0.3
+"""How far from a whole number an exponent may lie that is told as one."""
+SCATTER: Final = 0.2
+"""Scatter of the sizes about the power law, as a share, from which it tells nothing."""
+MOST_LISTED: Final = 3
+"""Speeds that a sentence lists; of more it gives the number."""
+THREE: Final = 3
+"""Speeds that it takes to tell a power of the speed; of two no more is said than that it grows."""
+TESTS: Final[Mapping[str, str]] = {
+    "yaw_drift": "yaw with drift", "yaw_rudder": "yaw with rudder", "sway_yaw": "sway with yaw",
+    "drift_rudder": "drift with rudder",
+}  # fmt: skip
+ORDERS: Final = ("mean", "first", "second", "third", "fourth", "fifth", "sixth", "seventh")
+POWERS: Final = {1: "", 2: " squared", 3: " cubed"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """One channel, test type, speed and harmonic: all runs of it together.
+
+    Parameters
+    ----------
+    channel, test : str
+        X, Y, N or K; kind of test.
+    speed, Fn : float
+        Carriage speed [m/s], Froude number.
+    harmonic : int
+        Order; 0 is the mean.
+    runs : int
+        Number of runs.
+    error, uncertainty : float
+        Root mean squares over the runs: amplitude of the comparison error, expanded validation
+        uncertainty [N, N m].
+    ratio : float
+        Root mean square of the error over its uncertainty.
+    with_velocity, with_displacement : float
+        The same of the parts in phase with the velocity and with the displacement; NaN for a mean.
+    relative : float
+        Error over the measured rms force of the runs.
+    known : bool
+        Whether the noise of all runs is known.
+    """
+
+    channel: str
+    test: str
+    speed: float
+    Fn: float
+    harmonic: int
+    runs: int
+    error: float
+    uncertainty: float
+    ratio: float
+    with_velocity: float
+    with_displacement: float
+    relative: float
+    known: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Standout:
+    """What stands out of the map, over the speeds together.
+
+    Parameters
+    ----------
+    channel, test : str
+        X, Y, N or K; kind of test.
+    harmonic : int
+        Order; 0 is the mean.
+    speeds : tuple of float
+        Speeds at which it stands out [m/s].
+    tested : tuple of float
+        All speeds of the test type [m/s].
+    ratio : float
+        Root mean square of error over expanded uncertainty.
+    growth : mapping of str to int
+        Powers of the variables with which the coefficient of the error grows.
+    known : bool
+        Whether the noise is known.
+    """
+
+    channel: str
+    test: str
+    harmonic: int
+    speeds: tuple[float, ...]
+    tested: tuple[float, ...]
+    ratio: float
+    growth: Mapping[str, int]
+    known: bool
+
+    @property
+    def where(self) -> str:
+        """The speeds in words."""
+        if len(self.speeds) == len(self.tested) > 1:
+            return "all speeds"
+        if len(self.speeds) > MOST_LISTED:
+            return f"{len(self.speeds)} of {len(self.tested)} speeds"
+        return f"{_listed([f'{speed:.3g}' for speed in self.speeds])} m/s"
+
+    def __str__(self) -> str:
+        text = (
+            f"{self.channel}, {words_of_test(self.test)}, {order_words(self.harmonic)}, "
+            f"{self.where}: {_times(self.ratio)} the uncertainty"
+        )
+        if not self.known:
+            text += " (noise not known)"
+        grows = [f"{name}{POWERS[power]}" for name, power in self.growth.items() if power > 0]
+        falls = [f"{name}{POWERS[-power]}" for name, power in self.growth.items() if power < 0]
+        if grows:
+            text += f"; grows with {_listed(grows)}"
+        if falls:
+            text += f"; falls with {_listed(falls)}"
+        return text
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def _times(ratio: float) -> str:
+    return f"{ratio:.0f} times" if ratio >= 3.0 else f"{ratio:.1f} times"
+
+
+def words_of_test(test: str) -> str:
+    """A kind of test for a sentence.
+
+    Examples
+    --------
+    >>> words_of_test("yaw_drift"), words_of_test("pure_sway")
+    ('yaw with drift', 'pure sway')
+    """
+    return TESTS.get(test, test.replace("_", " "))
+
+
+def order_words(harmonic: int) -> str:
+    """An order of harmonics for a sentence.
+
+    Examples
+    --------
+    >>> order_words(0), order_words(3)
+    ('mean', 'third harmonic')
+    """
+    return "mean" if harmonic == 0 else f"{ORDERS[harmonic]} harmonic"
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One order of one channel of one run."""
+
+    run: CaptiveRun
+    channel: str
+    harmonic: int
+
+    def _of(self, values: Array) -> Array:
+        labels = self.run.view.labels
+        return np.array([x for x, own in zip(values, labels, strict=True) if own in self.labels])
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        return ("C0",) if self.harmonic == 0 else (f"C{self.harmonic}", f"S{self.harmonic}")
+
+    @property
+    def error(self) -> Array:
+        return self._of(self.run.error(self.channel))
+
+    @property
+    def uncertainty(self) -> Array:
+        return self._of(self.run.uncertainty(self.channel))
+
+    @property
+    def size(self) -> float:
+        """Amplitude of the error."""
+        return float(np.linalg.norm(self.error))
+
+    @property
+    def doubt(self) -> float:
+        """Its expanded uncertainty: that of one of the two parts at right angles."""
+        return float(np.sqrt(np.mean(self.uncertainty**2)))
+
+    @property
+    def ratio(self) -> float:
+        return float(np.sqrt(np.mean((self.error / self.uncertainty) ** 2)))
+
+
+def cells(runs: Sequence[CaptiveRun]) -> tuple[Cell, ...]:
+    """The map: channel by test type, speed and harmonic.
+
+    Parameters
+    ----------
+    runs : sequence of CaptiveRun
+        From `compare_captive`.
+    """
+    grouped = _grouped(
+        runs, lambda part: (
+            part.channel, part.run.view.run.test, round(part.run.view.speed, 4), part.harmonic
+        ),
+    )  # fmt: skip
+    return tuple(_cell(parts) for parts in grouped.values())
+
+
+def _grouped(
+    runs: Sequence[CaptiveRun], key: Callable[[_Part], tuple[Any, ...]]
+) -> dict[tuple[Any, ...], list[_Part]]:
+    found: dict[tuple[Any, ...], list[_Part]] = {}
+    for run in runs:
+        orders = sorted({int(label[1:]) for label in run.view.labels})
+        for channel, harmonic in itertools.product(run.channels, orders):
+            part = _Part(run, channel, harmonic)
+            found.setdefault(key(part), []).append(part)
+    return dict(sorted(found.items(), key=lambda item: _sortable(item[0])))
+
+
+def _sortable(key: tuple[Any, ...]) -> tuple[Any, ...]:
+    return ("XYNK".index(key[0]), *key[1:])
+
+
+def _cell(parts: Sequence[_Part]) -> Cell:
+    first = parts[0]
+    phases = [math.nan, math.nan]
+    if first.harmonic:
+        ratios = [part.error / part.uncertainty for part in parts if len(part.error) == 2]
+        if ratios:
+            phases = np.sqrt(np.mean(np.square(ratios), axis=0)).tolist()
+    error = rms([part.size for part in parts])
+    measured = [float(np.linalg.norm(part.run.view.force[part.channel])) for part in parts]
+    return Cell(
+        channel=first.channel, test=first.run.view.run.test, speed=first.run.view.speed,
+        Fn=first.run.Fn, harmonic=first.harmonic, runs=len(parts), error=error,
+        uncertainty=rms([part.doubt for part in parts]),
+        ratio=rms([part.ratio for part in parts]), with_velocity=phases[0],
+        with_displacement=phases[1], relative=error / max(rms(measured), 1e-300),
+        known=all(part.run.view.known(part.channel) for part in parts),
+    )  # fmt: skip
+
+
+def standouts_of(
+    runs: Sequence[CaptiveRun], lengths: float, *, least: float = STANDS_OUT
+) -> tuple[Standout, ...]:
+    """Cells that stand out, speeds merged, the worst first.
+
+    Parameters
+    ----------
+    runs : sequence of CaptiveRun
+        From `compare_captive`.
+    lengths : float
+        Length of the model [m], for yaw rate and frequency.
+    least : float
+        Error over expanded uncertainty from which a cell stands out.
+
+    Returns
+    -------
+    tuple of Standout
+    """
+    found = []
+    grouped = _grouped(
+        runs, lambda part: (part.channel, part.run.view.run.test, part.harmonic)
+    ).values()
+    for parts in grouped:
+        speeds = sorted({round(part.run.view.speed, 4) for part in parts})
+        loud = [
+            speed
+            for speed in speeds
+            if rms([p.ratio for p in parts if round(p.run.view.speed, 4) == speed]) >= least
+        ]
+        if not loud:
+            continue
+        own = [part for part in parts if round(part.run.view.speed, 4) in loud]
+        first = own[0]
+        found.append(
+            Standout(
+                channel=first.channel, test=first.run.view.run.test, harmonic=first.harmonic,
+                speeds=tuple(loud), tested=tuple(speeds),
+                ratio=rms([part.ratio for part in own]), growth=_growth(own, lengths),
+                known=all(part.run.view.known(part.channel) for part in own),
+            )
+        )  # fmt: skip
+    return tuple(sorted(found, key=lambda item: -item.ratio))
+
+
+def conditions(run: CaptiveRun, length: float) -> dict[str, float]:
+    """Sizes of what a run varies: drift, sway velocity v', yaw rate r', rudder, heel, Fn, ω'.
+
+    Parameters
+    ----------
+    run : CaptiveRun
+        The run.
+    length : float
+        Of the model [m].
+    """
+    view, motion = run.view, run.view.motion
+    settings = view.run.settings
+    drifting = abs(settings.drift)
+    return {
+        "drift": drifting,
+        "sway velocity": 0.0 if drifting else float(np.max(np.abs(motion.v / motion.speed))),
+        "yaw rate": float(np.max(np.abs(motion.r))) * length / view.speed,
+        "rudder": abs(settings.rudder),
+        "heel": float(np.max(np.abs(motion.phi))),
+        "speed": run.Fn,
+        "frequency": view.omega * length / view.speed,
+    }
+
+
+def _growth(parts: Sequence[_Part], length: float) -> dict[str, int]:
+    """Whole powers by which the error over U² grows; empty where nothing is clear.
+
+    A straight line through the logarithms of the errors that exceed their uncertainty, over those
+    of all variables that the runs vary; only powers that the runs fix are told.
+    """
+    loud = [part for part in parts if part.size > part.doubt]
+    if not loud:
+        return {}
+    settings = [conditions(part.run, length) for part in loud]
+    varied = [
+        name for name in settings[0]
+        if (least := min(s[name] for s in settings)) > 1e-9
+        and max(s[name] for s in settings) > LEAST_RANGE * least
+    ]  # fmt: skip
+    if not varied or len(loud) < len(varied) + 2:
+        return {}
+    size = np.array([part.size / part.run.view.speed**2 for part in loud])
+    doubt = np.array([max(0.5 * part.doubt / part.size, 0.03) for part in loud])
+    X = np.log([[s[name] for name in varied] for s in settings])
+    A = np.column_stack([np.ones(len(loud)), X - X.mean(axis=0)]) / doubt[:, None]
+    y = np.log(size) / doubt
+    if np.linalg.matrix_rank(A, tol=1e-3 * np.linalg.norm(A)) < A.shape[1]:
+        return {}
+    covariance = np.linalg.inv(A.T @ A)
+    powers = covariance @ (A.T @ y)
+    left = y - A @ powers
+    if np.sqrt(left @ left / np.sum(doubt**-2)) > SCATTER:
+        return {}
+    wider = max(1.0, float(left @ left) / (len(loud) - A.shape[1]))
+    std = np.sqrt(wider * np.diagonal(covariance))[1:]
+    whole = np.round(powers[1:])
+    if "speed" in varied and len({round(s["speed"], 4) for s in settings}) < THREE:
+        place = varied.index("speed")
+        whole[place] = np.sign(whole[place])
+    clear = (std < SHARP) & (np.abs(powers[1:] - np.round(powers[1:])) < NEAR) & (whole != 0)
+    return {
+        name: int(power)
+        for name, power, told in zip(varied, whole, clear, strict=True)
+        if told and abs(power) in POWERS
+    }

@@ -1,0 +1,209 @@
+"""Forces that a model predicts along the motion of a captive run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.state import State
+from pmmkit.equations import CALM
+from pmmkit.equations.histories import repeating_states, water_forces
+from pmmkit.equations.program import packed, values_at
+from pmmkit.errors import ModelError
+from pmmkit.models import Model, scaled
+from pmmkit.models.model import Part
+from pmmkit.ship import Ship
+
+Array = NDArray[np.float64]
+Forces = Callable[[State, Array], dict[str, Array]]
+"""From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
+PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
+"""Shares by which two hulls of one form may differ."""
+SAME_LENGTH: Final = 1e-3
+NOT_IN_A_TANK: Final = frozenset({"wind", "shaft", "shaft_lag"})
+"""Effects that a towed model does not feel: its revolutions are given, and the air is still."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Predictor:
+    """A model as it stands in the towing tank.
+
+    Parameters
+    ----------
+    model : Model
+        At the scale of the tests, in their water, with the parts that the tests hold.
+    turning : bool
+        Whether some run has a turning propeller.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+    notes : tuple of str
+        What was done to the model.
+    """
+
+    model: Model
+    turning: bool
+    extrapolate: bool
+    notes: tuple[str, ...]
+
+    def forces(self, speed: float, *, turning: bool) -> Forces:
+        """What predicts the forces of a run.
+
+        Parameters
+        ----------
+        speed : float
+            Carriage speed [m/s].
+        turning : bool
+            Whether the propeller turns in this run; a propeller that does not exerts no force.
+
+        Raises
+        ------
+        ExtrapolationError
+            If the speed is outside the range of the model's values.
+        """
+        hull = {name for name in self.model.parts if not drives(name)}
+        if turning or len(hull) == len(self.model.parts):
+            return self._of(set(self.model.parts), speed)
+        towed = {name for name in hull if not steers(name)}
+        if not _asks_for_propeller(hull):
+            return self._of(hull, speed)
+        whole, still, bare = (
+            self._of(set(self.model.parts), speed),
+            self._of({*towed, *(set(self.model.parts) - hull)}, speed),
+            self._of(towed, speed),
+        )
+
+        def forces(motion: State, t: Array) -> dict[str, Array]:
+            with_both, with_screw, alone = whole(motion, t), still(motion, t), bare(motion, t)
+            return {name: x - with_screw[name] + alone[name] for name, x in with_both.items()}
+
+        return forces
+
+    def _of(self, names: set[str], speed: float) -> Forces:
+        """Forces of some of the parts."""
+        parts = {name: part for name, part in self.model.parts.items() if name in names}
+        model = replace(
+            self.model, parts=MappingProxyType(parts), covariance=None, covariance_names=()
+        )
+        values = values_at(model, speed, extrapolate=self.extrapolate)
+        structure, k = packed(model, values, speed, CALM, sails=False)
+
+        def forces(motion: State, t: Array) -> dict[str, Array]:
+            given = history_of(motion)
+            return water_forces(structure, k, given | repeating_states(structure, k, given, t))
+
+        return forces
+
+
+def history_of(motion: State) -> dict[str, Array]:
+    """A motion by the names of the kernel."""
+    return {
+        name: getattr(motion, name)
+        for name in ("u", "v", "r", "p", "phi", "udot", "vdot", "rdot", "pdot", "delta")
+    } | {"n": motion.rps}
+
+
+def drives(effect: str) -> bool:
+    """Whether a part is a propeller or another drive, and nothing else."""
+    outputs = set(catalogue()[effect].outputs)
+    return bool({"thrust", "propelled"} & outputs) and "Xudot" not in outputs
+
+
+def steers(effect: str) -> bool:
+    """Whether a part is a rudder."""
+    outputs = set(catalogue()[effect].outputs)
+    return effect == "rudder_abkowitz" or (
+        bool({"rudder_force", "steered"} & outputs) and "Xudot" not in outputs
+    )
+
+
+def _asks_for_propeller(names: set[str]) -> bool:
+    """Whether one of the parts needs the flow behind a propeller."""
+    return any("n" in catalogue()[name].needs for name in names if steers(name))
+
+
+def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) -> Predictor:
+    """A model brought to the scale and the water of captive tests.
+
+    Parameters
+    ----------
+    model : Model
+        At any scale.
+    campaign : Campaign
+        Captive tests; they have a rudder if the campaign file says so or a run sets one, and a
+        propeller in the runs in which it turns.
+    extrapolate : bool
+        Allow speeds outside the range of the model's values.
+
+    Returns
+    -------
+    Predictor
+
+    Raises
+    ------
+    ModelError
+        If the model is of another ship.
+    """
+    made, notes = at_the_scale_of(model, campaign.ship)
+    turning = any(run.settings.propeller_rps for run in campaign)
+    ruddered = bool(campaign.rudder) or any(run.settings.rudder for run in campaign)
+    left: list[str] = []
+    for name in made.parts:
+        idle = (drives(name) and not turning and not ruddered) or (steers(name) and not ruddered)
+        if idle or name in NOT_IN_A_TANK:
+            left.append(name)
+    if told := [name for name in left if name not in NOT_IN_A_TANK]:
+        notes.append(f"The tests have no {' and no '.join(told)}: left out of the prediction.")
+    kept = {name: part for name, part in made.parts.items() if name not in left}
+    return Predictor(
+        model=replace(
+            _without_stale_covariance(made, kept), parts=MappingProxyType(kept),
+            water=campaign.water,
+        ),
+        turning=turning, extrapolate=extrapolate, notes=tuple(notes),
+    )  # fmt: skip
+
+
+def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
+    """The model without its covariance, if some of its derivatives are left out."""
+    values = {name for part in kept.values() for name in part.values}
+    if set(model.covariance_names) <= values:
+        return model
+    return replace(model, covariance=None, covariance_names=())
+
+
+def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:
+    """A model at the length of a ship by Froude's law, and what was done, in words.
+
+    Raises
+    ------
+    ModelError
+        If the proportions of the two hulls differ.
+    """
+    own = {"B/L": model.ship.B / model.ship.L, "d/L": model.ship.d / model.ship.L,
+           "block coefficient": model.ship.block}  # fmt: skip
+    theirs = {"B/L": ship.B / ship.L, "d/L": ship.d / ship.L, "block coefficient": ship.block}
+    apart = [
+        f"{name} {own[name]:.4f} against {theirs[name]:.4f}"
+        for name, most in PROPORTIONS.items()
+        if abs(own[name] / theirs[name] - 1.0) > most
+    ]
+    if apart:
+        raise ModelError(
+            f"Model {model.name!r} is of another ship than the tests ({ship.name}): "
+            f"{', '.join(apart)}. Compare tests with a model of their own hull and draught."
+        )
+    ratio = ship.L / model.ship.L
+    if abs(ratio - 1.0) <= SAME_LENGTH:
+        return model, []
+    note = (
+        f"The model (L = {model.ship.L:g} m) was brought to the tests' scale (L = {ship.L:g} m) by "
+        f"Froude's law, without correction of friction or wake."
+    )
+    return scaled(model, ship.L), [note]

@@ -1,0 +1,1 @@
+"""Scripts about pmmkit: set-up, data sets, benchmarks, studies, documentation."""

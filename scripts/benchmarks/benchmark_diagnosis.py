@@ -1,0 +1,99 @@
+"""The time of one diagnosis, and how it grows with runs and effects, on one core.
+
+    python -m scripts.benchmarks.benchmark_diagnosis [--runs 48 100 300 1000] [--effects 31 100] \
+        [--rounds 3]
+
+Campaigns are those of the virtual tank that lies with the tests: the full programme, and for more
+runs the same at other speeds. More effects than the catalogue holds are polynomials that nothing
+asks for. Histories are in memory; reading files is not counted. Times are those of the process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import itertools
+import resource
+import statistics
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
+from pmmkit.diagnosis.captive.diagnose import captive_system
+from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis.captive.verdict import answer
+from pmmkit.observations.views import views_of
+
+BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
+        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+
+
+def campaign(runs: int) -> Campaign:
+    """The full programme with two effects hidden, again at other speeds for more runs."""
+    sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
+    tank: Any = importlib.import_module("hidden_effects")
+    plans: Any = importlib.import_module("hidden_effects.programmes").plans("full")
+    copies = [
+        replace(plan, id=f"{plan.id}_{number}", speed=plan.speed * (1 + 0.01 * number),
+                omega=plan.omega * (1 + 0.01 * number), repeat_of=None)
+        for number in range(-(-runs // len(plans)))
+        for plan in plans
+    ]  # fmt: skip
+    hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
+    made: Campaign = tank.hidden_campaign(copies[:runs], hidden, seed=1)
+    return made
+
+
+def contestants(count: int, speeds: Sequence[float]) -> list[Candidate]:
+    """The catalogue, cut or filled up with polynomials."""
+    known = [*PHYSICS, *FAULTS, carriage_fault(tuple(speeds))]
+    factors = ("v", "r", "|v|", "|r|")
+    products = (
+        "".join(sorted(product, key=factors.index))
+        for order in (4, 5, 6)
+        for product in itertools.combinations_with_replacement(factors, order)
+    )
+    more = (
+        polynomial(f"own_{x}", "own", "A product.", {f"Y{x}": 0.02, f"N{x}": 0.01})
+        for x in products
+    )
+    return [*known, *itertools.islice(more, max(count - len(known), 0))][:count]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, nargs="*", default=[48, 100, 300, 1000])
+    parser.add_argument("--effects", type=int, nargs="*", default=[31, 100])
+    parser.add_argument("--rounds", type=int, default=3)
+    o = parser.parse_args()
+    diagnose_captive(campaign(13), BASE)
+    print("runs  effects  views [s]  system [s]  answer [s]  all [s]  memory [MB]")
+    for runs in o.runs:
+        made = campaign(runs)
+        speeds = sorted({round(run.settings.speed, 6) for run in made.runs})[:3]
+        for effects in o.effects:
+            candidates = contestants(effects, speeds)
+            times = []
+            for _ in range(o.rounds if runs <= 100 else 1):
+                start = time.process_time()
+                views_of(made)
+                viewed = time.process_time()
+                system = captive_system(made, BASE, candidates=candidates)
+                built = time.process_time()
+                answer(system, floor=0.005)
+                times.append((viewed - start, built - viewed - (viewed - start),
+                              time.process_time() - built))  # fmt: skip
+            views, system_time, answered = (statistics.median(x) for x in zip(*times, strict=True))
+            used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+            print(f"{runs:4}  {effects:7}  {views:9.2f}  {system_time:10.2f}  {answered:10.2f}  "
+                  f"{views + system_time + answered:7.2f}  {used:11.0f}", flush=True)  # fmt: skip
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""What makes data sets, and the virtual tank behind them."""

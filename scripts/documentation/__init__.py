@@ -1,0 +1,1 @@
+"""What docs/ takes from the program."""

@@ -1,0 +1,186 @@
+"""Write what docs/ takes from the program: effects.md, checks.md and the README's pictures.
+
+    python -m scripts.documentation.make_docs [--check]
+
+With --check nothing is written, and the exit status is 1 if a page is out of date.
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from pathlib import Path
+
+import pmmkit as pk
+from pmmkit.checks import CHECKS
+from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.figures.derivatives import derivatives_over_froude
+from pmmkit.figures.turns import trajectory
+from pmmkit.files import datasets_folder, write_text
+from pmmkit.models import load_model
+from pmmkit.plotting import style
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+EFFECTS_HEAD = """\
+# Effects
+
+The catalogue in `pmmkit/effects/`: parts that a model can have, effects that a diagnosis looks for,
+and faults of a measurement that it weighs against them. A model file names a part as
+`[effects.NAME]` and gives its values and options; `pk.with_effect` puts in what a diagnosis names.
+[own_effects.md](own_effects.md) tells how to add your own. `scripts/documentation/make_docs.py`
+makes this page.
+
+"Seen in" is generated from the definition: an effect of usual size in standard tests of the S175 at
+Fn 0.145, 0.217 and 0.29, in percent of the rms force of the channel. C0 is the mean, C1, C2 … are
+harmonics in phase with the velocity, S1, S2 … with the displacement; below 1 % nothing is said.
+"Mimicked by" names effects that reproduce 60 % or more of what a cubic hull leaves of it there.
+Coefficients are those of the prime system with the speed of the instant, Coriolis terms inside.
+"""
+SECTIONS = {
+    "Parts of a model": lambda effect: effect.enters and not effect.coefficients,
+    "Effects that a diagnosis looks for": lambda effect: (
+        effect.kind != "observation" and bool(effect.coefficients)
+    ),
+    "Faults of a measurement": lambda effect: effect.kind == "observation",
+}
+KINDS = {
+    "terms": "derivatives of the hull polynomial (of the rudder's where there is one)",
+    "observation": "fault of a measurement, never part of a model",
+}
+
+CHECKS_HEAD = """\
+# Checks
+
+Data that contradict themselves, or the campaign file, are refused before anything is fitted; every
+contradiction is listed at once, with its numbers and what would mend it. What is only suspicious
+is a warning and stands in the report.
+
+    pmmkit check my-campaign
+
+```python
+import pmmkit as pk
+
+for finding in pk.examine(pk.open_campaign("datasets/s175")):
+    print(finding)
+```
+
+| check | what it looks at |
+|---|---|
+"""
+
+CHECKS_TAIL = """
+A contradiction that you can explain goes into the campaign file as a `[[corrections]]` with its
+reason, or as the right statement (`forces = "balance"`, `rudder_positive = "port"`,
+`moment_reference_x = …`). [kvlcc2.md](kvlcc2.md) tells how that looks for a laboratory's data.
+"""
+
+
+def parameter_row(effect: Effect, item: Parameter) -> str:
+    cells = [f"`{item.name}`", item.text, item.unit]
+    if effect.enters:
+        cells.append("required" if item.default is None else f"{item.default:g}")
+    if effect.coefficients:
+        cells.append("" if item.typical is None else f"{item.typical:.3g}")
+    return f"| {' | '.join(cells)} |"
+
+
+def effect_page(effect: Effect, signature: Signature | None = None) -> str:
+    lines = [f"### `{effect.name}`", "", effect.summary, ""]
+    kind = KINDS.get(effect.kind, effect.kind)
+    lines.append(f"Family {effect.family}, kind {kind}. Source: {effect.source}.")
+    if effect.options:
+        lines.append("")
+        lines += [
+            f"- `{name}`: {', '.join(f'`{choice}`' for choice in choices)} (default the first)"
+            for name, choices in effect.options.items()
+        ]
+    if effect.parameters:
+        heads = ["parameter", "meaning", "unit"]
+        heads += ["default"] * effect.enters + ["usual size"] * bool(effect.coefficients)
+        lines += ["", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+        lines += [parameter_row(effect, item) for item in effect.parameters]
+    if effect.derivatives:
+        lines += ["", "Takes derivatives by name."]
+    if effect.check:
+        lines += ["", f"To be sure: {effect.check}."]
+    return "\n".join([*lines, *(signature_lines(signature) if signature else ())])
+
+
+def signature_lines(signature: Signature) -> list[str]:
+    lines = []
+    if signature.absorbed:
+        lines += ["", "No residual shows it: the derivatives of the hull take it over."]
+    elif signature.mimics:
+        mimics = ", ".join(f"`{name}`" for name in signature.mimics)
+        lines += ["", f"Mimicked by: {mimics}."]
+    if signature.acts:
+        lines += ["", "| seen in | X | Y | N |", "|---|---|---|---|"]
+    for test, channels in signature.acts.items():
+        cells = [
+            " ".join(f"{label} {100 * x:+.0f}" for label, x in channels.get(name, {}).items())
+            for name in ("X", "Y", "N")
+        ]
+        lines.append(f"| {test.replace('_', ' ')} | {' | '.join(cells)} |")
+    return lines
+
+
+@cache
+def known_signatures() -> dict[str, Signature]:
+    speed = load_model("s175-3dof").ship.speed(FROUDE[-1]) * (LENGTH / 175.0) ** 0.5
+    every = [*PHYSICS, *FAULTS, carriage_fault((speed,))]
+    return {item.name: item for item in signatures(every)}
+
+
+def effects_page() -> str:
+    found = known_signatures()
+    sections = [
+        f"## {title}\n\n"
+        + "\n\n".join(effect_page(x, found.get(x.name)) for x in catalogue().values() if chosen(x))
+        for title, chosen in SECTIONS.items()
+    ]
+    return f"{EFFECTS_HEAD}\n" + "\n\n".join(sections) + "\n"
+
+
+def pages() -> dict[str, str]:
+    checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
+    return {
+        "effects.md": effects_page(),
+        "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
+    }
+
+
+def pictures() -> None:
+    """The derivatives of datasets/s175 over the Froude number, and the turns they lead to."""
+    table = pk.reduce(pk.open_campaign(datasets_folder() / "s175"))
+    model = pk.to_model(table, parts="s175-3dof")
+    speeds = (6.0, 9.0, 12.0)
+    tracks = [pk.simulate(model, "turning", rudder_deg=35, speed=speed) for speed in speeds]
+    shown = table.select(["Yv", "Yr", "Yvvv", "Yvrr", "Nv", "Nr", "Nrrr", "Nvvr"])
+    style.save(derivatives_over_froude(shown), DOCS / "images" / "derivatives.png")
+    names = [f"{speed:g} m/s, Fn {model.ship.froude(speed):.3f}" for speed in speeds]
+    style.save(trajectory(tracks, names), DOCS / "images" / "turning.png")
+
+
+def main() -> int:
+    stale = [
+        name
+        for name, text in pages().items()
+        if not (DOCS / name).is_file() or (DOCS / name).read_text(encoding="utf-8") != text
+    ]
+    if "--check" in sys.argv:
+        for name in stale:
+            print(f"docs/{name} is out of date: run python -m scripts.documentation.make_docs")
+        return 1 if stale else 0
+    for name, text in pages().items():
+        write_text(DOCS / name, text)
+    pictures()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

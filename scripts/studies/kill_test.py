@@ -1,0 +1,185 @@
+"""Kill commands at random times and look at what is left: whole old output, whole new one, nothing.
+
+    python -m scripts.studies.kill_test [--kills 200] [--runs 160] [--only reduce ...]
+
+Each command is started, killed with SIGKILL (on Windows: terminated) at a random time of its usual
+duration, and what lies in its folder is looked at: every file that a reader could take for a result
+must be whole, and the old or the new one. Then the same command is let finish, and must give what
+it gives undisturbed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from scripts.datasets.make_large import make
+
+SAVE = (
+    "import sys, pmmkit as pk; from pmmkit.campaigns.store import save_campaign; "
+    "save_campaign(pk.open_campaign(sys.argv[1]), sys.argv[2])"
+)
+Content = Mapping[str, str]
+"""Names of files in a folder and the hashes of their bytes."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """A command that writes into a folder.
+
+    Parameters
+    ----------
+    name : str
+        What it is called in the table.
+    command : callable
+        Its arguments, from the folder that it writes to.
+    before : callable
+        Puts into that folder what is there before it starts.
+    """
+
+    name: str
+    command: Callable[[Path], Sequence[str]]
+    before: Callable[[Path], None] | None = None
+
+
+@dataclass
+class Tally:
+    """What was found after the kills of one command."""
+
+    states: Counter[str] = field(default_factory=Counter)
+    wrong: list[str] = field(default_factory=list)
+
+
+def content(folder: Path) -> Content:
+    """Visible files of a folder; hidden ones are not results."""
+    return {
+        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+        and not any(part.startswith(".") for part in file.relative_to(folder).parts)
+    }
+
+
+def jobs(campaign: Path, base: Path) -> list[Job]:
+    """The commands that are killed; a model of the campaign is in the folder `base`."""
+    pmmkit = [sys.executable, "-m", "pmmkit"]
+
+    def reduce(folder: Path) -> Sequence[str]:
+        return [*pmmkit, "reduce", str(campaign), "--structure", "cubic", "--out",
+                str(folder / "out"), "--jobs", "2"]  # fmt: skip
+
+    def old(folder: Path) -> None:
+        (folder / "out").mkdir()
+        for name in ("derivatives.csv", "report.html"):
+            (folder / "out" / name).write_text(f"the old {name}", encoding="utf-8")
+
+    def add(folder: Path) -> Sequence[str]:
+        return [*pmmkit, "add", str(base / "model.toml"), "cubic_hull_terms", "--fit",
+                str(campaign), "-o", str(folder / "model.toml"), "--no-figures",
+                "--out", str(folder / "added")]  # fmt: skip
+
+    def save(folder: Path) -> Sequence[str]:
+        return [sys.executable, "-c", SAVE, str(campaign), str(folder / "saved.h5")]
+
+    return [
+        Job("reduce", reduce),
+        Job("reduce over old results", reduce, old),
+        Job("add", add),
+        Job("save_campaign", save),
+    ]
+
+
+def run(command: Sequence[str], kill_after: float | None = None) -> bool:
+    """Run a command, or kill it after some seconds; whether it ended by itself and well."""
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    try:
+        _, said = process.communicate(timeout=kill_after)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+        return False
+    if process.returncode:
+        raise RuntimeError(f"{' '.join(command)} failed:\n{said.decode(errors='replace')}")
+    return True
+
+
+def examine(found: Content, old: Content, new: Content) -> tuple[str, list[str]]:
+    """What the state of a folder is, and which of its files are neither old nor new."""
+    strange = [
+        name for name, digest in found.items() if digest not in (old.get(name), new.get(name))
+    ]
+    if found == new:
+        return "new", strange
+    if found == old:
+        return "old", strange
+    return "some old, some new", strange
+
+
+def try_job(job: Job, kills: int, rng: random.Random) -> Tally:
+    """Kill a command so many times."""
+    tally = Tally()
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
+        place = Path(name) / "work"
+
+        def fresh() -> Content:
+            shutil.rmtree(place, ignore_errors=True)
+            place.mkdir()
+            if job.before is not None:
+                job.before(place)
+            return content(place)
+
+        old = fresh()
+        started = time.monotonic()
+        run(job.command(place))
+        usual = time.monotonic() - started
+        new = content(place)
+        for _ in range(kills):
+            fresh()
+            ended = run(job.command(place), kill_after=rng.uniform(0.0, 1.1 * usual))
+            state, strange = examine(content(place), old, new)
+            tally.states["done before the kill" if ended else state] += 1
+            tally.wrong += [f"{name} is neither old nor new" for name in strange]
+            run(job.command(place))
+            if content(place) != new:
+                tally.wrong.append("the same command gave something else afterwards")
+            left = [path.name for path in place.iterdir() if path.name.endswith("-resume")]
+            tally.wrong += [f"{name} was left behind" for name in left]
+    return tally
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--kills", type=int, default=200, help="kills in all")
+    parser.add_argument("--runs", type=int, default=160, help="runs of the campaign")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", nargs="*", help="names of commands")
+    given = parser.parse_args()
+    rng = random.Random(given.seed)
+    with tempfile.TemporaryDirectory() as name:
+        make(Path(name), runs=given.runs, mb=0.1)
+        base = Path(name) / "base"
+        run([sys.executable, "-m", "pmmkit", "reduce", name, "--structure", "linear",
+             "--fn", "pooled", "--out", str(base)])  # fmt: skip
+        chosen = [job for job in jobs(Path(name), base) if job.name in (given.only or [job.name])]
+        each = -(-given.kills // len(chosen))
+        tallies = {job.name: try_job(job, each, rng) for job in chosen}
+    wrong = [f"{job}: {text}" for job, tally in tallies.items() for text in tally.wrong]
+    for job, tally in tallies.items():
+        states = ", ".join(f"{state} {count}" for state, count in tally.states.most_common())
+        print(f"{job:26} {sum(tally.states.values()):4d} kills: {states}; wrong {len(tally.wrong)}")
+    print("\n".join(wrong) or "Every file was whole, and every command finished afterwards.")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,193 @@
+"""Diagnosis from the command line: the contract's JSON, files, words, the model that add writes."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hidden_effects import hidden_campaign
+from test_identify_command import write_free_campaign
+
+from pmmkit.campaigns.store import save_campaign
+from pmmkit.cli import main
+from pmmkit.models import load_model, save_model
+from pmmkit.models.edit import without_effect
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Middle programmes with nothing hidden and with two effects, and a model of the ship."""
+    place = tmp_path_factory.mktemp("hidden")
+    save_campaign(hidden_campaign("middle", {}, seed=3), place / "quiet.h5")
+    hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
+    save_campaign(hidden_campaign("middle", hidden, seed=3), place / "hidden.h5")
+    ship = load_model("s175-3dof")
+    save_model(without_effect(ship, "yaw_sway_coupling"), place / "model.toml")
+    return place
+
+
+def run(capsys, *arguments):
+    status = main([str(item) for item in arguments])
+    output = capsys.readouterr()
+    return status, output.out, output.err
+
+
+@pytest.fixture(scope="module")
+def diagnosed(folder):
+    status = main(
+        ["diagnose", str(folder / "model.toml"), str(folder / "hidden.h5"), "--out",
+         str(folder / "found")]
+    )  # fmt: skip
+    assert status == 0
+    return json.loads((folder / "found" / "diagnosis.json").read_text())
+
+
+def test_the_json_holds_what_the_contract_says(diagnosed):
+    assert diagnosed["verdict"] == "missing_effect"
+    best = diagnosed["group"][0]
+    assert set(best["effects"]) == {"yaw_sway_coupling", "fault_misalignment"}
+    assert best["odds"] == 1.0
+    assert diagnosed["flags"] == []
+    for item in diagnosed["findings"]:
+        assert {"effect", "family", "channels", "coefficients", "std", "evidence", "error_before",
+                "error_after", "rivals", "separating_test"} <= set(item)  # fmt: skip
+        assert item["error_after"] < item["error_before"]
+        assert set(item["std"]) == set(item["coefficients"])
+    for item in diagnosed["not_testable"]:
+        assert {"effect", "why", "size_that_could_hide"} == set(item)
+    assert "fault_gauge_gain" in {item["effect"] for item in diagnosed["not_testable"]}
+
+
+def test_the_files_of_a_diagnosis(folder, diagnosed):
+    names = {file.name for file in (folder / "found").iterdir()}
+    assert names == {"diagnosis.json", "effects.csv", "error_fall.csv", "report.html"}
+    page = (folder / "found" / "report.html").read_text(encoding="utf-8")
+    assert "How the error falls" in page
+    assert "fault_misalignment" in page
+
+
+def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
+    _, out, _ = run(
+        capsys, "diagnose", folder / "model.toml", folder / "hidden.h5", "--no-figures", "--out",
+        folder / "words",
+    )  # fmt: skip
+    assert "Verdict: An effect is missing." in out
+    assert "Family: " in out
+    assert "These runs could not show:" in out
+    assert "pmmkit add" in out
+    assert not (folder / "words" / "report.html").exists()
+
+
+def test_nothing_hidden_is_nothing_named(folder, capsys):
+    status, out, err = run(
+        capsys, "diagnose", folder / "model.toml", folder / "quiet.h5", "--json", "--no-figures",
+        "--out", folder / "quiet",
+    )  # fmt: skip
+    found = json.loads(out)
+    assert (status, found["verdict"], found["group"]) == (0, "noise", [])
+    assert "Nothing is missing" in err
+
+
+def test_what_is_known_is_given(folder, capsys):
+    _, out, _ = run(
+        capsys, "diagnose", folder / "model.toml", folder / "hidden.h5", "--json", "--no-figures",
+        "--given", "fault_misalignment", "--out", folder / "given",
+    )  # fmt: skip
+    found = json.loads(out)
+    assert found["given"] == ["fault_misalignment"]
+    assert found["group"][0]["effects"] == ["yaw_sway_coupling"]
+
+
+def test_add_writes_a_model_and_the_error_falls(folder, capsys):
+    target = folder / "better.toml"
+    status, out, _ = run(
+        capsys, "add", folder / "model.toml", "yaw_sway_coupling", "fault_misalignment", "--fit",
+        folder / "hidden.h5", "-o", target, "--out", folder / "added", "--json",
+    )  # fmt: skip
+    assert status == 0
+    content = json.loads(out)
+    shares = {
+        row["step"]: row["share"] for row in content["errors"]
+        if row["test"] == "all" and row["channel"] == "N"
+    }  # fmt: skip
+    assert shares["fault_misalignment"] < shares["yaw_sway_coupling"] < shares["base"]
+    made = load_model(target)
+    assert made.values("hull_polynomial")["Nvvr"] == pytest.approx(-0.0424, rel=0.1)
+    assert made.history[-1].startswith("Added fault_misalignment")
+    assert {"error_fall.csv", "error_fall.svg"} == {f.name for f in (folder / "added").iterdir()}
+    assert content["turning"]["after"].keys() == content["turning"]["before"].keys()
+
+    status, out, _ = run(
+        capsys, "add", target, "--undo", "--fit", folder / "hidden.h5", "-o", folder / "back.toml",
+        "--json",
+    )  # fmt: skip
+    assert json.loads(out)["taken_out"] == "fault_misalignment"
+    history = load_model(folder / "back.toml").history
+    assert [line.split(":")[0] for line in history if line.startswith("Added")] == [
+        "Added yaw_sway_coupling"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status", "said"),
+    [
+        (["add", "model.toml", "--fit", "hidden.h5"], 2, "Name an effect"),
+        (["add", "model.toml", "memory", "--undo", "--fit", "hidden.h5"], 2, "Name an effect"),
+        (["add", "model.toml", "ghost", "--fit", "hidden.h5"], 1, "These do"),
+        (["diagnose", "model.toml", "absent.h5"], 1, "absent.h5"),
+        (["diagnose", "cubics", "hidden.h5"], 1, "cubics"),
+    ],
+)
+def test_what_cannot_be_done_is_said(folder, arguments, status, said, capsys, monkeypatch):
+    monkeypatch.chdir(folder)
+    found, _, err = run(capsys, *arguments)
+    assert found == status
+    assert said in err
+    assert not (folder / "model-extended.toml").exists()
+
+
+# Free-running records
+
+
+def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, out, err = run(
+        capsys, "diagnose", "kvlcc2-l7", place, "--test-runs", "ZZ35", "--spread", "0.02",
+        "--window", "40", "--json", "--out", tmp_path / "found",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(out)
+    assert found["group"] == []
+    assert found["held_out"]["runs"] == ["ZZ35"]
+    assert {"held out, model as given", "held out, base refitted"} <= set(found["errors"])
+    assert "Root mean square errors" in err
+    names = {file.name for file in (tmp_path / "found").iterdir()}
+    assert {"diagnosis.json", "effects.csv", "evidence.svg", "model_refitted.toml"} <= names
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--noise", "0.01"], "captive tests"),
+        (["--given", "memory"], "captive tests"),
+        (["--windage", "0.1"], "two areas"),
+    ],
+)
+def test_options_of_the_other_kind_of_tests_are_refused(options, said, tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, _, err = run(capsys, "diagnose", "kvlcc2-l7", place, *options)
+    assert status in (1, 2)
+    assert said in err
+
+
+def test_captive_tests_know_no_windows(folder, capsys):
+    status, _, err = run(capsys, "diagnose", "cubic", folder / "quiet.h5", "--runs", "PS*")
+    assert status == 1
+    assert "free-running" in err
+
+
+def test_a_structure_cannot_sail(tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    status, _, err = run(capsys, "diagnose", "cubic", place)
+    assert status == 1
+    assert "cubic" in err

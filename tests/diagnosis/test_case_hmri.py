@@ -1,0 +1,53 @@
+"""HMRI's captive tests: what a linear and a cubic model lack; tables that state no noise."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.diagnosis import diagnose_captive
+from pmmkit.errors import DataError
+from pmmkit.loop.session import begin
+
+NOISE, FLOOR = 0.03, 0.02
+
+
+@pytest.fixture(scope="module")
+def campaign(shared_data, datasets):
+    return open_campaign(datasets / "kvlcc2_hmri", data=shared_data)
+
+
+@pytest.mark.parametrize(
+    ("base", "expected", "fall"),
+    [
+        ("linear", {"yaw_sway_coupling", "modulus_sway_drag", "cubic_hull_terms"}, 0.65),
+        ("cubic", {"yaw_sway_coupling", "modulus_sway_drag"}, 0.85),
+    ],
+)
+def test_what_is_named_lowers_the_error_step_by_step(campaign, base, expected, fall):
+    """Yasukawa and Yoshimura (2015) need vvr and vrr for this hull; drift goes to 30°."""
+    session = begin(base, campaign, noise=NOISE, floor=FLOOR)
+    found = session.diagnose()
+    assert found.verdict == "missing_effect"
+    assert set(found.best) == expected
+    for item in found.findings:
+        session = session.add(item.effect)
+    shares = [item.share() for item in session.fall().errors]
+    assert all(after < before for before, after in pairwise(shares))
+    assert shares[-1] < fall * shares[0]
+    assert session.diagnose().verdict == "unexplained"
+
+
+def test_without_a_stated_noise_nothing_is_said(campaign):
+    """Tables of means and harmonics hold no noise; the user's statement must come first."""
+    with pytest.raises(DataError, match=r"noise = 0\.01"):
+        diagnose_captive(campaign, "cubic")
+
+
+def test_a_larger_noise_names_no_more(campaign):
+    few, many = (
+        begin("cubic", campaign, noise=noise, floor=0.02).diagnose().best for noise in (0.06, 0.01)
+    )
+    assert len(few) <= len(many)

@@ -1,0 +1,219 @@
+"""Diagnosis of free-running records: nothing hidden, something hidden, and what cannot be told."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+import pmmkit as pk
+from pmmkit.diagnosis.free_running.candidates import candidates_for
+from pmmkit.diagnosis.free_running.diagnose import base_prior, diagnose_free
+from pmmkit.diagnosis.free_running.evidence import basis_of, point_at
+from pmmkit.diagnosis.free_running.system import build_free, held, residuals
+from pmmkit.errors import DataError
+from pmmkit.identification.prior import prior_of
+from pmmkit.identification.record import FreeRecord
+
+SPEED = 1.179
+SHIP = pk.load_model("kvlcc2-l7")
+KNOWN = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Nvvr", "rudder_mmg.epsilon")
+SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.006}
+RUNS = ((20.0, 20.0), (-10.0, 10.0), (25.0, 5.0))
+ASYMMETRY = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
+YAW_DRAG = SHIP.with_values("hull_polynomial", **{"Yr|r|": 0.10, "Nr|r|": -0.076})
+
+
+def sailed(model, seed, *, zero=0.0, runs=RUNS):
+    """Zigzags with noise; the rudder column shows less than there is by `zero`."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for number, (rudder, switch) in enumerate(runs):
+        track = pk.simulate(
+            model, "zigzag", rudder_deg=rudder, switch_deg=switch, speed=SPEED, dt=0.5
+        )
+        measured = {
+            name: getattr(track, name) + std * rng.normal(size=len(track))
+            for name, std in SENSORS.items()
+        }
+        record = FreeRecord(
+            name=f"zigzag {number}", t=track.t, delta=track.delta - zero, turns=track.n,
+            measured=measured, speed=SPEED,
+        )  # fmt: skip
+        found.append(record.cut(0.0, 75.0))
+    return found
+
+
+def asked(seed, model=SHIP, *, few=("asymmetry", "fault_rudder_zero", "modulus_yaw_drag"),
+          zero=0.0, **settings):  # fmt: skip
+    """The diagnosis of a ship whose captive tests are off by 2 % in every value."""
+    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
+    values = prior.mean + prior.std * np.random.default_rng(1000 + seed).normal(size=len(KNOWN))
+    hull = dict(zip(KNOWN[:-1], values[:-1].tolist(), strict=True))
+    known = SHIP.with_values("hull_polynomial", **hull)
+    records = sailed(model, seed, zero=zero)
+    some = [item for item in candidates_for(known, records) if item.name in few]
+    return diagnose_free(
+        known, records, prior=prior_of(known, KNOWN, SPEED, spread=0.02), candidates=some,
+        sensors=SENSORS, most=1, **settings,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def asymmetric():
+    return asked(0, ASYMMETRY, held_out=sailed(ASYMMETRY, 7, runs=((-20.0, 20.0),)))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_nothing_is_named_where_nothing_is_hidden(seed):
+    found = asked(seed)
+    assert found.verdict == "noise"
+    assert found.group == ()
+    assert found.findings == ()
+    assert found.entries[0].log_evidence < 0.0
+
+
+def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
+    assert asymmetric.verdict == "missing_effect"
+    assert asymmetric.group[0] == (("asymmetry",), 1.0)
+    assert all(names in (("asymmetry",), ("fault_rudder_zero",)) for names, _ in asymmetric.group)
+    (finding,) = asymmetric.findings
+    assert finding.family == "asymmetry"
+    assert asymmetric.chance < 0.01
+    for name, true in (("Y0", 0.0022), ("N0", -0.001)):
+        assert abs(finding.coefficients[name] - true) < 3.5 * finding.std[name]
+    assert finding.error_after < 0.7 * finding.error_before
+    assert finding.to_dict()["errors"]["heading"]["unit"] == "deg"
+    before = asymmetric.errors["held out, base refitted"]
+    after = asymmetric.errors["held out, with the effects"]
+    assert after["heading"] < 0.6 * before["heading"]
+    assert after["yaw_rate"] < 0.6 * before["yaw_rate"]
+
+
+def test_the_model_carries_the_effect(asymmetric):
+    values = asymmetric.model.parts["hull_polynomial"].values
+    assert values["N0"] == pytest.approx(asymmetric.findings[0].coefficients["N0"])
+    assert "N0" not in asymmetric.refitted.parts["hull_polynomial"].values
+    assert asymmetric.model.covariance is None
+
+
+def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
+    """Both push the ship to one side: these records must not tell one from the other."""
+    found = asked(0, zero=math.radians(1.5))
+    assert found.verdict == "missing_effect"
+    assert {names for names, _ in found.group} == {("fault_rudder_zero",), ("asymmetry",)}
+    rivals = {item.name: item.mimics for item in found.covered}
+    assert rivals["fault_rudder_zero"]["asymmetry"] > 0.9
+
+
+def test_a_hull_term_is_named_against_an_asymmetry():
+    found = asked(1, YAW_DRAG)
+    assert found.group == ((("modulus_yaw_drag",), 1.0),)
+    assert found.findings[0].coefficients["Nr|r|"] == pytest.approx(-0.076, rel=0.3)
+
+
+def test_what_no_candidate_explains_is_not_named():
+    """A yaw drag with only asymmetries to choose from."""
+    found = asked(0, YAW_DRAG, few=("asymmetry", "fault_rudder_zero"), tolerance=(1e-3, 1e-3))
+    assert found.verdict == "unexplained"
+    assert found.findings == ()
+
+
+def test_innovations_are_white_for_the_true_model():
+    records = sailed(SHIP, 3)
+    system = build_free(SHIP, records, ("Nv",), sensors=SENSORS, floor=0.02)
+    e = residuals(held(system.with_shares(system.least), system.start), system.start)
+    assert float(np.std(e)) == pytest.approx(1.0, abs=0.06)
+
+
+def test_slopes_are_those_of_a_small_step():
+    records = sailed(SHIP, 4)
+    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
+    system = build_free(SHIP, records, KNOWN, sensors=SENSORS, floor=0.02)
+    system = held(system, system.start)
+    basis = basis_of(system, prior, ())
+    z = 0.1 * np.random.default_rng(0).normal(size=len(KNOWN))
+    here = point_at(system, basis, np.zeros(len(KNOWN)))
+    truth = residuals(system, system.start + basis.T @ z)
+    change = np.linalg.norm(truth - here.linear.e)
+    assert np.linalg.norm(here.y - here.G @ z - truth) < 0.02 * change
+
+
+def test_terms_are_carried_to_the_system_of_the_model():
+    """Usual sizes are of forces: those of ½ρLdU² are L/d times those of ½ρL²U²."""
+    prime = {x.name: x for x in candidates_for(pk.load_model("s175-3dof"), [])}
+    tanker = {x.name: x for x in candidates_for(SHIP, [])}
+    ratio = SHIP.ship.L / SHIP.ship.d
+    for name in ("asymmetry", "modulus_yaw_drag"):
+        for label, size in prime[name].typical.items():
+            assert tanker[name].typical[label] == pytest.approx(ratio * size)
+
+
+def test_candidates_have_a_place_in_the_model():
+    for ship in ("kvlcc2-l7", "s175-3dof", "esso-osaka-3m"):
+        model = pk.load_model(ship)
+        every = candidates_for(model, [])
+        assert len({item.name for item in every}) == len(every)
+        for item in every:
+            assert set(item.typical) == set(item.moves)
+            assert all(size != 0.0 for size in item.typical.values())
+            base = [x for x in item.values if not x.startswith(("current", "rudder_zero"))]
+            if base:
+                prior_of(item.added_to(model), base, model.ship.speed(0.14, 9.81), spread=0.1)
+
+
+def test_one_record_is_not_enough():
+    records = sailed(SHIP, 0, runs=RUNS[:1])
+    with pytest.raises(DataError, match="at least two"):
+        diagnose_free(
+            SHIP, records, prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02), candidates=[],
+            sensors=SENSORS,
+        )  # fmt: skip
+
+
+def container(shared_data):
+    """The trajectories of an independent program (S175 with roll)."""
+    folder = shared_data / "s175_container_m"
+    if not folder.is_dir():
+        pytest.skip("s175_container_m is not on this machine")
+    found = []
+    for path in sorted(folder.glob("*U6*.csv")):
+        with path.open() as file:
+            rows = list(csv.DictReader(file))
+        column = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+        measured = {name: column[name] for name in ("x", "y", "psi", "u", "v", "r", "p", "phi")}
+        record = FreeRecord(
+            name=path.stem, t=column["t"], delta=column["delta"], turns=column["n_rpm"] / 60.0,
+            measured=measured, speed=6.0,
+        )  # fmt: skip
+        found.append(record.cut(0.0, 500.0))
+    return found
+
+
+FAST = {"x": 1.0, "y": 1.0, "psi": 2e-3, "u": 0.03, "v": 0.03, "r": 2e-4, "p": 2e-4, "phi": 2e-3}
+
+
+@pytest.mark.parametrize("hidden", [(), ("Nvvr", "Nvrr", "Yvvr", "Yvrr")])
+def test_an_independent_ship(shared_data, hidden):
+    """Trajectories that pmmkit did not make: with the full model nothing, else the coupling."""
+    records = container(shared_data)
+    full = pk.load_model("s175")
+    model = full.with_values("hull_polynomial", **dict.fromkeys(hidden, 0.0))
+    names = ("Xuu", "Yv", "Yr", "Nv", "Nr")
+    few = ("yaw_sway_coupling", "asymmetry", "surge_quadratic")
+    found = diagnose_free(
+        model, records, prior=prior_of(model, names, 6.0, spread=0.03), sensors=FAST, most=1,
+        candidates=[x for x in candidates_for(model, records) if x.name in few],
+    )  # fmt: skip
+    if hidden:
+        assert found.group[0][0] == ("yaw_sway_coupling",)
+        assert found.findings[0].family == "hull coupling"
+    else:
+        assert found.verdict == "noise"
+
+
+def test_the_prior_holds_the_covariance_and_the_spread():
+    found = base_prior(SHIP, SPEED, spread=0.04, loose=0.03)
+    assert found.std[found.names.index("Yv")] == pytest.approx(0.05 * 0.315)

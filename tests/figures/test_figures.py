@@ -1,0 +1,317 @@
+"""Figures: they show the numbers they are given, with units, and leave nothing behind."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from small_campaign import RHO, TRUTH, L, forces, write_campaign
+
+import pmmkit
+from pmmkit import figures
+from pmmkit.errors import DataError, TableError
+from pmmkit.plotting import style
+from pmmkit.report.pictures import drift_points, typical_cycles
+from pmmkit.ship import Ship, Water
+
+SHIP = Ship(name="m", L=L, B=0.705556, d=0.236111, volume=0.454861, mass=454.476, Izz=618.332)
+WATER = Water(rho=RHO, g=9.81)
+FN = [0.1448, 0.2172, 0.2896]
+
+
+@pytest.fixture(scope="module")
+def table():
+    values = {name: [value, 1.1 * value, 1.2 * value] for name, value in TRUTH.items()}
+    std = {name: 0.02 * abs(value) for name, value in TRUTH.items()}
+    return pmmkit.from_values(values, ship=SHIP, water=WATER, Fn=FN, std=std)
+
+
+@pytest.fixture(scope="module")
+def track():
+    return pmmkit.simulate("s175-3dof", speed=9.0)
+
+
+@pytest.fixture(scope="module")
+def reduction(tmp_path_factory):
+    folder = write_campaign(tmp_path_factory.mktemp("figures") / "small")
+    return pmmkit.reduce_campaign(pmmkit.open_campaign(folder))
+
+
+def drawn(figure):
+    """The axes that are shown."""
+    return [axis for axis in figure.axes if axis.axison]
+
+
+def static(speed, degrees):
+    beta = np.radians(degrees)
+    still = np.zeros_like(beta)
+    u, v = speed * np.cos(beta), -speed * np.sin(beta)
+    return forces(u, v, still, still, still, still)
+
+
+def points_at(froude, degrees):
+    force = static(SHIP.speed(froude), np.asarray(degrees, float))
+    std = {name: np.full(len(degrees), 2.0) for name in force}
+    return figures.DriftPoints(froude=froude, drift=np.radians(degrees), force=force, std=std)
+
+
+def test_points_over_drift_are_the_forces_made_non_dimensional():
+    degrees = [-10.0, 0.0, 5.0, 10.0]
+    table = pmmkit.from_values(TRUTH, ship=SHIP, water=WATER, Fn=[0.2])
+    figure = figures.forces_over_drift([points_at(0.2, degrees)], table)
+    for axis, channel in zip(figure.axes, "XYN", strict=True):
+        shown = axis.containers[0][0].get_ydata()
+        speed = SHIP.speed(0.2)
+        unit = 0.5 * RHO * L**2 * speed**2 * (L if channel == "N" else 1.0)
+        expected = 1e3 * static(speed, np.array(degrees))[channel] / unit
+        np.testing.assert_allclose(shown, expected, rtol=1e-12)
+        np.testing.assert_allclose(axis.containers[0][0].get_xdata(), degrees, rtol=1e-12)
+
+
+def test_the_curve_of_the_true_derivatives_passes_through_noise_free_points():
+    degrees = np.linspace(-12, 16, 15)
+    table = pmmkit.from_values(TRUTH, ship=SHIP, water=WATER, Fn=[0.2])
+    figure = figures.forces_over_drift([points_at(0.2, degrees)], table)
+    for axis in figure.axes:
+        curve = next(line for line in axis.lines if len(line.get_xdata()) > 50)
+        x, y = axis.containers[0][0].get_data()
+        between = np.interp(x, *curve.get_data())
+        np.testing.assert_allclose(between, y, atol=2e-3 * np.ptp(y))
+
+
+def test_the_band_is_the_uncertainty_of_the_force():
+    known = {"Yv": TRUTH["Yv"]}
+    table = pmmkit.from_values(known, std={"Yv": 1e-4}, ship=SHIP, water=WATER, Fn=[0.2])
+    figure = figures.forces_over_drift([points_at(0.2, [0.0, 10.0])], table, channels=["Y"])
+    band = figure.axes[0].collections[0].get_paths()[0].vertices
+    widest = max(np.ptp(band[np.isclose(band[:, 0], x)][:, 1]) for x in np.unique(band[:, 0]))
+    furthest = math.sin(math.radians(10.3))
+    assert widest == pytest.approx(2 * 1.96 * 1e3 * 1e-4 * furthest, rel=1e-3)
+
+
+def test_thrust_lifts_the_curve_of_the_surge_force():
+    values = {"Xuu": TRUTH["Xuu"], "XT": 0.8}
+    table = pmmkit.from_values(values, ship=SHIP, water=WATER, Fn=[0.2])
+    plain = points_at(0.2, [-5.0, 0.0, 5.0])
+    thrust = np.full(3, 7.0)
+    heights = []
+    for points in (plain, replace(plain, thrust=thrust)):
+        figure = figures.forces_over_drift([points], table, channels=["X"])
+        curve = next(line for line in figure.axes[0].lines if len(line.get_xdata()) > 50)
+        heights.append(curve.get_ydata())
+    unit = 0.5 * RHO * L**2 * SHIP.speed(0.2) ** 2
+    np.testing.assert_allclose(heights[1] - heights[0], 1e3 * 0.8 * 7.0 / unit, rtol=1e-9)
+
+
+def test_derivatives_over_froude_show_values_and_intervals(table):
+    figure = figures.derivatives_over_froude(table, reference=TRUTH, reference_name="truth")
+    axes = drawn(figure)
+    assert len(axes) == len(TRUTH)
+    for axis, name in zip(axes, table.names, strict=True):
+        line, _, bars = axis.containers[0]
+        np.testing.assert_allclose(line.get_xdata(), FN)
+        np.testing.assert_allclose(line.get_ydata(), 1e3 * table[name], rtol=1e-12)
+        ends = np.array([part[:, 1] for part in bars[0].get_segments()])
+        half = 1.959964 * 0.02 * abs(TRUTH[name]) * 1e3
+        np.testing.assert_allclose(np.ptp(ends, axis=1), 2 * half, rtol=1e-4)
+        reference = next(line for line in axis.lines if line.get_label() == "truth")
+        np.testing.assert_allclose(reference.get_ydata(), 1e3 * TRUTH[name])
+
+
+def test_a_derivative_without_values_is_left_out_or_said_to_be_unknown(table):
+    value = table.value.copy()
+    value[:, table.index("Nvrr")] = np.nan
+    partly = table.with_(value=value)
+    figure = figures.derivatives_over_froude(partly)
+    assert len(drawn(figure)) == len(TRUTH) - 1
+    asked = figures.derivatives_over_froude(partly, names=["Nvrr"])
+    assert "not determined" in drawn(asked)[0].texts[0].get_text()
+
+
+def test_a_pooled_table_has_nothing_to_draw_over_froude():
+    pooled = pmmkit.from_values(TRUTH, ship=SHIP, water=WATER)
+    with pytest.raises(TableError, match="pooled"):
+        figures.derivatives_over_froude(pooled)
+
+
+def test_beside_a_reference_values_stand_as_ratios(table):
+    figure = figures.beside_reference(table, TRUTH)
+    axis = figure.axes[1]
+    names = [name for name in table.names if name[0] == "Y"]
+    for row, ratio in enumerate((1.0, 1.1, 1.2)):
+        shown = axis.lines[row].get_xdata()
+        np.testing.assert_allclose(shown, np.full(len(names), ratio), rtol=1e-12)
+    assert len(axis.get_yticks()) == len(names)
+
+
+def test_what_lies_outside_the_axis_is_marked_with_its_number(table):
+    odd = {**TRUTH, "Nvvv": TRUTH["Nvvv"] / 50}
+    figure = figures.beside_reference(table, odd)
+    texts = [text.get_text() for axis in figure.axes for text in axis.texts]
+    assert {"50", "55", "60"} <= set(texts)
+
+
+def test_nothing_in_common_is_refused(table):
+    with pytest.raises(TableError, match="in common"):
+        figures.beside_reference(table, {"Kp": 1.0})
+
+
+def test_trajectory_in_ship_lengths_marks_advance_and_diameter(track):
+    figure = figures.trajectory([track])
+    axis = figure.axes[0]
+    path = axis.lines[0]
+    np.testing.assert_allclose(path.get_xdata(), track.y / track.L)
+    np.testing.assert_allclose(path.get_ydata(), track.x / track.L)
+    quarter, half = axis.lines[1], axis.lines[2]
+    assert quarter.get_ydata()[0] == pytest.approx(track.metrics["advance_L"], abs=0.02)
+    assert quarter.get_xdata()[0] == pytest.approx(track.metrics["transfer_L"], abs=0.05)
+    assert half.get_xdata()[0] == pytest.approx(track.metrics["tactical_diameter_L"], abs=0.02)
+    assert axis.get_aspect() == 1.0
+    words = " ".join(text.get_text() for text in axis.texts)
+    assert f"tactical diameter {track.metrics['tactical_diameter_L']:.2f} L" in words
+
+
+def test_outlines_of_the_ship_are_one_length_long(track):
+    figure = figures.trajectory([track])
+    for patch in figure.axes[0].patches:
+        corners = patch.get_xy()
+        spread = np.linalg.norm(corners[:, None] - corners[None], axis=2).max()
+        assert spread == pytest.approx(1.0, rel=0.01)
+
+
+def test_a_turn_to_port_is_the_mirror_image(track):
+    port = pmmkit.simulate("s175-3dof", speed=9.0, rudder_deg=-35)
+    lines = [figures.trajectory([item]).axes[0].lines for item in (track, port)]
+    for starboard, mirrored in zip(lines[0][:3], lines[1][:3], strict=True):
+        np.testing.assert_allclose(mirrored.get_xdata(), -starboard.get_xdata(), atol=1e-6)
+
+
+def test_histories_show_speed_yaw_rate_and_drift(track):
+    speed, yaw, drift = figures.turn_histories([track]).axes
+    ratio = speed.lines[0].get_ydata()
+    assert ratio[0] == pytest.approx(1.0)
+    assert ratio[-1] == pytest.approx(track.metrics["speed_ratio"], rel=1e-3)
+    assert drift.lines[0].get_ydata()[-1] == pytest.approx(
+        track.metrics["steady_drift_deg"], rel=1e-3
+    )
+    diameter = 2 * ratio[-1] / yaw.lines[0].get_ydata()[-1]
+    assert diameter == pytest.approx(track.metrics["steady_diameter_L"], rel=1e-3)
+
+
+def test_no_track_is_refused():
+    with pytest.raises(DataError, match="no track"):
+        figures.trajectory([])
+
+
+def test_measures_over_froude_with_the_imo_limits():
+    sweep = pmmkit.froude_sweep("s175-3dof", [6.0, 12.0])
+    figure = figures.measures_over_froude({"ours": sweep})
+    advance, transfer, diameter, _ = figure.axes
+    np.testing.assert_allclose(diameter.lines[0].get_ydata(), sweep.tactical_diameter_L)
+    assert advance.lines[1].get_ydata()[0] == 4.5
+    assert diameter.lines[1].get_ydata()[0] == 5.0
+    assert len(transfer.lines) == 1
+
+
+def test_static_means_of_a_campaign_come_with_their_settings(reduction):
+    sets = drift_points(reduction)
+    assert [round(item.froude, 3) for item in sets] == [0.145, 0.29]
+    np.testing.assert_allclose(np.degrees(sets[0].drift), [-8, -4, 0, 4, 8, 12])
+    truth = static(2.0, np.array([-8.0, -4, 0, 4, 8, 12]))
+    for channel, values in truth.items():
+        error = (sets[1].force[channel] - values) / sets[1].std[channel]
+        assert np.max(np.abs(error)) < 4.5
+
+
+def test_harmonics_follow_the_record_of_a_cycle(reduction):
+    cycles = typical_cycles(reduction)
+    assert [cycle.title.split(",")[0] for cycle in cycles] == [
+        "pure sway", "pure yaw", "yaw with drift",
+    ]  # fmt: skip
+    figure = figures.over_a_cycle(cycles)
+    axis = figure.axes[3]
+    recorded, fitted = axis.lines
+    between = np.interp(recorded.get_xdata(), fitted.get_xdata(), fitted.get_ydata())
+    rest = recorded.get_ydata() - between
+    assert np.std(rest) == pytest.approx(1.0, rel=0.15)  # the noise of Y that was put in
+    assert recorded.get_xdata().min() >= 0
+    assert recorded.get_xdata().max() <= 360
+
+
+def every_figure(table, track, reduction):
+    yield figures.forces_over_drift(drift_points(reduction), reduction.table)
+    yield figures.over_a_cycle(typical_cycles(reduction))
+    yield figures.derivatives_over_froude(table)
+    yield figures.beside_reference(table, TRUTH)
+    yield figures.trajectory([track])
+    yield figures.turn_histories([track])
+    yield figures.measures_over_froude({"ours": pmmkit.froude_sweep("s175-3dof", [6.0, 12.0])})
+
+
+def test_every_axis_says_its_unit(table, track, reduction):
+    for figure in every_figure(table, track, reduction):
+        for axis in drawn(figure):
+            words = [axis.get_xlabel(), axis.get_ylabel(), axis.get_title(loc="left")]
+            column = [
+                other
+                for other in drawn(figure)
+                if other in axis.get_shared_x_axes().get_siblings(axis)
+            ]
+            below = [other.get_xlabel() for other in column]
+            assert any("[" in text for text in (*words, *below)), words
+
+
+def test_no_legend_covers_data(table, track, reduction):
+    for figure in every_figure(table, track, reduction):
+        figure.draw_without_rendering()
+        panels = [axis.get_window_extent() for axis in drawn(figure)]
+        for legend in figure.legends:
+            frame = legend.get_window_extent()
+            assert not any(frame.overlaps(panel) for panel in panels)
+        assert all(axis.get_legend() is None for axis in figure.axes)
+
+
+def test_drawing_changes_no_setting_of_the_user(table):
+    before = dict(mpl.rcParams)
+    figures.svg(figures.derivatives_over_froude(table))
+    assert dict(mpl.rcParams) == before
+
+
+def test_the_same_figure_gives_the_same_bytes(table, tmp_path):
+    made = [figures.svg(figures.beside_reference(table, TRUTH)) for _ in range(2)]
+    assert made[0] == made[1]
+    assert made[0].startswith("<svg")
+    for ending in ("png", "svg", "pdf"):
+        names = [tmp_path / f"{number}.{ending}" for number in range(2)]
+        for name in names:
+            figures.save(figures.beside_reference(table, TRUTH), name)
+        assert names[0].read_bytes() == names[1].read_bytes()
+
+
+def test_figures_do_without_pyplot():
+    code = (
+        "import sys, pmmkit as pk\nfrom pmmkit import figures\n"
+        "figures.svg(figures.trajectory([pk.simulate('s175-3dof', speed=9.0)]))\n"
+        "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_track_plots_itself(track):
+    figure = track.plot()
+    np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), track.x / track.L)
+
+
+def test_colours_of_ordered_sets_differ_in_lightness():
+    def lightness(colour):
+        red, green, blue = mpl.colors.to_rgb(colour)
+        return 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2
+
+    shades = [lightness(colour) for colour in style.ORDERED[:3]]
+    assert shades == sorted(shades)
+    assert min(np.diff(shades)) > 0.08

@@ -1,0 +1,175 @@
+"""The loop: diagnose, add, watch the error fall, undo, replay; and the model that comes out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from hidden_effects import hidden_campaign
+
+from pmmkit import model_of, reduce_campaign
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.effects.own import own_effect
+from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.loop.session import begin, fit, replay, undone
+from pmmkit.models import load_model, save_model
+from pmmkit.ship_library import datasets_folder
+from pmmkit.simulation.simulate import simulate
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Son and Nomoto's ship without its terms of sway and yaw together."""
+    ship = load_model("s175-3dof")
+    hull = ship.parts["hull_polynomial"]
+    kept = {k: v for k, v in hull.values.items() if k not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}
+    changed = replace(hull, values=MappingProxyType(kept))
+    return ship.with_(parts=MappingProxyType({**ship.parts, "hull_polynomial": changed}))
+
+
+@pytest.fixture(scope="module")
+def session(bare):
+    hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0, "memory": 1.0,
+              "surge_yaw_coupling": 1.0}  # fmt: skip
+    return begin(bare, hidden_campaign("full", hidden, seed=7))
+
+
+def test_the_loop_ends_where_nothing_is_missing(session):
+    while (found := session.diagnose()).verdict == "missing_effect":
+        for item in found.findings:
+            session = session.add(item.effect, item.evidence)
+        assert len(session.steps) <= 4
+    assert {step.effect for step in session.steps} == {
+        "yaw_sway_coupling", "fault_misalignment", "memory",
+    }  # fmt: skip
+    shares = [item.share() for item in session.fall().errors]
+    assert all(after < before for before, after in pairwise(shares))
+    assert session.fall().useless == ()
+
+
+def test_the_model_that_comes_out_has_the_values_of_the_virtual_ship(session):
+    """Nv and Nvvr of Son and Nomoto, through the model's own convention (separate Coriolis)."""
+    full = session
+    for effect in ("yaw_sway_coupling", "fault_misalignment", "memory"):
+        full = full.add(effect)
+    made = full.model()
+    truth = load_model("s175-3dof")
+    at = [made.covariance_names.index(name) for name in ("Nv", "Nvvr", "Yr", "Xvr")]
+    std = np.sqrt(np.diagonal(made.covariance))[at]
+    for name, spread in zip(("Nv", "Nvvr", "Yr", "Xvr"), std, strict=True):
+        got, want = (x.values("hull_polynomial")[name] for x in (made, truth))
+        assert abs(got - want) < max(4 * spread, 0.03 * abs(want)), name
+    assert made.convention == truth.convention
+    assert "fault_misalignment" not in made.parts
+    late = made.values("memory")
+    assert -0.006 < late["Yv_late"] < -0.0012, "a fifth of Yv is hidden, -0.0023"
+    assert 0.15 < late["lag"] < 0.45, "0.283 L/U is hidden"
+    assert [line.split(":")[0] for line in made.history[-3:]] == [
+        "Added yaw_sway_coupling", "Added fault_misalignment", "Added memory",
+    ]  # fmt: skip
+
+
+def test_a_model_is_written_read_and_its_last_step_taken_back(session, tmp_path):
+    made = session.add("yaw_sway_coupling").add("memory", "a remark").model()
+    save_model(made, tmp_path / "model.toml")
+    again = load_model(tmp_path / "model.toml")
+    assert again.history == made.history
+    before, effect = undone(again)
+    assert effect == "memory"
+    assert "memory" not in before.parts
+    first, effect = undone(before)
+    assert effect == "yaw_sway_coupling"
+    assert "Nvvr" not in first.values("hull_polynomial")
+    with pytest.raises(ModelError, match="knows of no effect"):
+        undone(first)
+
+
+def test_a_fault_found_before_is_known_in_the_next_session(session):
+    made = session.add("fault_misalignment").model()
+    later = begin(made, session.campaign)
+    assert later.given == ("fault_misalignment",)
+    assert "fault_misalignment" not in {x for x, _ in later.diagnose().group}
+
+
+def test_undo_takes_the_last_step_and_nothing_else(session):
+    one = session.add("memory")
+    two = one.add("fault_misalignment")
+    assert two.undo().steps == one.steps
+    assert session.steps == ()
+    with pytest.raises(ModelError, match="no step"):
+        session.undo()
+
+
+def test_a_step_that_explains_nothing_is_said_so(session):
+    fall = session.add("yaw_sway_coupling").add("surge_fourth_order").fall()
+    assert fall.useless == ("surge_fourth_order",)
+    frame = fall.to_pandas()
+    assert set(frame["test"]) > {"all", "static_drift", "yaw_drift"}
+    assert (frame["share"].dropna() > 0).all()
+
+
+def test_steps_are_saved_and_replayed(session, bare, tmp_path):
+    made = session.add("memory", "seen in sway").add("yaw_sway_coupling")
+    made.save(tmp_path / "steps.toml")
+    again = replay(tmp_path / "steps.toml", bare, session.campaign)
+    assert again.steps == made.steps
+    assert again.floor == made.floor
+    np.testing.assert_array_equal(again.fall().errors[-1].error, made.fall().errors[-1].error)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "session = 3\n", "[session]\n", "[session]\nfloor = 'a'\neffects = []\nwhy = []\n",
+     "[session]\nfloor = 0.01\neffects = ['memory']\nwhy = []\n",
+     "[session]\nfloor = 0.01\neffects = [1]\nwhy = ['']\n"],
+)  # fmt: skip
+def test_a_damaged_file_of_steps_is_refused(session, text, tmp_path):
+    (tmp_path / "steps.toml").write_text(text)
+    with pytest.raises(ModelError, match="no session"):
+        replay(tmp_path / "steps.toml", session.source, session.campaign)
+
+
+def test_what_cannot_be_added_is_refused_in_words(session):
+    with pytest.raises(UnknownNameError, match="These do"):
+        session.add("ghost")
+    with pytest.raises(ModelError, match="already"):
+        session.add("memory").add("memory")
+
+
+def test_a_structure_is_diagnosed_but_makes_no_model():
+    campaign = open_campaign(datasets_folder() / "s175")
+    found = begin("cubic", campaign)
+    assert found.diagnose().best
+    with pytest.raises(ModelError, match="reduce"):
+        found.model()
+
+
+def test_values_over_the_froude_number_stay_values_over_the_froude_number():
+    """The programme of the S175 has derivatives that change with the speed."""
+    campaign = open_campaign(datasets_folder() / "s175")
+    each = model_of(reduce_campaign(campaign, structure="abkowitz3"), "s175-3dof")
+    made = fit(each, campaign)
+    assert made.Fn == each.Fn
+    new, old = (np.array(x.parts["hull_polynomial"].values["Yv"]) for x in (made, each))
+    np.testing.assert_allclose(new, old, rtol=0.05)
+    assert len(set(new.tolist())) == len(new)
+    speed = made.ship.speed(made.Fn[1], made.water.g)
+    turns = [simulate(x, rudder_deg=35, speed=speed, compiled=False) for x in (made, each)]
+    diameters = [x.metrics["tactical_diameter_L"] for x in turns]
+    assert diameters[0] == pytest.approx(diameters[1], rel=0.03)
+
+
+def test_an_effect_of_ones_own_is_named_added_and_fitted(bare, tmp_path):
+    """Fins aft: one coefficient for force and moment, hidden as the catalogue's sway drag."""
+    fins = own_effect("fins", "Y: a*v*|v|; N: -0.2*a*v*|v|; a ~ -0.02")
+    campaign = hidden_campaign("full", {"modulus_sway_drag": 1.0, "yaw_sway_coupling": 1.0}, seed=2)
+    session = begin(bare, campaign, own=[fins])
+    found = session.diagnose()
+    assert set(found.best) == {"fins", "yaw_sway_coupling"}, "one coefficient beats two"
+    made = session.add("fins").add("yaw_sway_coupling").model()
+    hull = made.values("hull_polynomial")
+    assert hull["Yv|v|"] == pytest.approx(-0.02, rel=0.25)
+    assert hull["Nv|v|"] == pytest.approx(-0.2 * hull["Yv|v|"], rel=1e-9)

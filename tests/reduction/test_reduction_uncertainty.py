@@ -1,0 +1,163 @@
+"""Intervals that hold what they promise, and a covariance that Monte Carlo confirms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pmmkit.campaigns.run import TypeB
+from pmmkit.observations.noise import shrunk_levels
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.monte_carlo import monte_carlo
+from scripts.datasets.s175_programme import campaign
+from scripts.datasets.s175_truth import load_truth
+from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive
+
+SIZE = {"X": 0.4, "Y": 1.2, "N": 2.5}
+
+
+def autocorrelated(channel, speed, n, seed, rho=0.8):
+    """AR(1) noise in newtons, the same at every speed."""
+    from scipy.signal import lfilter
+
+    rng = np.random.default_rng([seed, ord(channel)])
+    white = rng.normal(size=n) * SIZE[channel] * math.sqrt(1 - rho**2)
+    white[0] = rng.normal() * SIZE[channel]
+    return lfilter([1.0], [1.0, -rho], white)
+
+
+def test_small_coverage_study():
+    """Pooled coverage of the 95 % intervals over replicates of the S175 programme with biases,
+    transients and autocorrelated noise (scripts.studies.interval_coverage is the large study)."""
+    truth = load_truth()
+    hits = []
+    for seed in range(8):
+        made = campaign(truth, 500 + seed)
+        table = reduce_campaign(made, check=False).table
+        right = [[truth.at(SHIP.froude(U, WATER.g))[n] for n in table.names] for U in (1, 1.5, 2)]
+        low, high = table.interval()
+        hits.append((low <= right) & (right <= high))
+    assert 0.91 < np.mean(hits) < 0.985
+
+
+def test_errors_are_of_the_size_of_their_standard_deviations():
+    found = reduce_campaign(captive(noise=autocorrelated, cycles=6.0), check=False)
+    table = found.table
+    error = (table.value[0] - [SON_NOMOTO[name] for name in table.names]) / table.std[0]
+    assert np.abs(error).max() < 4.5
+    assert 0.5 < np.sqrt(np.mean(error**2)) < 1.6
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        TypeB(name="Y_gauge", std=0.8, shared=True),
+        TypeB(name="N_gauge", std=0.01, relative=True, shared=True),
+        TypeB(name="drift", std=math.radians(0.1), shared=True),
+        TypeB(name="drift", std=math.radians(0.15)),
+        TypeB(name="speed", std=0.01),
+        TypeB(name="period", std=0.02, relative=True),
+        TypeB(name="yaw_amplitude", std=0.02, relative=True, shared=True),
+        TypeB(name="Izz", std=20.0, shared=True),
+        TypeB(name="xG", std=0.02, shared=True),
+        TypeB(name="moment_reference_x", std=0.01, shared=True),
+        TypeB(name="rho", std=1.0, shared=True),
+    ],
+    ids=lambda source: f"{source.name}{'-shared' if source.shared else ''}",
+)
+def test_covariance_agrees_with_monte_carlo(source):
+    made = captive(noise=autocorrelated, balance=True, uncertainty=(source,))
+    found = reduce_campaign(made, check=False)
+    draws = monte_carlo(found, n=200, seed=3)[:, 0]
+    ratio = draws.std(axis=0, ddof=1) / found.table.std[0]
+    assert ratio.min() > 0.8
+    assert ratio.max() < 1.25
+
+
+def test_shared_bias_does_not_average_out_but_scatter_does():
+    """Twice the runs leave a common drift error as it is and shrink a private one by √2."""
+    single = captive(noise=autocorrelated)
+    twice = single.with_(runs=(*single.runs, *(run.with_(id=f"{run.id}'") for run in single.runs)))
+
+    def uncertainty(made, **kind):
+        source = TypeB(name="drift", std=math.radians(1.0), **kind)
+        return reduce_campaign(made.with_(uncertainty=(source,)), check=False).table.std[0]
+
+    shared = uncertainty(twice, shared=True) / uncertainty(single, shared=True)
+    private = uncertainty(twice) / uncertainty(single)
+    place = reduce_campaign(single, check=False).table.index("Nvvr")
+    assert shared[place] == pytest.approx(1.0, abs=0.05)
+    assert private[place] == pytest.approx(1 / math.sqrt(2), abs=0.05)
+
+
+def test_a_gauge_offset_that_is_not_declared_is_found_as_zero_offset():
+    made = captive(noise=autocorrelated)
+    runs = tuple(
+        run.with_(loader=lambda data=run.data: data.assign(Y=data["Y"] + 5.0)) for run in made
+    )
+    found = reduce_campaign(made.with_(runs=runs), check=False)
+    offset = next(item for item in found.offsets if item.channel == "Y")
+    unit = 0.5 * WATER.rho * SHIP.L**2 * 1.5**2
+    assert offset.clear
+    assert offset.value * unit == pytest.approx(5.0, abs=0.5)
+    assert offset.drift_deg == pytest.approx(math.degrees(5.0 / unit / 0.0116), rel=0.15)
+
+
+def test_misfit_of_a_wrong_structure_widens_the_intervals_and_is_told():
+    made = captive(noise=autocorrelated)
+    right = reduce_campaign(made, check=False)
+    wrong = reduce_campaign(made, structure="linear", check=False)
+    assert not any("misfit" in note for note in right.notes)
+    assert any("misfit" in note and "N at Fn" in note for note in wrong.notes)
+
+
+def test_like_noise_levels_borrow_strength_and_unlike_ones_do_not():
+    alike, dof, _ = shrunk_levels(np.array([0.8, 1.3, 1.0, 0.9, 1.1]), np.full(5, 8.0))
+    assert np.ptp(alike) < 0.05
+    assert dof.min() > 20
+    unlike, dof, own = shrunk_levels(np.array([1.0, 100.0, 1e4, 1.0, 1e3]), np.full(5, 50.0))
+    assert unlike == pytest.approx([1.0, 100.0, 1e4, 1.0, 1e3], rel=0.1)
+    assert dof.max() < 60
+    assert own.min() > 0.95
+
+
+def test_same_input_same_output_whatever_the_threads():
+    made = captive(noise=autocorrelated)
+    one = reduce_campaign(made, check=False, jobs=1).table
+    many = reduce_campaign(made, check=False, jobs=4).table
+    assert np.array_equal(one.value, many.value)
+    assert np.array_equal(one.covariance, many.covariance)
+
+
+def test_repeats_that_scatter_widen_the_intervals():
+    """Each run has an error of its own, 3 N, far above its record's noise: repeats show it."""
+    angles = (-12, -8, -4, 0, 4, 8, 12)
+    rng = np.random.default_rng(4)
+    runs, repeated = [], []
+    for number in range(3):
+        for beta in angles:
+            name = f"SD{beta}_{number}"
+            runs.append((name, "static_drift", 1.5, {"drift": math.radians(beta)}))
+    made = captive(runs=runs, noise=autocorrelated)
+    for run in made:
+        off = 3.0 * rng.normal()
+        shifted = run.data.assign(Y=run.data["Y"] + off)
+        repeated.append(run.with_(loader=lambda data=shifted: data))
+    structure = "Yv Yvvv Nv Nvvv"
+    quiet = reduce_campaign(made, structure=structure, check=False).table
+    loud = reduce_campaign(made.with_(runs=tuple(repeated)), structure=structure, check=False).table
+    assert loud.std[0, 0] > 3 * quiet.std[0, 0]
+    assert loud.std[0, 2] == pytest.approx(quiet.std[0, 2], rel=0.1)
+    assert abs(loud.value[0, 0] - SON_NOMOTO["Yv"]) < 3 * loud.std[0, 0]
+
+
+def test_numerical_uncertainty_of_a_solver_counts_as_a_common_zero_error():
+    """CFD has no noise: what is stated as U_SN is what the intervals rest on."""
+    made = captive()
+    bare = reduce_campaign(made, check=False).table
+    grid = reduce_campaign(made.with_(numerical={"Y": 2.0}), check=False).table
+    same = made.with_(uncertainty=(TypeB(name="Y_gauge", std=2.0, shared=True),))
+    assert grid.std[0, 5] > 100 * bare.std[0, 5]
+    assert np.array_equal(grid.std, reduce_campaign(same, check=False).table.std)

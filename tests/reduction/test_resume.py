@@ -1,0 +1,359 @@
+"""Large campaigns: several processes, interruption, going on; the same result to the bit."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pmmkit as pk
+from pmmkit.errors import CampaignError
+from pmmkit.readers.text import csv as csv_reader
+from pmmkit.readers.text import splitting as text
+from pmmkit.readers.base import Options, Request
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.reading import all_runs, resume
+from pmmkit.reduction.reading import pool as workers
+from scripts.datasets.make_large import make
+from scripts.studies.kill_test import SAVE, content, examine
+
+RUNS = 16
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    place = tmp_path_factory.mktemp("campaign")
+    make(place, runs=RUNS, mb=0.03)
+    return place
+
+
+@pytest.fixture(scope="module")
+def undisturbed(folder):
+    return everything(reduced(folder, jobs=1))
+
+
+@pytest.fixture
+def at_once(monkeypatch):
+    """Results are kept and processes started from the first run on."""
+    monkeypatch.setattr(all_runs, "PATIENCE", 0.0)
+    monkeypatch.setattr(all_runs, "PAYS", 0.0)
+
+
+def reduced(folder, **options):
+    return reduce_campaign(pk.open_campaign(folder), structure="cubic", **options)
+
+
+def everything(found):
+    """All numbers of a reduction, to the bit."""
+    tables = [found.table, *found.families.values(), *found.single_runs.values()]
+    numbers = [part.tobytes() for item in tables for part in (item.value, item.covariance)]
+    return numbers, found.runs_to_pandas().to_csv(), [str(item) for item in found.findings]
+
+
+class Stop(Exception):
+    """Stands for Ctrl-C."""
+
+
+def stopped_after(folder, kept, runs):
+    """Reduce and stop when so many runs are read."""
+
+    def progress(done, total, what):
+        if done == runs:
+            raise Stop
+
+    with pytest.raises(Stop):
+        reduced(folder, jobs=1, resume=kept, progress=progress)
+
+
+def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once, monkeypatch):
+    asked = []
+    read = workers.Crew.read
+    monkeypatch.setattr(
+        workers.Crew, "read", lambda crew, run: asked.append(run) or read(crew, run)
+    )
+    assert everything(reduced(folder, jobs=2)) == undisturbed
+    assert len(asked) == RUNS - 1
+
+
+def test_a_process_that_dies_takes_no_run_with_it(folder, undisturbed, at_once, monkeypatch):
+    started = workers._started
+
+    def one_dies_soon(way, count):
+        processes = started(way, count)
+        threading.Timer(1.5, processes[0].kill).start()
+        return processes
+
+    monkeypatch.setattr(workers, "_started", one_dies_soon)
+    assert everything(reduced(folder, jobs=2)) == undisturbed
+
+
+def test_problems_of_all_runs_come_back_from_the_processes(folder, tmp_path, at_once):
+    place = shutil.copytree(folder, tmp_path / "damaged")
+    for number in (2, 7):
+        file = next((place / "runs").glob(f"*_{number:04d}.csv"))
+        file.write_bytes(file.read_bytes()[:-300] + b"1,2,x,4,5,6,7,8,9\n")
+    with pytest.raises(CampaignError) as caught:
+        reduced(place, jobs=2)
+    found = [problem.run for problem in caught.value.problems]
+    assert found == ["static_drift_0002", "pure_sway_0007"]
+
+
+def test_runs_that_live_in_memory_only_are_read_in_this_process(folder, undisturbed, at_once):
+    campaign = pk.open_campaign(folder)
+    runs = tuple(run.with_(loader=lambda data=run.data: data) for run in campaign.runs)
+    assert (
+        everything(reduce_campaign(campaign.with_(runs=runs), structure="cubic"))[0]
+        == undisturbed[0]
+    )
+
+
+def test_an_interrupted_reduction_goes_on(folder, undisturbed, at_once, tmp_path, monkeypatch):
+    kept = tmp_path / "kept"
+    stopped_after(folder, kept, 10)
+    assert len(list(kept.iterdir())) == 10
+    told, read = [], []
+    read_run = all_runs.read_run
+    monkeypatch.setattr(
+        all_runs, "read_run", lambda run, way: read.append(run) or read_run(run, way)
+    )
+    found = reduced(folder, jobs=1, resume=kept, progress=lambda *said: told.append(said))
+    assert told[0] == (10, RUNS, "resumed: 10 of 16 runs were read before")
+    assert len(read) == RUNS - 10
+    assert everything(found) == undisturbed
+    assert everything(reduced(folder, jobs=1, resume=kept)) == undisturbed
+
+
+def test_damaged_results_and_those_of_other_content_are_read_anew(
+    folder, undisturbed, at_once, tmp_path
+):
+    place = shutil.copytree(folder, tmp_path / "campaign")
+    kept = tmp_path / "kept"
+    stopped_after(place, kept, 1)
+    first = set(kept.iterdir())
+    stopped_after(place, kept, 8)
+    files = sorted(set(kept.iterdir()) - first)
+    files[0].write_bytes(b"")
+    files[1].write_bytes(files[1].read_bytes()[:-100])
+    files[2].write_bytes(files[3].read_bytes())
+    files[4].write_bytes(files[4].read_bytes().replace(b'"samples":', b'"sampled":'))
+    changed = place / "runs/static_drift_0000.csv"
+    raw = changed.read_bytes()
+    changed.write_bytes(raw[: len(raw) // 2].rsplit(b"\n", 1)[0] + b"\n")
+    told = []
+    found = reduced(place, jobs=1, resume=kept, progress=lambda *said: told.append(said))
+    assert told[0][0] == 8 - 5
+    assert found.runs[0].samples != reduced(folder, jobs=1).runs[0].samples
+    changed.write_bytes(raw)
+    assert everything(reduced(place, jobs=1, resume=kept)) == undisturbed
+
+
+def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
+    stopped_after(folder, tmp_path / "kept", 5)
+    told = []
+    reduced(
+        folder,
+        jobs=1,
+        resume=tmp_path / "kept",
+        carriage_speed=True,
+        progress=lambda *said: told.append(said),
+    )
+    assert told[0][0] == 1
+
+
+def test_a_small_campaign_leaves_nothing_and_starts_nothing(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(all_runs, "PATIENCE", 60.0)
+    monkeypatch.setattr(workers, "_started", None)
+    reduced(folder, resume=tmp_path / "kept")
+    assert not (tmp_path / "kept").exists()
+
+
+SLOWLY = """
+import sys
+from pathlib import Path
+
+import pmmkit as pk
+from pmmkit.reduction import reduce_campaign
+from pmmkit.reduction.reading import all_runs
+from pmmkit.reduction.reading import pool as workers
+
+all_runs.PATIENCE = all_runs.PAYS = 0.0
+started = workers._started
+
+
+def tell(way, count):
+    found = started(way, count)
+    print(*(process.pid for process in found), flush=True)
+    return found
+
+
+workers._started = tell
+kept = Path(sys.argv[2])
+reduce_campaign(pk.open_campaign(sys.argv[1]), structure="cubic", jobs=2, resume=kept)
+"""
+"""Reads with two processes and tells which they are."""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
+def test_a_killed_command_leaves_no_process_and_goes_on(folder, tmp_path, undisturbed):
+    kept = tmp_path / "kept"
+    command = [sys.executable, "-c", SLOWLY, str(folder), str(kept)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        pids = process.stdout.readline().split()
+        until(lambda: len(list(kept.glob("*.json"))) > 3)
+        process.kill()
+    until(lambda: not any(_lives(pid) for pid in pids))
+    assert everything(reduced(folder, jobs=1, resume=kept)) == undisturbed
+
+
+def _lives(pid):
+    stat = Path(f"/proc/{pid}/stat")
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def until(true, seconds=20.0):
+    """Wait for something, not for ever."""
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_a_file_is_there_whole_or_not_at_all_however_saving_is_killed(tmp_path):
+    make(tmp_path / "campaign", runs=4, mb=0.5)
+    target = tmp_path / "work" / "saved.h5"
+    target.parent.mkdir()
+    command = [sys.executable, "-c", SAVE, str(tmp_path / "campaign"), str(target)]
+    started = time.monotonic()
+    subprocess.run(command, check=True)
+    usual = time.monotonic() - started
+    new = content(target.parent)
+    for share in (0.5, 0.7, 0.8, 0.9, 1.0):
+        target.unlink(missing_ok=True)
+        with subprocess.Popen(command) as process:
+            time.sleep(share * usual)
+            process.kill()
+        state, strange = examine(content(target.parent), {}, new)
+        assert state in ("old", "new")
+        assert not strange
+    subprocess.run(command, check=True)
+    assert content(target.parent) == new
+
+
+def test_the_command_keeps_beside_its_output_and_clears_away(
+    folder, tmp_path, at_once, capsys, monkeypatch
+):
+    from pmmkit.cli import main, reducing
+
+    out = tmp_path / "out"
+    kept = resume.resume_folder(out)
+    written = []
+
+    def write(found, *_, **__):
+        assert len(list(kept.iterdir())) == RUNS
+        written.append(found)
+        return []
+
+    monkeypatch.setattr(reducing, "write_reduction", write)
+    reduced(folder, jobs=1, resume=kept)
+    arguments = ["reduce", str(folder), "--structure", "cubic", "--out", str(out), "--jobs", "1"]
+    assert main(arguments) == 0
+    assert f"resumed: {RUNS} of {RUNS} runs were read before" in capsys.readouterr().err
+    assert len(written) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def columns(path, options):
+    try:
+        read = csv_reader.columns(
+            Request(path=path, shown="f.csv", options=options), lambda _, width: range(width)
+        )
+    except CampaignError as error:
+        return sorted(map(str, error.problems))
+    return read.headers, read.dropped, [values.tobytes() for values in read.values]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_a_file_in_pieces_is_the_file_whole(seed, tmp_path, monkeypatch):
+    """Same numbers, same faults with the same rows, wherever a piece ends."""
+    rng = random.Random(seed)
+    sep, width = rng.choice(",;\t "), rng.randint(2, 5)
+    lines = [
+        sep.join(f"{rng.uniform(-9, 9):.{rng.randint(1, 6)}f}" for _ in range(width))
+        for _ in range(rng.randint(150, 400))
+    ]
+    if rng.random() < 0.6:
+        lines.insert(0, sep.join("abcde"[:width]))
+    for _ in range(rng.choice([0, 0, 1, 2])):
+        place = rng.randrange(1, len(lines))
+        line = lines[place]
+        lines[place] = rng.choice(
+            ["", line + sep + "1", line[:-3], line.replace(".", "x"), line + "\0", line + "ü"]
+        )
+    end = rng.choice(["\n", "\r\n", "\r"])
+    path = tmp_path / "f.csv"
+    path.write_bytes(
+        (end.join(lines) + rng.choice(["", end, end * 3, end + "  "])).encode("cp1252")
+    )
+    options = Options(missing=rng.choice(["error", "drop"]), encoding=rng.choice([None, "cp1252"]))
+    whole = columns(path, options)
+    monkeypatch.setattr(text, "BLOCK", rng.choice([1500, 2000, 3000]))
+    assert columns(path, options) == whole
+
+
+def test_a_large_file_is_never_in_memory_whole(tmp_path):
+    block = ",".join(["1.234567"] * 40) + "\n"
+    path = tmp_path / "wide.csv"
+    path.write_text(block * 100_000)
+    tracemalloc.start()
+    try:
+        read = csv_reader.columns(Request(path=path, shown="wide.csv"), lambda *_: [0, 7])
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert len(read.values[0]) == 100_000
+    assert np.all(read.values[1] == 1.234567)
+    assert peak < 6 * text.BLOCK < path.stat().st_size
+
+
+def test_memory_is_shared_out_in_turn():
+    room, most, held = workers.Room(100.0), [0.0], [0.0]
+    lock = threading.Lock()
+
+    def take(need):
+        with room.taken(need):
+            with lock:
+                held[0] += min(need, 100.0)
+                most[0] = max(most[0], held[0])
+            time.sleep(0.002)
+            with lock:
+                held[0] -= min(need, 100.0)
+
+    threads = [threading.Thread(target=take, args=(need,)) for need in [60, 30, 500, 45, 10] * 8]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(20)
+    assert not any(thread.is_alive() for thread in threads)
+    assert most[0] <= 100.0
+
+
+def test_files_side_by_side_need_no_more_than_one(folder, tmp_path):
+    make(tmp_path / "flat", runs=1, mb=2.0, form="foam-flat")
+    make(tmp_path / "single", runs=1, mb=1.0, width=9)
+    flat = pk.open_campaign(tmp_path / "flat").runs[0]
+    assert workers.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
+    alone = workers.memory_of(pk.open_campaign(folder).runs[0])
+    assert 0.1 < alone < 2.0
+    assert workers.memory_of(flat) < 12.0
