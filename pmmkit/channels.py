@@ -16,32 +16,75 @@ MOMENTS: Final = frozenset({"N", "K", "Q"})
 
 CHANNEL_UNITS: Final[dict[str, str]] = {
     "t": "s",
-    "X": "N", "Y": "N", "N": "N m", "K": "N m",
-    "u": "m/s", "v": "m/s", "r": "rad/s", "p": "rad/s", "phi": "rad",
-    "udot": "m/s2", "vdot": "m/s2", "rdot": "rad/s2", "pdot": "rad/s2",
-    "delta": "rad", "n": "1/s", "T": "N", "Q": "N m", "FX_rudder": "N", "FY_rudder": "N",
-    "sinkage": "m", "trim": "rad", "speed": "m/s",
-    "x": "m", "y": "m", "psi": "rad", "xdot": "m/s", "ydot": "m/s",
-    "wind_speed": "m/s", "wind_direction": "rad",
-    "lat": "deg", "lon": "deg", "sog": "m/s", "cog": "rad",
-}  # fmt: skip
+    "X": "N",
+    "Y": "N",
+    "N": "N m",
+    "K": "N m",
+    "u": "m/s",
+    "v": "m/s",
+    "r": "rad/s",
+    "p": "rad/s",
+    "phi": "rad",
+    "udot": "m/s2",
+    "vdot": "m/s2",
+    "rdot": "rad/s2",
+    "pdot": "rad/s2",
+    "delta": "rad",
+    "n": "1/s",
+    "T": "N",
+    "Q": "N m",
+    "FX_rudder": "N",
+    "FY_rudder": "N",
+    "sinkage": "m",
+    "trim": "rad",
+    "speed": "m/s",
+    "x": "m",
+    "y": "m",
+    "psi": "rad",
+    "xdot": "m/s",
+    "ydot": "m/s",
+    "wind_speed": "m/s",
+    "wind_direction": "rad",
+    "lat": "deg",
+    "lon": "deg",
+    "sog": "m/s",
+    "cog": "rad",
+}
 """SI unit of each channel of a history or of a row of means; positions on the earth stay in
 degrees."""
 
 DEGREE_CHANNELS: Final[dict[str, str]] = {
-    "psi_deg": "psi", "phi_deg": "phi", "heel_deg": "phi", "delta_deg": "delta",
-    "rudder_deg": "delta", "waterjet_deg": "delta", "trim_deg": "trim",
-    "wind_direction_deg": "wind_direction", "cog_deg": "cog",
-}  # fmt: skip
+    "psi_deg": "psi",
+    "phi_deg": "phi",
+    "heel_deg": "phi",
+    "delta_deg": "delta",
+    "rudder_deg": "delta",
+    "waterjet_deg": "delta",
+    "trim_deg": "trim",
+    "wind_direction_deg": "wind_direction",
+    "cog_deg": "cog",
+}
 """Names of columns in degrees, and the channels that they become."""
 
 SETTING_UNITS: Final[dict[str, str]] = {
-    "speed": "m/s", "drift_deg": "deg", "heel_deg": "deg", "rudder_deg": "deg",
-    "propeller_rps": "1/s", "period": "s", "frequency_hz": "1/s", "amplitude_m": "m",
-    "yaw_amplitude_deg": "deg", "phase_deg": "deg", "yaw_rate": "rad/s", "radius": "m",
-    "switch_deg": "deg", "vdot_amplitude": "", "v_amplitude": "", "r_amplitude": "",
+    "speed": "m/s",
+    "drift_deg": "deg",
+    "heel_deg": "deg",
+    "rudder_deg": "deg",
+    "propeller_rps": "1/s",
+    "period": "s",
+    "frequency_hz": "1/s",
+    "amplitude_m": "m",
+    "yaw_amplitude_deg": "deg",
+    "phase_deg": "deg",
+    "yaw_rate": "rad/s",
+    "radius": "m",
+    "switch_deg": "deg",
+    "vdot_amplitude": "",
+    "v_amplitude": "",
+    "r_amplitude": "",
     "rdot_amplitude": "",
-}  # fmt: skip
+}
 """Unit of each numeric setting of a run, as the campaign file states it."""
 
 _HARMONIC: Final = re.compile(

@@ -56,18 +56,22 @@ def norrbin(ship: Ship) -> dict[str, float]:
     """Velocity derivatives of Norrbin (1971), prime system."""
     S, x, _ = _slender(ship)
     return {
-        "Yv": -S * (1.69 + 0.08 * x), "Yr": -S * (-0.645 + 0.38 * x),
-        "Nv": -S * (0.64 - 0.04 * x), "Nr": -S * (0.47 - 0.18 * x),
-    }  # fmt: skip
+        "Yv": -S * (1.69 + 0.08 * x),
+        "Yr": -S * (-0.645 + 0.38 * x),
+        "Nv": -S * (0.64 - 0.04 * x),
+        "Nr": -S * (0.47 - 0.18 * x),
+    }
 
 
 def inoue(ship: Ship) -> dict[str, float]:
     """Velocity derivatives of Inoue et al. (1981), prime system."""
     S, x, L = _slender(ship)
     return {
-        "Yv": -S * (1.0 + 1.4 * x), "Yr": 0.5 * S, "Nv": -2.0 * S / math.pi,
+        "Yv": -S * (1.0 + 1.4 * x),
+        "Yr": 0.5 * S,
+        "Nv": -2.0 * S / math.pi,
         "Nr": -S * (1.04 / math.pi - 4.0 * ship.d / (math.pi * L)),
-    }  # fmt: skip
+    }
 
 
 def clarke(ship: Ship) -> dict[str, float]:
@@ -82,9 +86,11 @@ def clarke(ship: Ship) -> dict[str, float]:
     S, _, L = _slender(ship)
     B, d, CB = ship.B, ship.d, ship.block
     return {
-        "Yv": -S * (1.0 + 0.4 * CB * B / d), "Yr": -S * (-0.5 + 2.2 * B / L - 0.08 * B / d),
-        "Nv": -S * (0.5 + 2.4 * d / L), "Nr": -S * (0.25 + 0.039 * B / d - 0.56 * B / L),
-    }  # fmt: skip
+        "Yv": -S * (1.0 + 0.4 * CB * B / d),
+        "Yr": -S * (-0.5 + 2.2 * B / L - 0.08 * B / d),
+        "Nv": -S * (0.5 + 2.4 * d / L),
+        "Nr": -S * (0.25 + 0.039 * B / d - 0.56 * B / L),
+    }
 
 
 def clarke_accelerations(ship: Ship) -> dict[str, float]:
@@ -96,7 +102,7 @@ def clarke_accelerations(ship: Ship) -> dict[str, float]:
         "Yrdot": -S * (0.67 * B / L - 0.0033 * (B / d) ** 2),
         "Nvdot": -S * (1.1 * B / L - 0.041 * B / d),
         "Nrdot": -S * (1.0 / 12.0 + 0.017 * CB * B / d - 0.33 * B / L),
-    }  # fmt: skip
+    }
 
 
 def zhou_added_mass(ship: Ship) -> dict[str, float]:
@@ -125,12 +131,19 @@ def kijima(ship: Ship) -> dict[str, float]:
     m = 2.0 * ship.volume / (L**2 * d)
     slim, full = d * (1.0 - CB) / B, d * CB / B
     return {
-        "Yv": 0.5 * math.pi * k + 1.4 * c, "Yr": m - 1.5 * c,
-        "Yv|v|": 2.5 * slim + 0.5, "Yr|r|": 0.343 * full - 0.07, "Yvvr": 1.5 * full - 0.65,
-        "Yvrr": 5.95 * slim, "Nv": k, "Nr": -0.54 * k + k**2, "Nv|v|": -0.96 * slim + 0.066,
-        "Nr|r|": 0.5 * c - 0.09, "Nvvr": -(57.5 * c**2 - 18.4 * c + 1.6),
+        "Yv": 0.5 * math.pi * k + 1.4 * c,
+        "Yr": m - 1.5 * c,
+        "Yv|v|": 2.5 * slim + 0.5,
+        "Yr|r|": 0.343 * full - 0.07,
+        "Yvvr": 1.5 * full - 0.65,
+        "Yvrr": 5.95 * slim,
+        "Nv": k,
+        "Nr": -0.54 * k + k**2,
+        "Nv|v|": -0.96 * slim + 0.066,
+        "Nr|r|": 0.5 * c - 0.09,
+        "Nvvr": -(57.5 * c**2 - 18.4 * c + 1.6),
         "Nvrr": 0.5 * full - 0.05,
-    }  # fmt: skip
+    }
 
 
 def yoshimura_masumoto(ship: Ship) -> dict[str, float]:
@@ -139,13 +152,23 @@ def yoshimura_masumoto(ship: Ship) -> dict[str, float]:
     k, c = 2.0 * ship.d / L, ship.block * B / L
     xG, my = ship.xG / L, -zhou_added_mass(ship)["Yvdot"]
     return {
-        "Xvv": 1.15 * c - 0.18, "Xvr": my - 1.91 * c + 0.08,
-        "Xrr": -0.085 * c + 0.008 - xG * my, "Xvvvv": -6.68 * c + 1.1,
-        "Yv": -(0.5 * math.pi * k + 1.4 * c), "Yr": 0.5 * c, "Yvvv": -0.185 * L / B + 0.48,
-        "Yvvr": -0.75, "Yvrr": -(0.26 * (1.0 - CB) * L / B + 0.11), "Yrrr": -0.051,
-        "Nv": -k, "Nr": -0.54 * k + k**2, "Nvvv": -(-0.69 * CB + 0.66), "Nvvr": 1.55 * c - 0.76,
-        "Nvrr": -0.075 * (1.0 - CB) * L / B - 0.098, "Nrrr": 0.25 * c - 0.056,
-    }  # fmt: skip
+        "Xvv": 1.15 * c - 0.18,
+        "Xvr": my - 1.91 * c + 0.08,
+        "Xrr": -0.085 * c + 0.008 - xG * my,
+        "Xvvvv": -6.68 * c + 1.1,
+        "Yv": -(0.5 * math.pi * k + 1.4 * c),
+        "Yr": 0.5 * c,
+        "Yvvv": -0.185 * L / B + 0.48,
+        "Yvvr": -0.75,
+        "Yvrr": -(0.26 * (1.0 - CB) * L / B + 0.11),
+        "Yrrr": -0.051,
+        "Nv": -k,
+        "Nr": -0.54 * k + k**2,
+        "Nvvv": -(-0.69 * CB + 0.66),
+        "Nvvr": 1.55 * c - 0.76,
+        "Nvrr": -0.075 * (1.0 - CB) * L / B - 0.098,
+        "Nrrr": 0.25 * c - 0.056,
+    }
 
 
 _UNREAD: Final = "as public programs quote it; the paper was not at hand"
@@ -158,11 +181,13 @@ METHODS: Final[Mapping[str, tuple[Callable[[Ship], dict[str, float]], Convention
             "clarke": (clarke, _PRIME, "Clarke, Gedling and Hine 1983"),
             "kijima": (kijima, _BETA, f"Kijima et al. 1990, {_UNREAD}"),
             "yoshimura-masumoto": (
-                yoshimura_masumoto, _MMG, f"Yoshimura and Masumoto 2012, {_UNREAD}"
+                yoshimura_masumoto,
+                _MMG,
+                f"Yoshimura and Masumoto 2012, {_UNREAD}",
             ),
         }
     )
-)  # fmt: skip
+)
 
 
 def estimate(ship: Ship, method: str) -> Estimate:
@@ -228,12 +253,19 @@ def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[s
     c = ship.block * ship.B / ship.L
     straightening = 2.06 * c + 0.14
     return {
-        "area": area, "lift_slope": 6.13 * aspect / (aspect + 2.25),
-        "eta": D / math.sqrt(area * aspect), "aH": 0.627 * ship.block - 0.153,
-        "tR": 0.45 - 0.28 * ship.block, "xH": -0.45, "xR": -0.5, "lR": -0.9,
-        "gamma_positive": straightening, "gamma_negative": straightening,
-        "kappa": 0.55 - 0.8 * c, "epsilon": 2.26 - 1.82 * (1.0 - wake_fraction(ship)),
-    }  # fmt: skip
+        "area": area,
+        "lift_slope": 6.13 * aspect / (aspect + 2.25),
+        "eta": D / math.sqrt(area * aspect),
+        "aH": 0.627 * ship.block - 0.153,
+        "tR": 0.45 - 0.28 * ship.block,
+        "xH": -0.45,
+        "xR": -0.5,
+        "lR": -0.9,
+        "gamma_positive": straightening,
+        "gamma_negative": straightening,
+        "kappa": 0.55 - 0.8 * c,
+        "epsilon": 2.26 - 1.82 * (1.0 - wake_fraction(ship)),
+    }
 
 
 def wake_fraction(ship: Ship) -> float:
@@ -256,9 +288,7 @@ def criterion(values: Mapping[str, float], mass: float, xG: float) -> tuple[floa
     float, float
         (Nr - m'xG)/(Yr - m') and Nv/Yv.
     """
-    return (
-        (values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"]
-    )  # fmt: skip
+    return ((values["Nr"] - mass * xG) / (values["Yr"] - mass), values["Nv"] / values["Yv"])
 
 
 def friction_coefficient(reynolds: float) -> float:

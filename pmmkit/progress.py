@@ -65,9 +65,11 @@ def _bar(stream: TextIO) -> Iterator[Progress]:
     from rich.progress import Progress as Bar
 
     columns = (
-        BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
         TextColumn("{task.description}", markup=False),
-    )  # fmt: skip
+    )
     with Bar(*columns, console=Console(file=stream)) as bar:
         task = bar.add_task("", total=None)
 

@@ -6,11 +6,9 @@ import csv
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
-
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 
 def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:

@@ -17,12 +17,22 @@ if TYPE_CHECKING:
     import xarray as xr
 
 STATIC_TESTS: Final = (
-    "resistance", "propulsion", "static_drift", "static_heel", "static_rudder", "drift_rudder",
+    "resistance",
+    "propulsion",
+    "static_drift",
+    "static_heel",
+    "static_rudder",
+    "drift_rudder",
     "circular_motion",
-)  # fmt: skip
+)
 DYNAMIC_TESTS: Final = (
-    "pure_surge", "pure_sway", "pure_yaw", "yaw_drift", "yaw_rudder", "sway_yaw",
-)  # fmt: skip
+    "pure_surge",
+    "pure_sway",
+    "pure_yaw",
+    "yaw_drift",
+    "yaw_rudder",
+    "sway_yaw",
+)
 FREE_TESTS: Final = ("turning", "zigzag", "pull_out", "spiral", "stopping", "random")
 TESTS: Final = STATIC_TESTS + DYNAMIC_TESTS + FREE_TESTS
 

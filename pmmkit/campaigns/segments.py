@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import FREE_TESTS, Run
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Places = NDArray[np.intp]
 

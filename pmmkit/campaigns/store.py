@@ -21,12 +21,7 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import atomic_path
 from pmmkit.json_text import to_json
 from pmmkit.readers.saved.file import FORMAT, SCHEMA, checksum, loader_of, opened, read_index
-from pmmkit.readers.saved.group import (
-    attribute,
-    safe_names,
-    unfit,
-    write_group,
-)
+from pmmkit.readers.saved.group import attribute, safe_names, unfit, write_group
 from pmmkit.ship import Ship, Water
 from pmmkit.version import __version__
 

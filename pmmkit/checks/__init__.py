@@ -21,7 +21,7 @@ from pmmkit.checks import (
     scales,
     signs,
     static,
-)  # fmt: skip
+)
 from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
@@ -30,10 +30,21 @@ from pmmkit.errors import CampaignError, DataError, Problem
 __all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
 
 CHECKS: Final[tuple[Check, ...]] = (
-    *inertia.CHECKS, *signs.CHECKS, *reference.CHECKS, *scales.CHECKS, *copies.CHECKS,
-    *motion.CHECKS, *clock.CHECKS, *record.CHECKS, *particulars.CHECKS, *frequency.CHECKS,
-    *static.CHECKS, *positions.CHECKS, *free_running.CHECKS, *density.CHECKS,
-)  # fmt: skip
+    *inertia.CHECKS,
+    *signs.CHECKS,
+    *reference.CHECKS,
+    *scales.CHECKS,
+    *copies.CHECKS,
+    *motion.CHECKS,
+    *clock.CHECKS,
+    *record.CHECKS,
+    *particulars.CHECKS,
+    *frequency.CHECKS,
+    *static.CHECKS,
+    *positions.CHECKS,
+    *free_running.CHECKS,
+    *density.CHECKS,
+)
 """All checks, each with its name and a line on what it looks for."""
 
 

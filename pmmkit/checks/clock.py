@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.checks.finding import Array, Check, CheckFinding, Severity, figure
+from pmmkit.checks.finding import Check, CheckFinding, Severity, figure
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -182,9 +183,5 @@ def _together(
 
 
 CHECKS = (
-    Check(
-        "time stamps",
-        "times that run backwards, repeat, jump or are rounded",
-        examine_clock,
-    ),
+    Check("time stamps", "times that run backwards, repeat, jump or are rounded", examine_clock),
 )

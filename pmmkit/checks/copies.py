@@ -18,13 +18,18 @@ if TYPE_CHECKING:
 NEARLY: Final = 1e-4
 _BLOCK: Final = 256
 _SETTINGS: Final = (
-    ("speed", "speed", "m/s", 1.0), ("drift", "drift angle", "°", 180 / math.pi),
-    ("heel", "heel", "°", 180 / math.pi), ("rudder", "rudder angle", "°", 180 / math.pi),
-    ("propeller_rps", "propeller", "1/s", 1.0), ("period", "period", "s", 1.0),
+    ("speed", "speed", "m/s", 1.0),
+    ("drift", "drift angle", "°", 180 / math.pi),
+    ("heel", "heel", "°", 180 / math.pi),
+    ("rudder", "rudder angle", "°", 180 / math.pi),
+    ("propeller_rps", "propeller", "1/s", 1.0),
+    ("period", "period", "s", 1.0),
     ("amplitude", "amplitude", "m", 1.0),
-    ("yaw_amplitude", "yaw amplitude", "°", 180 / math.pi), ("phase", "phase", "°", 180 / math.pi),
-    ("yaw_rate", "yaw rate", "rad/s", 1.0), ("radius", "radius", "m", 1.0),
-)  # fmt: skip
+    ("yaw_amplitude", "yaw amplitude", "°", 180 / math.pi),
+    ("phase", "phase", "°", 180 / math.pi),
+    ("yaw_rate", "yaw rate", "rad/s", 1.0),
+    ("radius", "radius", "m", 1.0),
+)
 
 
 def examine_copies(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

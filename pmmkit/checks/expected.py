@@ -102,10 +102,18 @@ def prime_unit(campaign: Campaign, name: str, speed: float) -> float:
     L = campaign.ship.L
     pressure = 0.5 * campaign.water.rho * speed**2
     units = {
-        "X": pressure * L**2, "Y": pressure * L**2, "N": pressure * L**3, "K": pressure * L**3,
-        "T": pressure * L**2, "u": speed, "v": speed, "r": speed / L,
-        "udot": speed**2 / L, "vdot": speed**2 / L, "rdot": (speed / L) ** 2,
-    }  # fmt: skip
+        "X": pressure * L**2,
+        "Y": pressure * L**2,
+        "N": pressure * L**3,
+        "K": pressure * L**3,
+        "T": pressure * L**2,
+        "u": speed,
+        "v": speed,
+        "r": speed / L,
+        "udot": speed**2 / L,
+        "vdot": speed**2 / L,
+        "rdot": (speed / L) ** 2,
+    }
     return units[name]
 
 

@@ -8,16 +8,13 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmmkit.errors import ContradictionError, Problem
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
 
-Array = NDArray[np.float64]
 Severity = Literal["error", "warning", "info"]
 SEVERITIES: Final[tuple[Severity, ...]] = ("error", "warning", "info")
 

@@ -20,8 +20,9 @@ from pmmkit.campaigns.segments import (
     stop_at_end,
     without_jumps,
 )
-from pmmkit.checks.finding import Array, Check, CheckFinding, Severity, figure
+from pmmkit.checks.finding import Check, CheckFinding, Severity, figure
 from pmmkit.checks.track import rate_facts
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -480,12 +481,18 @@ def _told(
 
 
 CHECKS = (
-    Check("standing samples", "positions that stand and then catch up; rows without a value",
-          examine_samples),
-    Check("stop at the end", "propellers that stand at the end of a free-running record",
-          examine_stops),
+    Check(
+        "standing samples",
+        "positions that stand and then catch up; rows without a value",
+        examine_samples,
+    ),
+    Check(
+        "stop at the end",
+        "propellers that stand at the end of a free-running record",
+        examine_stops,
+    ),
     Check("headings", "headings that jump; the integral of r against psi", examine_headings),
     Check("false sway", "sway columns that hold a part of the surge, times r", examine_sway),
     Check("rudder order", "rudder columns that step as no rudder does", examine_rudder),
     Check("approach", "approach, rudder and switches of turns and zigzags", examine_manoeuvres),
-)  # fmt: skip
+)

@@ -104,6 +104,7 @@ def _standing(
 
 
 CHECKS = (
-    Check("frequency", "ωU/g against 1/4, ω' and waves standing across the tank",
-          examine_frequencies),
-)  # fmt: skip
+    Check(
+        "frequency", "ωU/g against 1/4, ω' and waves standing across the tank", examine_frequencies
+    ),
+)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.checks.expected import expected, round_factor
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure, share_of
+from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -36,18 +37,43 @@ class _Question:
 
 
 _QUESTIONS: Final = (
-    _Question("Y", "inertia in Y", ("pure_sway",),
-              "Y in phase with the displacement over the sway acceleration",
-              "-(m + my)", "-my", "kg"),
-    _Question("N", "inertia in N", ("pure_yaw",),
-              "N in phase with the heading over the yaw acceleration",
-              "-(Izz + Jz)", "-Jz", "kg m²"),
-    _Question("Yr", "inertia in Y r", ("pure_yaw",),
-              "Y in phase with the yaw rate over r u", "Yr - m", "Yr", "kg"),
-    _Question("X", "inertia in X", ("pure_yaw", "pure_surge"),
-              "X in phase with the surge acceleration over that acceleration",
-              "-(m + mx)", "-mx", "kg"),
-)  # fmt: skip
+    _Question(
+        "Y",
+        "inertia in Y",
+        ("pure_sway",),
+        "Y in phase with the displacement over the sway acceleration",
+        "-(m + my)",
+        "-my",
+        "kg",
+    ),
+    _Question(
+        "N",
+        "inertia in N",
+        ("pure_yaw",),
+        "N in phase with the heading over the yaw acceleration",
+        "-(Izz + Jz)",
+        "-Jz",
+        "kg m²",
+    ),
+    _Question(
+        "Yr",
+        "inertia in Y r",
+        ("pure_yaw",),
+        "Y in phase with the yaw rate over r u",
+        "Yr - m",
+        "Yr",
+        "kg",
+    ),
+    _Question(
+        "X",
+        "inertia in X",
+        ("pure_yaw", "pure_surge"),
+        "X in phase with the surge acceleration over that acceleration",
+        "-(m + mx)",
+        "-mx",
+        "kg",
+    ),
+)
 
 
 def examine_inertia(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -108,9 +134,15 @@ def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) 
     noise = math.sqrt(sum(_noise(question.key, item) ** 2 * motion**2 for item, motion, _ in pairs))
     error = float(np.nanmax([error, noise / float(motions @ motions)]))
     return _Verdict(
-        question, tuple(item.run.id for item, _, _ in pairs), slope, error, own, added,
-        (slope - added) / own, abs(error / own),
-    )  # fmt: skip
+        question,
+        tuple(item.run.id for item, _, _ in pairs),
+        slope,
+        error,
+        own,
+        added,
+        (slope - added) / own,
+        abs(error / own),
+    )
 
 
 def _fits(question: _Question, item: Summary) -> bool:

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.checks.expected import round_factor
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure, name_runs
+from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign

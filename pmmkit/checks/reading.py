@@ -17,10 +17,10 @@ from pmmkit.checks.clock import clock_facts
 from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
 from pmmkit.checks.record import flat_facts
-from pmmkit.checks.summary import EMPTY, Array, Summary
+from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
-from pmmkit.numerics import coefficients
+from pmmkit.numerics import Array, coefficients
 from pmmkit.signals import design_matrix, steady_window, whole_cycles
 
 if TYPE_CHECKING:
@@ -135,12 +135,7 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
 
 
 def _oscillating(
-    run: Run,
-    data: xr.Dataset,
-    t: Array,
-    names: list[str],
-    forces: Array,
-    shared: Mapping[str, Any],
+    run: Run, data: xr.Dataset, t: Array, names: list[str], forces: Array, shared: Mapping[str, Any]
 ) -> Summary:
     """Harmonics of the whole cycles without transient, and of each cycle."""
     try:

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.checks.expected import prime_unit
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure
+from pmmkit.checks.finding import Check, CheckFinding, figure
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -211,11 +212,14 @@ def _odd_cycle(item: Summary, channel: str, noise: float) -> _Odd | None:
 
 
 _SISTERS: Final = (
-    ("pure_sway", "Y", "s", "vdot"), ("pure_sway", "Y", "c", "v"),
+    ("pure_sway", "Y", "s", "vdot"),
+    ("pure_sway", "Y", "c", "v"),
     ("pure_sway", "N", "c", "v"),
-    ("pure_yaw", "Y", "s", "rdot"), ("pure_yaw", "Y", "c", "r"),
-    ("pure_yaw", "N", "s", "rdot"), ("pure_yaw", "N", "c", "r"),
-)  # fmt: skip
+    ("pure_yaw", "Y", "s", "rdot"),
+    ("pure_yaw", "Y", "c", "r"),
+    ("pure_yaw", "N", "s", "rdot"),
+    ("pure_yaw", "N", "c", "r"),
+)
 
 
 def examine_sisters(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

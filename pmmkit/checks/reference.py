@@ -134,6 +134,9 @@ def _too_long(lever: tuple[float, float, tuple[str, ...]], stated: float, L: flo
 
 
 CHECKS = (
-    Check("moment reference", "the point to which moments refer, by symmetry and by the rudder",
-          examine_reference),
-)  # fmt: skip
+    Check(
+        "moment reference",
+        "the point to which moments refer, by symmetry and by the rudder",
+        examine_reference,
+    ),
+)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.checks.expected import expected, resistance_estimate, round_factor
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure
+from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.checks.signs import STATIC, Slope, drift_slope
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign, Settings

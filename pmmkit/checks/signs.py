@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.checks.expected import expected, prime_unit
-from pmmkit.checks.finding import Array, Check, CheckFinding, figure, straight_line
+from pmmkit.checks.finding import Check, CheckFinding, figure, straight_line
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -75,9 +76,11 @@ def static_slope(
         return None
     angles: Array = np.array([_angle(item, angle) for item in group])
     forces: Array = np.array(
-        [item.mean(channel) / prime_unit(campaign, channel, item.run.settings.speed)
-         for item in group]
-    )  # fmt: skip
+        [
+            item.mean(channel) / prime_unit(campaign, channel, item.run.settings.speed)
+            for item in group
+        ]
+    )
     slope, intercept, std = straight_line(angles, forces)
     if not math.isfinite(std):
         std = 0.25 * abs(slope)
@@ -172,8 +175,10 @@ def _rudder(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
 
 
 _DAMPING: Final = (
-    ("pure_sway", "Y", "v", "Yv"), ("pure_sway", "N", "v", "Nv"), ("pure_yaw", "N", "r", "Nr"),
-)  # fmt: skip
+    ("pure_sway", "Y", "v", "Yv"),
+    ("pure_sway", "N", "v", "Nv"),
+    ("pure_yaw", "N", "r", "Nr"),
+)
 
 
 def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -214,12 +219,13 @@ def _resistance(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     towed = [
         item
         for item in summaries
-        if (item.run.test == "resistance" or (
-            item.run.test in STATIC and item.run.settings.propeller_rps == 0
-        ))
+        if (
+            item.run.test == "resistance"
+            or (item.run.test in STATIC and item.run.settings.propeller_rps == 0)
+        )
         and abs(item.run.settings.drift) < math.radians(5)
         and math.isfinite(item.mean("X"))
-    ]  # fmt: skip
+    ]
     pushed = [item for item in towed if item.mean("X") > 0]
     if towed and len(pushed) > len(towed) / 2:
         largest = max(pushed, key=lambda item: item.mean("X"))

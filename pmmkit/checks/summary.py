@@ -9,11 +9,10 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Run
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 EMPTY: Final[Array] = np.zeros(0)
 
 

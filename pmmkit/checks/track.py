@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.checks.finding import Array
 from pmmkit.checks.positions import position_facts
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -189,9 +189,22 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
 
 def _columns(data: xr.Dataset) -> Mapping[str, Array]:
     names = (
-        "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "xdot", "ydot", "delta",
-        "lat", "lon", "sog",
-    )  # fmt: skip
+        "x",
+        "y",
+        "psi",
+        "u",
+        "v",
+        "r",
+        "udot",
+        "vdot",
+        "rdot",
+        "xdot",
+        "ydot",
+        "delta",
+        "lat",
+        "lon",
+        "sog",
+    )
     found = {name: np.asarray(data[name].values, float) for name in names if name in data}
     return {name: part for name, part in found.items() if part.ndim and np.isfinite(part).any()}
 

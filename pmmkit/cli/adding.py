@@ -87,10 +87,15 @@ def add(
     save_model(after, target)
     turns = _turns(replace(session, steps=()).model(), after, opened)
     content = {
-        "model": str(target), "added": list(effects), "taken_out": taken,
-        "errors": fall.to_pandas().to_dict("records"), "useless": list(fall.useless),
-        "turning": turns, "notes": list(after.notes), "history": list(after.history),
-    }  # fmt: skip
+        "model": str(target),
+        "added": list(effects),
+        "taken_out": taken,
+        "errors": fall.to_pandas().to_dict("records"),
+        "useless": list(fall.useless),
+        "turning": turns,
+        "notes": list(after.notes),
+        "history": list(after.history),
+    }
     files = _write(fall, out, drawn) if out is not None else []
     lines = _words(fall, taken, turns)
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
@@ -119,9 +124,12 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     for name, model in (("before", before), ("after", after)):
         try:
             track = simulate(
-                model, "turning", rudder_deg=RUDDER_DEG, speed=model.ship.speed(Fn, model.water.g),
+                model,
+                "turning",
+                rudder_deg=RUDDER_DEG,
+                speed=model.ship.speed(Fn, model.water.g),
                 compiled=False,
-            )  # fmt: skip
+            )
         except PmmkitError:
             return {}
         found[name] = {key: track.metrics[key] for key in METRICS if key in track.metrics}
@@ -138,11 +146,14 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
     for step, item in zip(fall.steps, fall.errors, strict=True):
         own = frame[frame["step"] == step]
         errors = own[own["test"] == "all"].set_index("channel")["error"]
-        rows.append([
-            step if step == fall.steps[0] else f"+ {step}", f"{100 * item.share():.2f}",
-            *(f"{float(errors[name]):.3g}" for name in channels),
-            *(_per_test(own, test) for test in tests if test != "all"),
-        ])  # fmt: skip
+        rows.append(
+            [
+                step if step == fall.steps[0] else f"+ {step}",
+                f"{100 * item.share():.2f}",
+                *(f"{float(errors[name]):.3g}" for name in channels),
+                *(_per_test(own, test) for test in tests if test != "all"),
+            ]
+        )
     units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
     lines.append(
         aligned(["step", "all", *units, *(t.replace("_", " ") for t in tests if t != "all")], rows)
@@ -156,10 +167,15 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
     if turns:
         lines += ["", f"Turning circle, rudder {RUDDER_DEG:g}°, in ship lengths:"]
         names = list(turns["after"])
-        lines.append(aligned(
-            ["", *(name.removesuffix("_L").replace("_", " ") for name in names)],
-            [[key, *(f"{values[name]:.3f}" for name in names)] for key, values in turns.items()],
-        ))  # fmt: skip
+        lines.append(
+            aligned(
+                ["", *(name.removesuffix("_L").replace("_", " ") for name in names)],
+                [
+                    [key, *(f"{values[name]:.3f}" for name in names)]
+                    for key, values in turns.items()
+                ],
+            )
+        )
     return lines
 
 

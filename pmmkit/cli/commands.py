@@ -43,12 +43,10 @@ def reduce(
     ] = "abkowitz3",
     fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
     cycles: Annotated[
-        str | None,
-        typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent."),
+        str | None, typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent.")
     ] = None,
     parts: Annotated[
-        str | None,
-        typer.Option(help="Library ship or model file that gives propeller and rudder."),
+        str | None, typer.Option(help="Library ship or model file that gives propeller and rudder.")
     ] = None,
     reference: Annotated[
         str | None, typer.Option(help="Library ship, model file or table to compare with.")

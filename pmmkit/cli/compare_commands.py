@@ -17,7 +17,8 @@ def compare(
     floor: Annotated[
         float,
         typer.Option(
-            min=0.0, max=0.5,
+            min=0.0,
+            max=0.5,
             help="Share of a channel's rms force that counts as uncertain whatever else is known.",
         ),
     ] = 0.005,
@@ -38,14 +39,20 @@ def compare(
     data: Data = None,
     out: Out = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Compare a model with tests: errors against their uncertainty, and where it fails."""
     from pmmkit.cli import comparing
 
     finish(
         comparing.compare_with(
-            model, campaign, out or Path(f"{stem(campaign)}-compared"), floor=floor, window=window,
-            extrapolate=extrapolate, drawn=figures, data=data,
+            model,
+            campaign,
+            out or Path(f"{stem(campaign)}-compared"),
+            floor=floor,
+            window=window,
+            extrapolate=extrapolate,
+            drawn=figures,
+            data=data,
         ),
         json,
-    )  # fmt: skip
+    )

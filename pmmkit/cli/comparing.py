@@ -84,17 +84,15 @@ def _content(found: Comparison) -> dict[str, Any]:
         "coverage_factor": COVERAGE,
         "runs": found.rows(),
         "misfit": found.misfit().to_dict("records"),
-        "standouts": [
-            {"text": str(item), **asdict(item)} for item in found.outstanding()
-        ] if found.captive else [{"text": text} for text in found.standouts()],
+        "standouts": [{"text": str(item), **asdict(item)} for item in found.outstanding()]
+        if found.captive
+        else [{"text": text} for text in found.standouts()],
         "manoeuvres": [row for item in found.manoeuvres for row in item.rows()],
         "notes": list(found.notes),
-    }  # fmt: skip
+    }
 
 
-def _write(
-    found: Comparison, out: Path, content: Mapping[str, Any], *, drawn: bool
-) -> list[str]:  # fmt: skip
+def _write(found: Comparison, out: Path, content: Mapping[str, Any], *, drawn: bool) -> list[str]:
     """All files of the results, or none."""
     with atomic_folder(out) as folder:
         found.to_pandas().to_csv(folder / "comparison.csv", index=False)
@@ -140,11 +138,14 @@ def _table(table: pd.DataFrame) -> str:
         )
         rows.append(
             [
-                f"{channel} [{unit}], {words_of_test(test)}", str(len(group)), f"{error:.3g}",
-                f"{100 * error / measured:.1f} %" if measured else "-", f"{doubt:.2g}",
+                f"{channel} [{unit}], {words_of_test(test)}",
+                str(len(group)),
+                f"{error:.3g}",
+                f"{100 * error / measured:.1f} %" if measured else "-",
+                f"{doubt:.2g}",
                 f"{int(group['within'].sum())} of {len(group)}",
             ]
-        )  # fmt: skip
+        )
     rows.sort(key=lambda row: row[0].split(",")[0])
     head = ["channel, test", "runs", "error", "over measured", "uncertainty", "within it"]
     return aligned(head, rows)
@@ -152,11 +153,15 @@ def _table(table: pd.DataFrame) -> str:
 
 def _measures(found: Comparison) -> str:
     rows = [
-        [f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
-         f"{row['measured']:.3g}", f"{row['simulated']:.3g}", f"{row['error']:+.2g}",
-         f"{row['uncertainty']:.2g}"]
+        [
+            f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
+            f"{row['measured']:.3g}",
+            f"{row['simulated']:.3g}",
+            f"{row['error']:+.2g}",
+            f"{row['uncertainty']:.2g}",
+        ]
         for item in found.manoeuvres
         for row in item.rows()
         if row["measure"] in TOLD
-    ]  # fmt: skip
+    ]
     return aligned(["measure", "measured", "simulated", "error", "uncertainty"], rows)

@@ -24,10 +24,18 @@ from pmmkit.structures import STRUCTURES
 
 
 def diagnose(
-    model: str, campaign: Path, out: Path, *, floor: float | None = None,
-    given: Sequence[str] = (), noise: float | None = None, own: Path | None = None,
-    records: Asked | None = None, drawn: bool = True, data: Path | None = None,
-) -> Outcome:  # fmt: skip
+    model: str,
+    campaign: Path,
+    out: Path,
+    *,
+    floor: float | None = None,
+    given: Sequence[str] = (),
+    noise: float | None = None,
+    own: Path | None = None,
+    records: Asked | None = None,
+    drawn: bool = True,
+    data: Path | None = None,
+) -> Outcome:
     """Diagnose a campaign, and write everything.
 
     Parameters
@@ -66,9 +74,14 @@ def diagnose(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
         return diagnose_records(
-            load_model(model), opened, out, asked=records or Asked(), floor=floor, drawn=drawn,
+            load_model(model),
+            opened,
+            out,
+            asked=records or Asked(),
+            floor=floor,
+            drawn=drawn,
             checks=findings_of(checked),
-        )  # fmt: skip
+        )
     if records is not None and records != Asked():
         raise DataError("Options of free-running records are of no use for captive tests.")
     session = begin(model, opened, floor=floor, noise=noise, own=own_effects(own) if own else ())
@@ -77,9 +90,11 @@ def diagnose(
     loop = loop_of(session, model)
     found = loop.diagnosis
     content = {
-        **found.to_dict(), "campaign": opened.title, "model": model,
+        **found.to_dict(),
+        "campaign": opened.title,
+        "model": model,
         "checks": findings_of(checked),
-    }  # fmt: skip
+    }
     with atomic_folder(out) as folder:
         (folder / "diagnosis.json").write_text(json_text(content) + "\n", encoding="utf-8")
         found.to_pandas().to_csv(folder / "effects.csv", index=False)
@@ -91,8 +106,9 @@ def diagnose(
         f"{opened.title}: {len(opened.runs)} runs against {model}",
         *dict.fromkeys(f"{item['severity']}: {item['message']}" for item in findings_of(checked)),
         *words(found),
-        "", f"Results: {out}",
-    ]  # fmt: skip
+        "",
+        f"Results: {out}",
+    ]
     lines += _next(model, campaign, found)
     return Outcome(content={"out": str(out), "files": files, **content}, lines=lines)
 

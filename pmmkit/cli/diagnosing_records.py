@@ -57,9 +57,15 @@ class Asked:
 
 
 def diagnose_records(
-    model: Model, campaign: Campaign, out: Path, *, asked: Asked, floor: float | None,
-    checks: Sequence[Mapping[str, Any]], drawn: bool,
-) -> Outcome:  # fmt: skip
+    model: Model,
+    campaign: Campaign,
+    out: Path,
+    *,
+    asked: Asked,
+    floor: float | None,
+    checks: Sequence[Mapping[str, Any]],
+    drawn: bool,
+) -> Outcome:
     """Diagnose free-running records, and write everything.
 
     Parameters
@@ -78,23 +84,41 @@ def diagnose_records(
         What the checks of the data found.
     """
     used, kept = chosen_records(
-        campaign, model, runs=asked.runs, test_runs=asked.test_runs, channels=asked.channels,
-        rudder="auto", wind=True, shortest=asked.shortest,
-    )  # fmt: skip
+        campaign,
+        model,
+        runs=asked.runs,
+        test_runs=asked.test_runs,
+        channels=asked.channels,
+        rudder="auto",
+        wind=True,
+        shortest=asked.shortest,
+    )
     beside, alone = SPREAD
     if asked.spread is not None:
         beside, alone = (0.0 if model.covariance is None else asked.spread), asked.spread
     found = diagnose_free(
-        model, used.records, spread=beside, loose=alone, windage=asked.windage,
-        sensors=asked.sensors, floor=FLOOR if floor is None else floor, window=asked.judged,
-        held_out=kept.records if kept else (), held_out_window=asked.window if kept else None,
+        model,
+        used.records,
+        spread=beside,
+        loose=alone,
+        windage=asked.windage,
+        sensors=asked.sensors,
+        floor=FLOOR if floor is None else floor,
+        window=asked.judged,
+        held_out=kept.records if kept else (),
+        held_out_window=asked.window if kept else None,
         progress=say,
-    )  # fmt: skip
+    )
     errors = {name: dict(row) for name, row in found.errors.items()}
     content = {
-        **found.to_dict(), "campaign": campaign.title, "model": model.name, "errors": errors,
-        "used": used.content(), "held_out": kept.content() if kept else None, "checks": checks,
-    }  # fmt: skip
+        **found.to_dict(),
+        "campaign": campaign.title,
+        "model": model.name,
+        "errors": errors,
+        "used": used.content(),
+        "held_out": kept.content() if kept else None,
+        "checks": checks,
+    }
     with atomic_folder(out) as folder:
         (folder / "diagnosis.json").write_text(json_text(content) + "\n", encoding="utf-8")
         found.to_pandas().to_csv(folder / "effects.csv", index=False)
@@ -109,11 +133,17 @@ def diagnose_records(
         files = sorted(file.name for file in folder.iterdir())
     lines = [
         f"{campaign.title}: {len(used.records)} records against {model.name}",
-        *used.words("Used"), *(kept.words("Held out") if kept else []),
+        *used.words("Used"),
+        *(kept.words("Held out") if kept else []),
         *dict.fromkeys(f"{item['severity']}: {item['message']}" for item in checks),
-        *words(found), "", "Root mean square errors over windows with the measured rudder:",
-        _errors(errors), *found.notes, "", f"Results: {out}",
-    ]  # fmt: skip
+        *words(found),
+        "",
+        "Root mean square errors over windows with the measured rudder:",
+        _errors(errors),
+        *found.notes,
+        "",
+        f"Results: {out}",
+    ]
     return Outcome(content={"out": str(out), "files": files, **content}, lines=lines)
 
 
@@ -128,5 +158,9 @@ def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:
 
 
 _ERRORS: Final = {
-    "heading": "deg", "position": "m", "position_end": "m", "speed": "m/s", "yaw_rate": "deg/s",
-}  # fmt: skip
+    "heading": "deg",
+    "position": "m",
+    "position_end": "m",
+    "speed": "m/s",
+    "yaw_rate": "deg/s",
+}

@@ -26,20 +26,22 @@ Base = Annotated[
 Floor = Annotated[
     float | None,
     typer.Option(
-        min=0.0, max=0.5,
+        min=0.0,
+        max=0.5,
         help="What is smooth and too small to matter, over the rms force of a channel: your own "
         "uncertainty. U_SN of the campaign file, 0.005 for measured forces, 0.02 for free-running "
         "records if absent.",
     ),
-]  # fmt: skip
+]
 Noise = Annotated[
     float | None,
     typer.Option(
-        min=0.0, max=0.5,
+        min=0.0,
+        max=0.5,
         help="Standard uncertainty of a mean or harmonic, over the rms force, of runs that state "
         "none (tables, CFD).",
     ),
-]  # fmt: skip
+]
 Own = Annotated[
     Path | None, typer.Option("--own", help="File of your own effects (.toml), who take part.")
 ]
@@ -83,7 +85,8 @@ def diagnose(
     shortest: Annotated[
         float | None,
         typer.Option(
-            min=0.1, help="Leave out free-running segments shorter than this, in s; ten ship "
+            min=0.1,
+            help="Leave out free-running segments shorter than this, in s; ten ship "
             "lengths if absent.",
         ),
     ] = None,
@@ -101,7 +104,8 @@ def diagnose(
     judged: Annotated[
         float | None,
         typer.Option(
-            min=0.1, help="Length in s of the windows by which effects are judged; five ship "
+            min=0.1,
+            help="Length in s of the windows by which effects are judged; five ship "
             "lengths if absent.",
         ),
     ] = None,
@@ -112,24 +116,36 @@ def diagnose(
     data: Data = None,
     out: Out = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Name the effect, or the fault of the measurement, that the model lacks."""
     from pmmkit.cli import diagnosing
     from pmmkit.cli.diagnosing_records import Asked
 
     finish(
         diagnosing.diagnose(
-            model, campaign, out or Path(f"{stem(campaign)}-diagnosed"), floor=floor, noise=noise,
-            given=(given or "").replace(",", " ").split(), own=own, drawn=figures, data=data,
+            model,
+            campaign,
+            out or Path(f"{stem(campaign)}-diagnosed"),
+            floor=floor,
+            noise=noise,
+            given=(given or "").replace(",", " ").split(),
+            own=own,
+            drawn=figures,
+            data=data,
             records=Asked(
-                runs=patterns(runs), test_runs=patterns(test_runs), spread=spread,
+                runs=patterns(runs),
+                test_runs=patterns(test_runs),
+                spread=spread,
                 channels=None if channels is None else channels.replace(",", " ").split(),
-                sensors=sensors_of(sensors), shortest=shortest, windage=_areas(windage),
-                judged=judged, window=window,
+                sensors=sensors_of(sensors),
+                shortest=shortest,
+                windage=_areas(windage),
+                judged=judged,
+                window=window,
             ),
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 def _areas(text: str | None) -> tuple[float, float] | None:
@@ -164,7 +180,7 @@ def add(
     data: Data = None,
     out: Out = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Add effects to a model, fit them together with it, and show how the error falls."""
     from pmmkit.cli import adding
 
@@ -172,9 +188,18 @@ def add(
         raise typer.BadParameter("Name an effect to add, or say --undo.")
     finish(
         adding.add(
-            model, effects or [], fit, target or Path(f"{Path(model).stem}-extended.toml"),
-            undo=undo, why=why, floor=floor, noise=noise, own=own, drawn=figures, data=data,
+            model,
+            effects or [],
+            fit,
+            target or Path(f"{Path(model).stem}-extended.toml"),
+            undo=undo,
+            why=why,
+            floor=floor,
+            noise=noise,
+            own=own,
+            drawn=figures,
+            data=data,
             out=out,
         ),
         json,
-    )  # fmt: skip
+    )

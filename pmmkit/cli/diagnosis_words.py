@@ -27,8 +27,11 @@ def words(found: Diagnosis) -> list[str]:
     for item in found.findings:
         lines += ["", *_finding(item)]
     if found.flags and found.findings:
-        lines += ["", "It is not the whole story: something is left that no named effect explains. "
-                  "Take it as the nearest relative."]  # fmt: skip
+        lines += [
+            "",
+            "It is not the whole story: something is left that no named effect explains. "
+            "Take it as the nearest relative.",
+        ]
     lines += [f"  {reason}" for reason in found.flags[1:]]
     rivals = found.group[1:]
     if rivals:
@@ -51,12 +54,14 @@ def _finding(item: Finding) -> list[str]:
     if math.isfinite(item.error_before):
         falls = [
             f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
-            for name, (before, after) in item.errors.items() if name in item.channels
-        ]  # fmt: skip
+            for name, (before, after) in item.errors.items()
+            if name in item.channels
+        ]
         shares = (
             f" {100 * item.error_before:.2f} % to {100 * item.error_after:.2f} % of the rms forces"
-            if "heading" not in item.errors else ""
-        )  # fmt: skip
+            if "heading" not in item.errors
+            else ""
+        )
         how = f" ({', '.join(falls)})." if shares and falls else f" {', '.join(falls)}."
         lines.append(
             f"  Error of what was left out:{shares}{how if falls else ' it does not fall.'}"

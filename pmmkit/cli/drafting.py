@@ -66,17 +66,22 @@ def new_campaign(
         "file": str(target),
         "kind": draft.kind,
         "runs": [
-            {"id": run.id, "file": run.file, "test": run.test,
-             "settings": {item.key: item.value for item in run.settings if item.active}}
+            {
+                "id": run.id,
+                "file": run.file,
+                "test": run.test,
+                "settings": {item.key: item.value for item in run.settings if item.active},
+            }
             for run in draft.runs
         ],
-        "tables": [{"id": entry.id, "file": entry.file, "test": entry.test}
-                   for entry in draft.tables],
+        "tables": [
+            {"id": entry.id, "file": entry.file, "test": entry.test} for entry in draft.tables
+        ],
         "saved": {file: len(campaign) for file, campaign in draft.saved},
         "complete": text.complete,
         "todo": list(text.todo),
         "next": command,
-    }  # fmt: skip
+    }
     return Outcome(content=content, lines=lines)
 
 

@@ -105,7 +105,7 @@ def identify(
     data: Data = None,
     out: Out = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Identify derivatives from free-running records, and predict runs that were held out."""
     from pmmkit.cli import identifying
 

@@ -133,28 +133,38 @@ def identify(
     references = reference(base, judged, sensors=sensors, extrapolate=extrapolate)
     with shown() as progress:
         found = compare_methods(
-            base, used.records, names, methods=METHODS if method == "all" else (method,),
-            references=references, window=window, prior=before, sensors=sensors,
-            extrapolate=extrapolate, progress=progress,
-        )  # fmt: skip
+            base,
+            used.records,
+            names,
+            methods=METHODS if method == "all" else (method,),
+            references=references,
+            window=window,
+            prior=before,
+            sensors=sensors,
+            extrapolate=extrapolate,
+            progress=progress,
+        )
     tests = {
         name: consistency(item.detail)
         for name, item in found.found.items()
         if isinstance(item.detail, Filtered)
     }
     work = _Work(
-        title=opened.title, used=used, held_out=held_out, found=found, references=references,
-        tests=tests, findings=findings_of(findings),
-    )  # fmt: skip
+        title=opened.title,
+        used=used,
+        held_out=held_out,
+        found=found,
+        references=references,
+        tests=tests,
+        findings=findings_of(findings),
+    )
     content = _content(work)
     files = _write(work, out, content, extrapolate=extrapolate)
     lines = [*_words(work), "", f"Results: {out}"]
     return Outcome(content={"out": str(out), "files": files, **content}, lines=lines)
 
 
-def _write(
-    work: _Work, out: Path, content: Mapping[str, Any], *, extrapolate: bool
-) -> list[str]:  # fmt: skip
+def _write(work: _Work, out: Path, content: Mapping[str, Any], *, extrapolate: bool) -> list[str]:
     """All files of the results, or none."""
     found = work.found
     figures = importlib.import_module("pmmkit.figures.identification")

@@ -59,8 +59,11 @@ class Chosen:
             "runs": list(self.runs),
             "records": [
                 {
-                    "name": item.name, "samples": len(item), "seconds": item.t[-1] - item.t[0],
-                    "speed": item.speed, "channels": list(item.measured),
+                    "name": item.name,
+                    "samples": len(item),
+                    "seconds": item.t[-1] - item.t[0],
+                    "speed": item.speed,
+                    "channels": list(item.measured),
                     "wind": item.wind_speed is not None,
                 }
                 for item in self.records
@@ -69,7 +72,7 @@ class Chosen:
                 {"run": run, "t_start": cut.t_start, "t_stop": cut.t_stop, "reason": cut.reason}
                 for run, cut in self.cuts
             ],
-        }  # fmt: skip
+        }
 
     def words(self, head: str, most: int = 6) -> list[str]:
         """For people: how many records, what was measured, what was cut."""
@@ -192,9 +195,14 @@ def _matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:
 
 
 def _records(
-    runs: Sequence[Run], model: Model, *, channels: Sequence[str] | None,
-    rudder: Literal["auto", "measured", "ordered"], wind: bool, shortest: float | None,
-) -> Chosen:  # fmt: skip
+    runs: Sequence[Run],
+    model: Model,
+    *,
+    channels: Sequence[str] | None,
+    rudder: Literal["auto", "measured", "ordered"],
+    wind: bool,
+    shortest: float | None,
+) -> Chosen:
     """Usable segments of runs; every run that cannot be used at all is named at once."""
     records: list[FreeRecord] = []
     cuts: list[tuple[str, Cut]] = []
@@ -353,9 +361,14 @@ def _with_covariance(table: DerivativeTable, model: Model) -> DerivativeTable:
 
 
 def _from_table(
-    own: Prior, table: DerivativeTable, model: Model, speed: float, source: str,
-    spread: float | None, extrapolate: bool,
-) -> Prior:  # fmt: skip
+    own: Prior,
+    table: DerivativeTable,
+    model: Model,
+    speed: float,
+    source: str,
+    spread: float | None,
+    extrapolate: bool,
+) -> Prior:
     """Values and covariance of a table at the speed, in the convention of the model."""
     same = table if table.convention == model.convention else converted(table, model.convention)
     froude = model.ship.froude(speed, model.water.g)

@@ -22,9 +22,11 @@ from pmmkit.inspection.values import values_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {
-    "history": "samples in time", "table": "a table whose rows are runs",
-    "open water": "propeller coefficients", "unknown": "numbers",
-}  # fmt: skip
+    "history": "samples in time",
+    "table": "a table whose rows are runs",
+    "open water": "propeller coefficients",
+    "unknown": "numbers",
+}
 _HEAD: Final = ("column", "unit", "min", "max", "mean", "first", "is")
 _SHOWN: Final = 12
 """Names and problems that are listed before the rest is only counted."""
@@ -210,10 +212,16 @@ def _quoted(path: Path) -> str:
 
 def _campaign_content(item: CampaignLook) -> dict[str, Any]:
     return {
-        "file": item.file, "title": item.title, "kind": item.kind, "ship": item.ship,
-        "runs": item.runs, "excluded": item.excluded, "tests": item.tests,
-        "speeds": list(item.speeds), "problem": item.problem,
-    }  # fmt: skip
+        "file": item.file,
+        "title": item.title,
+        "kind": item.kind,
+        "ship": item.ship,
+        "runs": item.runs,
+        "excluded": item.excluded,
+        "tests": item.tests,
+        "speeds": list(item.speeds),
+        "problem": item.problem,
+    }
 
 
 def _group_content(group: Group) -> dict[str, Any]:
@@ -245,20 +253,36 @@ def _column_content(column: ColumnLook) -> dict[str, Any]:
         "column": column.position + 1,
         "unit": column.unit,
         "numbers": column.numbers,
-        "min": column.low, "max": column.high, "mean": column.mean, "first": column.first,
+        "min": column.low,
+        "max": column.high,
+        "mean": column.mean,
+        "first": column.first,
         "constant": column.constant,
         "suggestion": None if item is None else vars(item),
         "remark": column.remark,
-    }  # fmt: skip
+    }
 
 
 def _write(found: Look, out: Path) -> list[Path]:
     table = io.StringIO()
     writer = csv.writer(table, lineterminator="\n")
     writer.writerow(
-        ["file", "column", "header", "unit", "min", "max", "mean", "first", "constant",
-         "suggestion", "certainty", "reason", "remark"]
-    )  # fmt: skip
+        [
+            "file",
+            "column",
+            "header",
+            "unit",
+            "min",
+            "max",
+            "mean",
+            "first",
+            "constant",
+            "suggestion",
+            "certainty",
+            "reason",
+            "remark",
+        ]
+    )
     for group in found.groups:
         for column in group.first.columns:
             item = column.suggestion
@@ -268,9 +292,17 @@ def _write(found: Look, out: Path) -> list[Path]:
                 for value in (column.low, column.high, column.mean, column.first)
             ]
             writer.writerow(
-                [group.first.shown, column.position + 1, column.title, column.unit or "", *numbers,
-                 "yes" if column.constant else "no", *guess, column.remark]
-            )  # fmt: skip
+                [
+                    group.first.shown,
+                    column.position + 1,
+                    column.title,
+                    column.unit or "",
+                    *numbers,
+                    "yes" if column.constant else "no",
+                    *guess,
+                    column.remark,
+                ]
+            )
     files = []
     if found.groups:
         write_text(out / "inspect.csv", table.getvalue())

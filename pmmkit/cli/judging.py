@@ -119,15 +119,26 @@ def stability(
     found = stability_of(loaded, speed, depth=depth, extrapolate=extrapolate)
     curve = spiral_curve(loaded, speed, depth=depth, extrapolate=extrapolate)
     numbers = {
-        "name": found.name, "speed": speed, "stable": found.stable, "side": found.side,
+        "name": found.name,
+        "speed": speed,
+        "stable": found.stable,
+        "side": found.side,
         "C": found.C,
-        "lever_sway": found.lever_sway, "lever_yaw": found.lever_yaw, "K": found.K, "T": found.T,
-        "T1": found.T1, "T2": found.T2, "T3": found.T3, "Ydelta": found.rudder[0],
+        "lever_sway": found.lever_sway,
+        "lever_yaw": found.lever_yaw,
+        "K": found.K,
+        "T": found.T,
+        "T1": found.T1,
+        "T2": found.T2,
+        "T3": found.T3,
+        "Ydelta": found.rudder[0],
         "Ndelta": found.rudder[1],
         "eigenvalues": [[x.real, x.imag] for x in found.eigenvalues.tolist()],
-        "loop_width_deg": curve.loop_width_deg, "loop_height_deg_s": curve.loop_height_deg_s,
-        "neutral_deg": curve.neutral_deg, "scale": loaded.scale,
-    }  # fmt: skip
+        "loop_width_deg": curve.loop_width_deg,
+        "loop_height_deg_s": curve.loop_height_deg_s,
+        "neutral_deg": curve.neutral_deg,
+        "scale": loaded.scale,
+    }
     with atomic_folder(out) as folder:
         (folder / "stability.json").write_text(json_text(numbers) + "\n", encoding="utf-8")
         curve.to_pandas().to_csv(folder / "spiral.csv", index=False)
@@ -155,9 +166,17 @@ def stability(
 
 
 def uncertainty(
-    model: str, out: Path, *, speed: float, manoeuvre: str, metric: str | None, ships: int,
-    spread: float | None, seed: int, **settings: Any,
-) -> Outcome:  # fmt: skip
+    model: str,
+    out: Path,
+    *,
+    speed: float,
+    manoeuvre: str,
+    metric: str | None,
+    ships: int,
+    spread: float | None,
+    seed: int,
+    **settings: Any,
+) -> Outcome:
     """How the metrics of a manoeuvre spread, and why.
 
     Parameters
@@ -187,9 +206,15 @@ def uncertainty(
     loaded = load_model(model)
     with shown() as progress:
         many = monte_carlo(
-            loaded, manoeuvre, speed=speed, n=ships, spread=spread, seed=seed, progress=progress,
+            loaded,
+            manoeuvre,
+            speed=speed,
+            n=ships,
+            spread=spread,
+            seed=seed,
+            progress=progress,
             **settings,
-        )  # fmt: skip
+        )
     told = [
         name for name in many.metrics if not name.endswith("_L") and f"{name}_L" in many.metrics
     ]
@@ -222,19 +247,30 @@ def uncertainty(
         aligned(
             ["derivative", "share of the variance", "% per %"],
             [
-                [str(name), f"{100 * row['share_of_variance']:.1f} %",
-                 f"{row['per_cent_per_per_cent']:+.2f}"]
+                [
+                    str(name),
+                    f"{100 * row['share_of_variance']:.1f} %",
+                    f"{row['per_cent_per_per_cent']:+.2f}",
+                ]
                 for name, row in causes.head(LISTED).iterrows()
             ],
         ),
         f"Results: {out}",
-    ]  # fmt: skip
+    ]
     content = {
-        "out": str(out), "files": files, "name": many.name, "manoeuvre": manoeuvre,
-        "speed": speed, "ships": ships,
-        "failed": many.failed, "origin": many.origin, "scale": many.scale, "metric": chosen,
-        "metrics": summary.to_dict("index"), "causes": causes.to_dict("index"),
-    }  # fmt: skip
+        "out": str(out),
+        "files": files,
+        "name": many.name,
+        "manoeuvre": manoeuvre,
+        "speed": speed,
+        "ships": ships,
+        "failed": many.failed,
+        "origin": many.origin,
+        "scale": many.scale,
+        "metric": chosen,
+        "metrics": summary.to_dict("index"),
+        "causes": causes.to_dict("index"),
+    }
     return Outcome(content=content, lines=lines)
 
 

@@ -18,9 +18,18 @@ LINEAR: Final = ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 
 
 def estimate(
-    out: Path, *, name: str, L: float, B: float, d: float, block: float, speed: float,
-    propeller: float, rudder: float, method: str,
-) -> Outcome:  # fmt: skip
+    out: Path,
+    *,
+    name: str,
+    L: float,
+    B: float,
+    d: float,
+    block: float,
+    speed: float,
+    propeller: float,
+    rudder: float,
+    method: str,
+) -> Outcome:
     """A model from particulars, and the linear derivatives by every method.
 
     Parameters
@@ -58,12 +67,9 @@ def estimate(
     found = {item: estimate_of(ship, item) for item in METHODS}
     turn = simulate(model, "turning", speed=speed, compiled=False).metrics
     rows = [
-        {
-            "method": item, "system": guess.convention.system, "source": guess.source,
-            **guess.values,
-        }
+        {"method": item, "system": guess.convention.system, "source": guess.source, **guess.values}
         for item, guess in found.items()
-    ]  # fmt: skip
+    ]
     import pandas as pd
 
     with atomic_folder(out) as folder:
@@ -82,16 +88,27 @@ def estimate(
         f"Model: {out / 'model.toml'}",
     ]
     return Outcome(
-        content={"out": str(out), "model": str(out / "model.toml"), "estimates": rows,
-                 "turning": dict(turn)},
+        content={
+            "out": str(out),
+            "model": str(out / "model.toml"),
+            "estimates": rows,
+            "turning": dict(turn),
+        },
         lines=lines,
-    )  # fmt: skip
+    )
 
 
 def scale(
-    model: str, out: Path, *, length: float, speed: float | None, form: float | None,
-    wetted: float | None, rho: float | None, froude_only: bool,
-) -> Outcome:  # fmt: skip
+    model: str,
+    out: Path,
+    *,
+    length: float,
+    speed: float | None,
+    form: float | None,
+    wetted: float | None,
+    rho: float | None,
+    froude_only: bool,
+) -> Outcome:
     """A model at ship scale.
 
     Parameters
@@ -123,7 +140,11 @@ def scale(
         save_model(made, folder / "model.toml")
     steps = made.history[len(loaded.history) :]
     return Outcome(
-        content={"out": str(out), "model": str(out / "model.toml"), "scale": made.scale,
-                 "steps": list(steps)},
+        content={
+            "out": str(out),
+            "model": str(out / "model.toml"),
+            "scale": made.scale,
+            "steps": list(steps),
+        },
         lines=[*steps, f"Scale: {made.scale}", f"Model: {out / 'model.toml'}"],
-    )  # fmt: skip
+    )

@@ -75,24 +75,37 @@ def simulate(
     ] = True,
     out: Out = None,
     json: Json = False,
-) -> None:  # fmt: skip
+) -> None:
     """Simulate a manoeuvre: track, metrics and figures."""
     from pmmkit.cli import simulating
 
     folder = out or Path(f"{stem(Path(model))}-{manoeuvre}")
     given = stated(
-        rudder_deg=rudder_deg, switch_deg=switch_deg, heading_deg=heading_deg, step_deg=step_deg,
-        turns=turns, duration=duration,
-    )  # fmt: skip
+        rudder_deg=rudder_deg,
+        switch_deg=switch_deg,
+        heading_deg=heading_deg,
+        step_deg=step_deg,
+        turns=turns,
+        duration=duration,
+    )
     finish(
         simulating.simulate_manoeuvre(
-            model, folder, manoeuvre=manoeuvre, speed=speed, rudder_rate_deg=rudder_rate_deg,
-            wind_speed=wind_speed, wind_direction_deg=wind_direction_deg,
-            current_speed=current_speed, current_direction_deg=current_direction_deg, depth=depth,
-            extrapolate=extrapolate, drawn=figures, **given,
+            model,
+            folder,
+            manoeuvre=manoeuvre,
+            speed=speed,
+            rudder_rate_deg=rudder_rate_deg,
+            wind_speed=wind_speed,
+            wind_direction_deg=wind_direction_deg,
+            current_speed=current_speed,
+            current_direction_deg=current_direction_deg,
+            depth=depth,
+            extrapolate=extrapolate,
+            drawn=figures,
+            **given,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 @app.command()
@@ -126,12 +139,19 @@ def sweep(
     given = stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth)
     finish(
         simulating.sweep(
-            model, out or Path(f"{stem(Path(model))}-sweep"), speeds=asked, over=over,
-            values=numbers(values), manoeuvre=manoeuvre, ships=ships, spread=spread,
-            extrapolate=extrapolate, **given,
+            model,
+            out or Path(f"{stem(Path(model))}-sweep"),
+            speeds=asked,
+            over=over,
+            values=numbers(values),
+            manoeuvre=manoeuvre,
+            ships=ships,
+            spread=spread,
+            extrapolate=extrapolate,
+            **given,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 @app.command()
@@ -151,18 +171,27 @@ def imo(
     folder = out or Path(f"{stem(Path(model))}-imo")
     finish(
         judging.imo(
-            model, folder, speed=speed, ships=ships, spread=spread, depth=depth,
+            model,
+            folder,
+            speed=speed,
+            ships=ships,
+            spread=spread,
+            depth=depth,
             extrapolate=extrapolate,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 @app.command()
 def stability(
-    model: Model, speed: Speed, depth: Depth = None, extrapolate: Extrapolate = False,
-    out: Out = None, json: Json = False,
-) -> None:  # fmt: skip
+    model: Model,
+    speed: Speed,
+    depth: Depth = None,
+    extrapolate: Extrapolate = False,
+    out: Out = None,
+    json: Json = False,
+) -> None:
     """Straight-line stability, Nomoto's constants and the curve of steady turns."""
     from pmmkit.cli import judging
 
@@ -196,12 +225,19 @@ def uncertainty(
     given = stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth)
     finish(
         judging.uncertainty(
-            model, out or Path(f"{stem(Path(model))}-uncertainty"), speed=speed,
-            manoeuvre=manoeuvre, metric=metric, ships=ships, spread=spread, seed=seed,
-            extrapolate=extrapolate, **given,
+            model,
+            out or Path(f"{stem(Path(model))}-uncertainty"),
+            speed=speed,
+            manoeuvre=manoeuvre,
+            metric=metric,
+            ships=ships,
+            spread=spread,
+            seed=seed,
+            extrapolate=extrapolate,
+            **given,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 @app.command()
@@ -225,11 +261,19 @@ def estimate(
 
     finish(
         making.estimate(
-            out or Path(f"{name}-estimate"), name=name, L=length, B=breadth, d=draught,
-            block=block, speed=speed, propeller=propeller, rudder=rudder, method=method,
+            out or Path(f"{name}-estimate"),
+            name=name,
+            L=length,
+            B=breadth,
+            d=draught,
+            block=block,
+            speed=speed,
+            propeller=propeller,
+            rudder=rudder,
+            method=method,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 @app.command()
@@ -256,11 +300,17 @@ def scale(
 
     finish(
         making.scale(
-            model, out or Path(f"{stem(Path(model))}-ship"), length=length, speed=speed, form=form,
-            wetted=wetted, rho=rho, froude_only=froude_only,
+            model,
+            out or Path(f"{stem(Path(model))}-ship"),
+            length=length,
+            speed=speed,
+            form=form,
+            wetted=wetted,
+            rho=rho,
+            froude_only=froude_only,
         ),
         json,
-    )  # fmt: skip
+    )
 
 
 def stated(**settings: Any) -> dict[str, Any]:

@@ -22,11 +22,22 @@ from pmmkit.test_planning.programme import plan as programme
 
 
 def plan(
-    model: str, campaign: Path | None, out: Path, *, effects: Sequence[str], runs: int | None,
-    hours: float | None, speeds: Sequence[float] | None, limits: Path | None,
-    noise: float | None, record_noise: float, floor: float, given: Sequence[str], before: bool,
+    model: str,
+    campaign: Path | None,
+    out: Path,
+    *,
+    effects: Sequence[str],
+    runs: int | None,
+    hours: float | None,
+    speeds: Sequence[float] | None,
+    limits: Path | None,
+    noise: float | None,
+    record_noise: float,
+    floor: float,
+    given: Sequence[str],
+    before: bool,
     data: Path | None,
-) -> Outcome:  # fmt: skip
+) -> Outcome:
     """The next run where tests are made, a programme where there are none or one is asked for.
 
     Parameters
@@ -56,14 +67,29 @@ def plan(
     allowed, options = _limits(opened, model, limits, speeds)
     if opened is not None and opened.runs and runs is None and hours is None:
         advice = next_runs(
-            model, opened, effects=effects, limits=allowed, options=options, floor=floor,
-            given=given, noise=noise,
-        )  # fmt: skip
+            model,
+            opened,
+            effects=effects,
+            limits=allowed,
+            options=options,
+            floor=floor,
+            given=given,
+            noise=noise,
+        )
         return _advised(advice, out)
     made = programme(
-        model, opened, runs=runs, hours=hours, effects=effects, limits=allowed, options=options,
-        noise=noise, record_noise=record_noise, floor=floor, given=given,
-    )  # fmt: skip
+        model,
+        opened,
+        runs=runs,
+        hours=hours,
+        effects=effects,
+        limits=allowed,
+        options=options,
+        noise=noise,
+        record_noise=record_noise,
+        floor=floor,
+        given=given,
+    )
     return _planned(made, out)
 
 
@@ -94,10 +120,17 @@ def _limits(
 
 def _advised(advice: Advice, out: Path) -> Outcome:
     runs = [
-        {**item.option.entry, "repeats": item.repeats, "gain": item.gain, "gains": item.gains,
-         "resolves": item.resolves, "hours": item.hours, "words": item.words}
+        {
+            **item.option.entry,
+            "repeats": item.repeats,
+            "gain": item.gain,
+            "gains": item.gains,
+            "resolves": item.resolves,
+            "hours": item.hours,
+            "words": item.words,
+        }
         for item in advice.runs
-    ]  # fmt: skip
+    ]
     chosen = [item.option for item in advice.runs[:1] for _ in range(item.repeats)]
     files = _written(out, advice.to_pandas(), chosen)
     lines = [advice.words]
@@ -106,25 +139,37 @@ def _advised(advice: Advice, out: Path) -> Outcome:
             aligned(
                 ["run", "repeats", "gain in ln odds", "resolves", "hours"],
                 [
-                    [item.option.words, f"{item.repeats}", f"{item.gain:.1f}",
-                     f"{100 * item.resolves:.0f} %", f"{item.hours:.2f}"]
+                    [
+                        item.option.words,
+                        f"{item.repeats}",
+                        f"{item.gain:.1f}",
+                        f"{100 * item.resolves:.0f} %",
+                        f"{item.hours:.2f}",
+                    ]
                     for item in advice.runs
                 ],
             )
-        )  # fmt: skip
+        )
     elif advice.runs:
         lines.append(
             aligned(
                 ["run", "shows", "hours"],
-                [[item.option.words, " ".join(item.gains), f"{item.hours:.2f}"]
-                 for item in advice.runs],
+                [
+                    [item.option.words, " ".join(item.gains), f"{item.hours:.2f}"]
+                    for item in advice.runs
+                ],
             )
-        )  # fmt: skip
+        )
     lines.append(f"Results: {out}")
     content = {
-        "out": str(out), "files": files, "words": advice.words, "rivals": advice.rivals,
-        "wanted": advice.wanted, "runs": runs, "checks": advice.checks,
-    }  # fmt: skip
+        "out": str(out),
+        "files": files,
+        "words": advice.words,
+        "rivals": advice.rivals,
+        "wanted": advice.wanted,
+        "runs": runs,
+        "checks": advice.checks,
+    }
     return Outcome(content=content, lines=lines)
 
 
@@ -132,38 +177,55 @@ def _planned(made: Plan, out: Path) -> Outcome:
     files = _written(out, made.to_pandas(), made.options)
     head = (
         f"{made.made} tests are made and show {len(made.before)} of {len(made.sights)} effects. "
-        if made.made else ""
-    )  # fmt: skip
+        if made.made
+        else ""
+    )
     last = made.steps[-1] if made.steps else None
     told = (
         f"{len(made.steps)} runs in {made.hours:.1f} h show {last.visible} of {len(made.sights)} "
         f"effects at usual size and tell {100 * last.separated:.0f} % of their pairs apart."
-        if last else "No further run is worth its time."
-    )  # fmt: skip
+        if last
+        else "No further run is worth its time."
+    )
     lines = [
         head + told,
         aligned(
             ["run", "min", "hours", "visible", "apart", "becomes visible"],
             [
-                [step.option.words, f"{60 * step.option.hours:.0f}", f"{step.hours:.2f}",
-                 f"{step.visible}", f"{100 * step.separated:.0f} %", ", ".join(step.shown)]
+                [
+                    step.option.words,
+                    f"{60 * step.option.hours:.0f}",
+                    f"{step.hours:.2f}",
+                    f"{step.visible}",
+                    f"{100 * step.separated:.0f} %",
+                    ", ".join(step.shown),
+                ]
                 for step in made.steps
             ],
         ),
         "Stays invisible:" if made.invisible else "Nothing stays invisible.",
         *(f"  {item.name}: {item.why}." for item in made.invisible),
         f"Results: {out}",
-    ]  # fmt: skip
+    ]
     content: Mapping[str, Any] = {
-        "out": str(out), "files": files, "hours": made.hours, "made": made.made,
+        "out": str(out),
+        "files": files,
+        "hours": made.hours,
+        "made": made.made,
         "before": made.before,
         "steps": [
-            {**step.option.entry, "duration_h": step.option.hours, "hours": step.hours,
-             "shown": step.shown, "visible": step.visible, "separated": step.separated}
+            {
+                **step.option.entry,
+                "duration_h": step.option.hours,
+                "hours": step.hours,
+                "shown": step.shown,
+                "visible": step.visible,
+                "separated": step.separated,
+            }
             for step in made.steps
         ],
         "effects": [asdict(item) for item in made.sights],
-    }  # fmt: skip
+    }
     return Outcome(content=content, lines=lines)
 
 

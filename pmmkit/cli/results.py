@@ -66,13 +66,7 @@ def write_reduction(
             figures.save(figures.trajectory(turns.tracks), folder / "trajectories.svg")
         for name, sweep in (turns.sweeps if turns else {}).items():
             sweep_frame(sweep).to_csv(folder / f"sweep_{_plain(name)}.csv", index=False)
-        write_report(
-            reduction,
-            folder / "report.html",
-            reference=reference,
-            turns=turns,
-            loop=loop,
-        )
+        write_report(reduction, folder / "report.html", reference=reference, turns=turns, loop=loop)
         return sorted(file.name for file in folder.iterdir())
 
 

@@ -64,9 +64,16 @@ def simulate_manoeuvre(model: str, out: Path, *, drawn: bool = True, **settings:
 
 
 def sweep(
-    model: str, out: Path, *, speeds: Sequence[float] | None, over: str | None,
-    values: Sequence[float] | None, manoeuvre: str, ships: int, **settings: Any,
-) -> Outcome:  # fmt: skip
+    model: str,
+    out: Path,
+    *,
+    speeds: Sequence[float] | None,
+    over: str | None,
+    values: Sequence[float] | None,
+    manoeuvre: str,
+    ships: int,
+    **settings: Any,
+) -> Outcome:
     """Metrics of a manoeuvre over the approach speed, or over one of its settings.
 
     Parameters
@@ -105,9 +112,8 @@ def sweep(
     else:
         assert speeds is not None
         found = sweeps.sweep(
-            loaded, over, values, manoeuvre, n=ships, speed=speeds[0], compiled=compiled,
-            **settings,
-        )  # fmt: skip
+            loaded, over, values, manoeuvre, n=ships, speed=speeds[0], compiled=compiled, **settings
+        )
     metrics = _told(found)
     files = write_sweep(found, metrics, out)
     rows = sweep_rows(found)
@@ -116,9 +122,7 @@ def sweep(
         [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in metrics]
         for row in rows
     ]
-    lines = [
-        f"Scale: {loaded.scale}", aligned([*coordinates, *metrics], cells), f"Results: {out}"
-    ]  # fmt: skip
+    lines = [f"Scale: {loaded.scale}", aligned([*coordinates, *metrics], cells), f"Results: {out}"]
     return Outcome(content={"out": str(out), "files": files, "sweep": rows}, lines=lines)
 
 

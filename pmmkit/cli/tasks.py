@@ -87,10 +87,15 @@ def ships_of_library() -> Outcome:
     """The ships of the library with their titles and scales."""
     found = [load_model(name) for name in ships()]
     entries = [
-        {"name": item.name, "title": item.title, "L": item.ship.L, "scale": item.scale,
-         "parts": list(item.parts)}
+        {
+            "name": item.name,
+            "title": item.title,
+            "L": item.ship.L,
+            "scale": item.scale,
+            "parts": list(item.parts),
+        }
         for item in found
-    ]  # fmt: skip
+    ]
     width = max(len(item.name) for item in found)
     lines = [f"{item.name:<{width}}  {item.title} (L = {item.ship.L:g} m)" for item in found]
     return Outcome(content={"ships": entries}, lines=lines)
@@ -100,12 +105,19 @@ def effects() -> Outcome:
     """The catalogue of effects."""
     found = catalogue().values()
     entries = [
-        {"name": item.name, "family": item.family, "kind": item.kind, "summary": item.summary,
-         "source": item.source, "parameters": [part.name for part in item.parameters],
-         "usual_sizes": {part.name: part.typical for part in item.coefficients},
-         "check": item.check, "enters_a_model": item.kind != "observation"}
+        {
+            "name": item.name,
+            "family": item.family,
+            "kind": item.kind,
+            "summary": item.summary,
+            "source": item.source,
+            "parameters": [part.name for part in item.parameters],
+            "usual_sizes": {part.name: part.typical for part in item.coefficients},
+            "check": item.check,
+            "enters_a_model": item.kind != "observation",
+        }
         for item in found
-    ]  # fmt: skip
+    ]
     width = max(len(item.name) for item in found)
     lines = []
     for title, faults in (("Effects", False), ("Faults of a measurement", True)):

@@ -17,8 +17,7 @@ def trial(
         list[str] | None, typer.Option(help="Id of a run; may be repeated. All if absent.")
     ] = None,
     order: Annotated[
-        float | None,
-        typer.Option(help="Instant of the order [s] on the clock of the one --run."),
+        float | None, typer.Option(help="Instant of the order [s] on the clock of the one --run.")
     ] = None,
     current: Annotated[
         str | None,

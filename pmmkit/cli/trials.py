@@ -20,12 +20,27 @@ from pmmkit.trials import Trial, evaluate_trials
 from pmmkit.trials.table import unit_of
 
 SHOWN: Final = {
-    "turning": ("advance", "transfer", "tactical_diameter", "steady_diameter", "speed_loss",
-                "time_90", "time_180"),
-    "zigzag": ("overshoot_1_deg", "overshoot_2_deg", "overshoot_3_deg", "time_execute_2",
-               "time_execute_3", "reach", "period", "initial_turning_distance"),
+    "turning": (
+        "advance",
+        "transfer",
+        "tactical_diameter",
+        "steady_diameter",
+        "speed_loss",
+        "time_90",
+        "time_180",
+    ),
+    "zigzag": (
+        "overshoot_1_deg",
+        "overshoot_2_deg",
+        "overshoot_3_deg",
+        "time_execute_2",
+        "time_execute_3",
+        "reach",
+        "period",
+        "initial_turning_distance",
+    ),
     "stopping": ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
-}  # fmt: skip
+}
 """Measures in the text, by test; the files hold all."""
 
 
@@ -89,18 +104,32 @@ def _entry(item: Trial) -> dict[str, Any]:
     current = None
     if item.current is not None:
         current = {
-            "x": item.current.x, "y": item.current.y, "std_x": item.current.std[0],
-            "std_y": item.current.std[1], "speed": item.current.speed,
-            "direction_deg": item.current.direction_deg, "origin": item.current.origin,
-        }  # fmt: skip
+            "x": item.current.x,
+            "y": item.current.y,
+            "std_x": item.current.std[0],
+            "std_y": item.current.std[1],
+            "speed": item.current.speed,
+            "direction_deg": item.current.direction_deg,
+            "origin": item.current.origin,
+        }
     return {
-        "run": item.run, "test": item.test, "L": item.L, "speed": item.speed,
-        "speed_std": item.speed_std, "heading_deg": item.heading_deg,
-        "rudder_deg": item.rudder_deg, "order": item.order, "orders": list(item.orders),
-        "metrics": dict(item.metrics), "std": dict(item.std), "current": current,
-        "wind": None if item.wind is None else asdict(item.wind), "noise": asdict(item.noise),
-        "imo": [asdict(verdict) for verdict in item.verdicts], "notes": list(item.notes),
-    }  # fmt: skip
+        "run": item.run,
+        "test": item.test,
+        "L": item.L,
+        "speed": item.speed,
+        "speed_std": item.speed_std,
+        "heading_deg": item.heading_deg,
+        "rudder_deg": item.rudder_deg,
+        "order": item.order,
+        "orders": list(item.orders),
+        "metrics": dict(item.metrics),
+        "std": dict(item.std),
+        "current": current,
+        "wind": None if item.wind is None else asdict(item.wind),
+        "noise": asdict(item.noise),
+        "imo": [asdict(verdict) for verdict in item.verdicts],
+        "notes": list(item.notes),
+    }
 
 
 def _rows(found: Sequence[Trial]) -> Any:
@@ -161,9 +190,11 @@ def _cells(name: str, item: Trial) -> list[str]:
         return [label, "-", "-", "-"]
     length = item.metrics.get(f"{name}_L")
     return [
-        label, f"{value:.{digits}f}{shown}", f"{std:.{digits}f}{shown}",
+        label,
+        f"{value:.{digits}f}{shown}",
+        f"{std:.{digits}f}{shown}",
         "" if length is None else f"{length:.2f} L",
-    ]  # fmt: skip
+    ]
 
 
 def _limit(row: Mapping[str, Any]) -> list[str]:

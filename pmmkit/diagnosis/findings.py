@@ -85,19 +85,27 @@ class Finding:
     def to_dict(self) -> dict[str, Any]:
         """As plain data, with the names that ``pmmkit diagnose --json`` has."""
         return {
-            "effect": self.effect, "family": self.family, "kind": self.kind,
-            "summary": self.summary, "channels": list(self.channels),
-            "coefficients": dict(self.coefficients), "std": dict(self.std),
-            "typical": dict(self.typical), "parameter": self.parameter, "value": self.value,
-            "evidence": self.evidence, "error_before": self.error_before,
+            "effect": self.effect,
+            "family": self.family,
+            "kind": self.kind,
+            "summary": self.summary,
+            "channels": list(self.channels),
+            "coefficients": dict(self.coefficients),
+            "std": dict(self.std),
+            "typical": dict(self.typical),
+            "parameter": self.parameter,
+            "value": self.value,
+            "evidence": self.evidence,
+            "error_before": self.error_before,
             "error_after": self.error_after,
             "errors": {
                 name: {"before": before, "after": after, "unit": UNITS[name]}
                 for name, (before, after) in self.errors.items()
             },
-            "explained": self.explained, "rivals": list(self.rivals),
+            "explained": self.explained,
+            "rivals": list(self.rivals),
             "separating_test": self.separating_test,
-        }  # fmt: skip
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -182,12 +190,18 @@ class Diagnosis:
         single = {item.names[0]: item.log_evidence for item in self.entries if len(item.names) == 1}
         return pd.DataFrame(
             [
-                {"effect": item.name, "family": item.family, "log_evidence": single[item.name],
-                 "signal": item.signal, "size_that_could_hide": item.hides, "shown": item.shown,
-                 "why": item.why}
+                {
+                    "effect": item.name,
+                    "family": item.family,
+                    "log_evidence": single[item.name],
+                    "signal": item.signal,
+                    "size_that_could_hide": item.hides,
+                    "shown": item.shown,
+                    "why": item.why,
+                }
                 for item in self.covered
             ]
-        ).sort_values("log_evidence", ascending=False, ignore_index=True)  # fmt: skip
+        ).sort_values("log_evidence", ascending=False, ignore_index=True)
 
     def to_dict(self) -> dict[str, Any]:
         """As plain data: what ``pmmkit diagnose --json`` prints."""
@@ -197,12 +211,17 @@ class Diagnosis:
             "flags": list(self.flags),
             "findings": [item.to_dict() for item in self.findings],
             "not_testable": [
-                {"effect": item.name, "why": item.why,
-                 "size_that_could_hide": item.hides if math.isfinite(item.hides) else None}
+                {
+                    "effect": item.name,
+                    "why": item.why,
+                    "size_that_could_hide": item.hides if math.isfinite(item.hides) else None,
+                }
                 for item in self.not_testable
             ],
-            "chance": self.chance, "floor": self.floor, "given": list(self.given),
-        }  # fmt: skip
+            "chance": self.chance,
+            "floor": self.floor,
+            "given": list(self.given),
+        }
 
 
 def odds(log_evidence: float) -> str:

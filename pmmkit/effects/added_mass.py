@@ -27,9 +27,17 @@ ADDED_MASS: Final = Effect(
 )
 EFFECTS: Final = (ADDED_MASS,)
 _PLACES: Final = {
-    "Xudot": "Xudot", "Yvdot": "Yvdot", "Yrdot": "Yrdot", "Ypdot": "Ypdot", "Nvdot": "Nvdot",
-    "Nrdot": "Nrdot", "Npdot": "Npdot", "Kvdot": "Kvdot", "Krdot": "Krdot", "Kpdot": "Kpdot",
-}  # fmt: skip
+    "Xudot": "Xudot",
+    "Yvdot": "Yvdot",
+    "Yrdot": "Yrdot",
+    "Ypdot": "Ypdot",
+    "Nvdot": "Nvdot",
+    "Nrdot": "Nrdot",
+    "Npdot": "Npdot",
+    "Kvdot": "Kvdot",
+    "Krdot": "Krdot",
+    "Kpdot": "Kpdot",
+}
 
 
 class AddedMass(NamedTuple):
@@ -64,9 +72,15 @@ def dimensional(name: str, *, ship: Ship, water: Water, convention: Convention) 
     """
     derivative = parse_derivative(name)
     force = force_unit(
-        derivative.channel, convention.system, L=ship.L, d=ship.d, volume=ship.volume,
-        rho=water.rho, g=water.g, U=1.0,
-    )  # fmt: skip
+        derivative.channel,
+        convention.system,
+        L=ship.L,
+        d=ship.d,
+        volume=ship.volume,
+        rho=water.rho,
+        g=water.g,
+        U=1.0,
+    )
     speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
     sign = -1.0 if convention.sway == "beta" and "vdot" in derivative.factors else 1.0
     return sign * force * ship.L**derivative.length_power / speed**2

@@ -83,9 +83,20 @@ def ends(middle: float, growth: float, half: float) -> tuple[float, float]:
 
 
 def force(
-    v: float, r: float, L: float, d: float, rho: float, form: int, shape: int, CD: float,
-    CrY: float, CrN: float, growth: float, station: Sequence[float], CD_station: Sequence[float],
-) -> tuple[float, float]:  # fmt: skip
+    v: float,
+    r: float,
+    L: float,
+    d: float,
+    rho: float,
+    form: int,
+    shape: int,
+    CD: float,
+    CrY: float,
+    CrN: float,
+    growth: float,
+    station: Sequence[float],
+    CD_station: Sequence[float],
+) -> tuple[float, float]:
     """Y [N] and N [N m] of the flow across the hull.
 
     -½ ρ d ∫ CD(x) |v + CrY r x| (v + CrY r x) dx over the length, and the same with CrN times x;
@@ -136,16 +147,20 @@ CROSSFLOW_DRAG: Final = Effect(
         Parameter(name="CrY", text="factor of the yaw rate in the force", default=1.0),
         Parameter(name="CrN", text="factor of the yaw rate in the moment", default=1.0),
         Parameter(
-            name="growth", text="growth of CD to the ends", form=("shape", "ends"), low=-1.0,
+            name="growth",
+            text="growth of CD to the ends",
+            form=("shape", "ends"),
+            low=-1.0,
             grid=(0.0, 0.8, 2.0),
         ),
         Parameter(
-            name="station", text="stations over L from midship, ascending, -0.5 to 0.5",
-            form=_TABLE, table=True,
+            name="station",
+            text="stations over L from midship, ascending, -0.5 to 0.5",
+            form=_TABLE,
+            table=True,
         ),
         Parameter(
-            name="CD_station", text="factor of CD at each station", form=_TABLE, table=True,
-            low=0.0,
+            name="CD_station", text="factor of CD at each station", form=_TABLE, table=True, low=0.0
         ),
     ),
     options={"form": ("full", "without-sway"), "shape": ("constant", "table", "ends")},
@@ -154,7 +169,7 @@ CROSSFLOW_DRAG: Final = Effect(
     source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
     "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",
     check="yaw with drift at large r/v, so that the flow changes side inside the hull",
-)  # fmt: skip
+)
 EFFECTS: Final = (CROSSFLOW_DRAG,)
 
 _HOERNER: Final = (

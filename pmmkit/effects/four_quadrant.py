@@ -17,7 +17,7 @@ from pmmkit.effects.primitives import (
     sin,
     sqrt,
     where,
-)  # fmt: skip
+)
 from pmmkit.effects.propeller import wake_inflow
 
 _TIP: Final = 0.7 * pi
@@ -101,9 +101,15 @@ def b4_70(beta: float, pitch: float) -> tuple[float, float]:
 
 
 def estimate(
-    beta: float, pitch: float, kt0: float, kt1: float, kt2: float, kq0: float, kq1: float,
+    beta: float,
+    pitch: float,
+    kt0: float,
+    kt1: float,
+    kt2: float,
+    kq0: float,
+    kq1: float,
     kq2: float,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """CT* and CQ* from open-water polynomials, completed by the curves of `b4_70`.
 
     Parameters
@@ -142,20 +148,48 @@ def estimate(
     gone = minimum(fabs(beta - end) * 6.0 / pi, 1.0)
     left = 1.0 - gone * gone * (3.0 - 2.0 * gone)
     CT, CQ = b4_70(beta, ratio)
-    return (
-        CT + left * (step_T - series_T),
-        CQ + where(kq0 > 0.0, left * (step_Q - series_Q), 0.0),
-    )
+    return (CT + left * (step_T - series_T), CQ + where(kq0 > 0.0, left * (step_Q - series_Q), 0.0))
 
 
 def force(
-    u: float, v: float, r: float, beta: float, n: float, L: float, U: float, rho: float,
-    D: float, t: float, t_astern: float, wake: int, wp: float, wp_astern: float, xp: float,
-    tau: float, cpv: float, cpr: float, C1: float, C2_positive: float, C2_negative: float,
-    cp: float, characteristics: int, pitch: float, kt0: float, kt1: float, kt2: float, kq0: float,
-    kq1: float, kq2: float, beta_deg: Sequence[float], CT: Sequence[float], CQ: Sequence[float],
-    astern: int, Yp: Sequence[float], Np: Sequence[float], J_astern: Sequence[float],
-) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
+    u: float,
+    v: float,
+    r: float,
+    beta: float,
+    n: float,
+    L: float,
+    U: float,
+    rho: float,
+    D: float,
+    t: float,
+    t_astern: float,
+    wake: int,
+    wp: float,
+    wp_astern: float,
+    xp: float,
+    tau: float,
+    cpv: float,
+    cpr: float,
+    C1: float,
+    C2_positive: float,
+    C2_negative: float,
+    cp: float,
+    characteristics: int,
+    pitch: float,
+    kt0: float,
+    kt1: float,
+    kt2: float,
+    kq0: float,
+    kq1: float,
+    kq2: float,
+    beta_deg: Sequence[float],
+    CT: Sequence[float],
+    CQ: Sequence[float],
+    astern: int,
+    Yp: Sequence[float],
+    Np: Sequence[float],
+    J_astern: Sequence[float],
+) -> tuple[float, float, float, float, float, float, float]:
     """X, Y [N], N [N m], inflow [m/s], thrust [N], torque [N m], thrust over ρ D² [m²/s²]."""
     tip = _TIP * n * D
     turning = tip / maximum(sqrt(u * u + tip * tip), 1e-9)
@@ -184,9 +218,14 @@ def force(
         side = scale * interpolate(J, J_astern, Yp)
         turn = scale * L * interpolate(J, J_astern, Np)
     return (
-        (1.0 - deduction) * thrust, side, turn, inflow, thrust, rho * D * D * D * square * twist,
+        (1.0 - deduction) * thrust,
+        side,
+        turn,
+        inflow,
+        thrust,
+        rho * D * D * D * square * twist,
         loading,
-    )  # fmt: skip
+    )
 
 
 _POLYNOMIAL: Final = ("characteristics", "polynomial")
@@ -206,37 +245,48 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         Parameter(name="D", text="diameter", unit="m", low=1e-6),
         Parameter(name="t", text="thrust deduction fraction ahead", low=-0.99, high=0.99),
         Parameter(
-            name="t_astern", text="thrust deduction fraction of a thrust astern", default=0.0,
-            low=-0.99, high=0.99,
+            name="t_astern",
+            text="thrust deduction fraction of a thrust astern",
+            default=0.0,
+            low=-0.99,
+            high=0.99,
         ),
         Parameter(
-            name="pitch", text="pitch over diameter, for curves of Wageningen B4-70; 0: from KT",
-            default=0.0, low=0.0, high=2.0,
+            name="pitch",
+            text="pitch over diameter, for curves of Wageningen B4-70; 0: from KT",
+            default=0.0,
+            low=0.0,
+            high=2.0,
         ),
         Parameter(name="kt0", text="KT at J = 0", form=_POLYNOMIAL, low=1e-9),
         Parameter(name="kt1", text="coefficient of J in KT", form=_POLYNOMIAL),
         Parameter(name="kt2", text="coefficient of J² in KT", default=0.0, form=_POLYNOMIAL),
         Parameter(
-            name="kq0", text="KQ at J = 0; 0: the torque of Wageningen B4-70", default=0.0,
+            name="kq0",
+            text="KQ at J = 0; 0: the torque of Wageningen B4-70",
+            default=0.0,
             form=_POLYNOMIAL,
         ),
         Parameter(name="kq1", text="coefficient of J in KQ", default=0.0, form=_POLYNOMIAL),
         Parameter(name="kq2", text="coefficient of J² in KQ", default=0.0, form=_POLYNOMIAL),
         Parameter(
-            name="beta_deg", text="advance angles over a full turn, ascending, from -180 or 0",
-            unit="deg", form=_TABLE, table=True,
-        ),
-        Parameter(
-            name="CT", text="T over ½ρ(VA² + (0.7πnD)²)πD²/4 at each angle", form=_TABLE,
+            name="beta_deg",
+            text="advance angles over a full turn, ascending, from -180 or 0",
+            unit="deg",
+            form=_TABLE,
             table=True,
         ),
         Parameter(
-            name="CQ", text="Q over ½ρ(VA² + (0.7πnD)²)πD³/4 at each angle", form=_TABLE,
-            table=True,
+            name="CT", text="T over ½ρ(VA² + (0.7πnD)²)πD²/4 at each angle", form=_TABLE, table=True
         ),
         Parameter(
-            name="J_astern", text="u/(nD) of the side force astern, ascending (negative ahead)",
-            form=_ASTERN, table=True,
+            name="CQ", text="Q over ½ρ(VA² + (0.7πnD)²)πD³/4 at each angle", form=_TABLE, table=True
+        ),
+        Parameter(
+            name="J_astern",
+            text="u/(nD) of the side force astern, ascending (negative ahead)",
+            form=_ASTERN,
+            table=True,
         ),
         Parameter(
             name="Yp", text="side force over ½ρn²D⁴ with n < 0 at each J", form=_ASTERN, table=True
@@ -246,12 +296,16 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         ),
         Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
         Parameter(
-            name="wp_astern", text="wake fraction while the propeller turns astern", default=0.0,
-            low=-0.99, high=0.99,
+            name="wp_astern",
+            text="wake fraction while the propeller turns astern",
+            default=0.0,
+            low=-0.99,
+            high=0.99,
         ),
         Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
         Parameter(
-            name="tau", text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
+            name="tau",
+            text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
             form=_TAU,
         ),
         Parameter(name="cpv", text="inflow per v'", default=0.0, form=_SN),
@@ -274,5 +328,5 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
     "Faller 2006; with polynomials they are an estimate outside the first quadrant. Side force "
     "astern: Estimation of Hydrodynamic Derivatives from Sea Trial Data Using System "
     "Identification Technique, equations of the propeller",
-)  # fmt: skip
+)
 EFFECTS: Final = (FOUR_QUADRANT_PROPELLER,)

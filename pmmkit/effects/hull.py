@@ -10,7 +10,8 @@ import numpy as np
 
 from pmmkit.conventions import CHANNELS, Convention, force_unit, parse_derivative, speed_unit
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.state import Array, State
+from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 
 HULL_POLYNOMIAL: Final = Effect(
@@ -92,11 +93,17 @@ def regressors(
     U = state.speed if convention.U == "instantaneous" else np.full_like(state.u, approach_speed)
     pressure = {
         channel: force_unit(
-            channel, convention.system, L=ship.L, d=ship.d, volume=ship.volume,
-            rho=water.rho, g=water.g, U=1.0,
+            channel,
+            convention.system,
+            L=ship.L,
+            d=ship.d,
+            volume=ship.volume,
+            rho=water.rho,
+            g=water.g,
+            U=1.0,
         )
         for channel in {name[0] for name in names}
-    }  # fmt: skip
+    }
     speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
     reference = U if convention.system != "bis" else np.full_like(U, speed)
     surge = state.u - approach_speed if convention.surge == "delta-u" else state.u
@@ -104,9 +111,15 @@ def regressors(
     rudder = 1.0 if convention.rudder_positive == "starboard" else -1.0
     along, over = ship.L / reference, ship.L / reference**2
     thrust_unit = force_unit(
-        "X", convention.system, L=ship.L, d=ship.d, volume=ship.volume,
-        rho=water.rho, g=water.g, U=1.0,
-    )  # fmt: skip
+        "X",
+        convention.system,
+        L=ship.L,
+        d=ship.d,
+        volume=ship.volume,
+        rho=water.rho,
+        g=water.g,
+        U=1.0,
+    )
     square = np.ones_like(U) if convention.system == "bis" else U**2
     primed = {
         "0": np.ones_like(U),
@@ -171,9 +184,15 @@ def polynomial(
         if convention.rudder_positive == "port":
             sign *= derivative.sign_under_flip("d")
         unit = force_unit(
-            derivative.channel, convention.system, L=ship.L, d=ship.d, volume=ship.volume,
-            rho=water.rho, g=water.g, U=1.0,
-        )  # fmt: skip
+            derivative.channel,
+            convention.system,
+            L=ship.L,
+            d=ship.d,
+            volume=ship.volume,
+            rho=water.rho,
+            g=water.g,
+            U=1.0,
+        )
         for factors in products:
             places = tuple(FACTOR_PLACES.index(factor) for factor in factors if factor != "0")
             entry = collected.setdefault(places, {})

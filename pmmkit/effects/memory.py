@@ -30,9 +30,15 @@ def kept(order: int, omega: float, lag: float, L: float, speed: float) -> comple
 
 
 def late_sway_force(
-    v: float, U: float, L: float, rho: float, late_sway: float, Yv_late: float, Nv_late: float,
+    v: float,
+    U: float,
+    L: float,
+    rho: float,
+    late_sway: float,
+    Yv_late: float,
+    Nv_late: float,
     lag: float,
-) -> tuple[float, float, float]:  # fmt: skip
+) -> tuple[float, float, float]:
     """Y [N], N [N m] and the rate of what follows U v [m²/s³].
 
     ½ρL² Yv_late (s - U v) and the same with L in N, ds/dt = (U v - s) U/(lag L): what Yv holds in
@@ -49,9 +55,15 @@ def late_sway_force(
 
 
 def late_cross_flow_force(
-    v: float, U: float, L: float, rho: float, late_cube: float, Yvvv_late: float,
-    Nvvv_late: float, lag: float,
-) -> tuple[float, float, float]:  # fmt: skip
+    v: float,
+    U: float,
+    L: float,
+    rho: float,
+    late_cube: float,
+    Yvvv_late: float,
+    Nvvv_late: float,
+    lag: float,
+) -> tuple[float, float, float]:
     """Y [N], N [N m] and the rate of what follows v³/U [m²/s³], as `late_sway_force`.
 
     Examples
@@ -81,19 +93,25 @@ def added_mass_in_drift(
 _PRIME: Final = "(½ρL²U², ½ρL³U² with the speed of the instant)"
 _LAG: Final = Parameter(name="lag", text="lag in L/U", low=1e-3, grid=(0.15, 0.3, 0.5, 0.8))
 MEMORY: Final = Effect(
-    name="memory", family="memory", kind="state",
+    name="memory",
+    family="memory",
+    kind="state",
     summary="Part of the sway force builds up late, so that damping falls with frequency.",
     parameters=(
         Parameter(name="Yv_late", text=f"part of Yv that is late {_PRIME}", typical=-0.2 * 0.0116),
         Parameter(name="Nv_late", text="part of Nv that is late", typical=-0.2 * 0.00385),
         _LAG,
     ),
-    force=late_sway_force, outputs=("Y", "N", "late_sway_rate"), states=("late_sway",),
+    force=late_sway_force,
+    outputs=("Y", "N", "late_sway_rate"),
+    states=("late_sway",),
     source="van Leeuwen 1964; Nomoto 1975",
     check="pure sway at ω' = 1 and 6 beside static drift",
-)  # fmt: skip
+)
 LAGGED_CROSSFLOW: Final = Effect(
-    name="lagged_crossflow", family="memory", kind="state",
+    name="lagged_crossflow",
+    family="memory",
+    kind="state",
     summary="The cubic sway force lags behind the motion.",
     parameters=(
         Parameter(
@@ -102,18 +120,24 @@ LAGGED_CROSSFLOW: Final = Effect(
         Parameter(name="Nvvv_late", text="part of Nvvv that is late", typical=0.9 * 0.0015),
         _LAG,
     ),
-    force=late_cross_flow_force, outputs=("Y", "N", "late_cube_rate"), states=("late_cube",),
+    force=late_cross_flow_force,
+    outputs=("Y", "N", "late_cube_rate"),
+    states=("late_cube",),
     source="a one-pole lag of the cubic force, as of lift that builds up (Wagner 1925)",
     check="pure sway at two frequencies and one large amplitude",
-)  # fmt: skip
+)
 NONLINEAR_ADDED_MASS: Final = Effect(
-    name="nonlinear_added_mass", family="memory", kind="mass",
+    name="nonlinear_added_mass",
+    family="memory",
+    kind="mass",
     summary="Added mass that changes with the sway velocity.",
     parameters=(
         Parameter(name="Yvvvdot", text=f"multiplies v² v̇ in Y {_PRIME}", typical=-0.020),
         Parameter(name="Nvvvdot", text="multiplies v² v̇ in N", typical=-0.004),
     ),
-    force=added_mass_in_drift, outputs=("Yvdot", "Nvdot"), source="Abkowitz 1964",
+    force=added_mass_in_drift,
+    outputs=("Yvdot", "Nvdot"),
+    source="Abkowitz 1964",
     check="pure sway at more amplitudes",
-)  # fmt: skip
+)
 EFFECTS: Final = (MEMORY, LAGGED_CROSSFLOW, NONLINEAR_ADDED_MASS)

@@ -10,15 +10,11 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, NoReturn
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.toml_files import read_toml
 
-Array = NDArray[np.float64]
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
 MOST: Final = 9
 """Largest power of a factor."""
@@ -71,9 +67,14 @@ class OwnEffect:
 
 
 def own_effect(
-    name: str, text: str, *, family: str = "own", summary: str = "", check: str = "",
+    name: str,
+    text: str,
+    *,
+    family: str = "own",
+    summary: str = "",
+    check: str = "",
     typical: Mapping[str, float] | None = None,
-) -> OwnEffect:  # fmt: skip
+) -> OwnEffect:
     """An effect from text such as ``Y: v*|v|*r; N: v*v*r``.
 
     Parameters
@@ -133,12 +134,15 @@ def own_effect(
         if not math.isfinite(size) or size == 0.0:
             _stop(name, where or label, start, f"the usual size of {label} must not be {size:g}")
     return OwnEffect(
-        name=name, family=family, summary=summary, check=check,
+        name=name,
+        family=family,
+        summary=summary,
+        check=check,
         shares=MappingProxyType({k: MappingProxyType(v) for k, v in shares.items()}),
         typical=MappingProxyType(
             {label: given[label][0] if label in given else _usual(label) for label in shares}
         ),
-    )  # fmt: skip
+    )
 
 
 def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
@@ -185,8 +189,11 @@ def _entry(entry: Any, taken: list[str]) -> OwnEffect:
         raise DataError("an effect is a table of name, terms and more.")
     stray = [key for key in entry if key not in _KEYS]
     lost = [key for key in ("name", "terms") if key not in entry]
-    wrong = [key for key in entry if key in _KEYS and key != "typical"
-             and not isinstance(entry[key], str)]  # fmt: skip
+    wrong = [
+        key
+        for key in entry
+        if key in _KEYS and key != "typical" and not isinstance(entry[key], str)
+    ]
     sizes = entry.get("typical", {})
     sound = isinstance(sizes, dict) and all(
         isinstance(x, (int, float)) and not isinstance(x, bool) for x in sizes.values()
@@ -258,9 +265,15 @@ def _terms(
 
 
 def _term(
-    name: str, text: str, channel: str, term: list[tuple[str, str, int]], sign: float,
-    named: set[str], first: int, end: int,
-) -> tuple[str, str, float, int]:  # fmt: skip
+    name: str,
+    text: str,
+    channel: str,
+    term: list[tuple[str, str, int]],
+    sign: float,
+    named: set[str],
+    first: int,
+    end: int,
+) -> tuple[str, str, float, int]:
     """One product: an optional share and coefficient, then factors with their powers."""
     share, label, factors, at = sign, "", "", 0
     while at < len(term) or not factors:
@@ -283,9 +296,11 @@ def _term(
         else:
             hint = f" and no coefficient with a usual size ('{word} ~ 0.01')"
             _stop(
-                name, text, place, f"{word!r} is no factor ({', '.join(FACTORS)})"
-                f"{hint if kind == 'word' else ''}",
-            )  # fmt: skip
+                name,
+                text,
+                place,
+                f"{word!r} is no factor ({', '.join(FACTORS)}){hint if kind == 'word' else ''}",
+            )
         at += 1
         if at < len(term):
             if term[at][1] != "*" or at + 1 == len(term):
@@ -294,9 +309,12 @@ def _term(
     derivative = canonical(channel + factors)
     if not label and share != 1.0:
         _stop(
-            name, text, first, "a number or a minus belongs to a coefficient with a name and a "
+            name,
+            text,
+            first,
+            "a number or a minus belongs to a coefficient with a name and a "
             "usual size, as in 'N: -0.4*a*v; a ~ 0.01'",
-        )  # fmt: skip
+        )
     return label or derivative, derivative, share, first
 
 

@@ -13,9 +13,21 @@ from types import FunctionType
 from typing import Any, Final
 
 __all__ = [
-    "atan2", "cos", "exp", "fabs", "interpolate", "maximum", "minimum", "over_arrays", "pi",
-    "rebound", "sin", "sqrt", "tanh", "where",
-]  # fmt: skip
+    "atan2",
+    "cos",
+    "exp",
+    "fabs",
+    "interpolate",
+    "maximum",
+    "minimum",
+    "over_arrays",
+    "pi",
+    "rebound",
+    "sin",
+    "sqrt",
+    "tanh",
+    "where",
+]
 
 
 def where(condition: bool, yes: float, no: float) -> float:
@@ -71,10 +83,18 @@ def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
     import numpy as np
 
     arrays: dict[str, Any] = {
-        "atan2": np.arctan2, "cos": np.cos, "exp": np.exp, "fabs": np.abs, "sin": np.sin,
-        "sqrt": np.sqrt, "tanh": np.tanh, "where": np.where, "maximum": np.maximum,
-        "minimum": np.minimum, "interpolate": np.interp,
-    }  # fmt: skip
+        "atan2": np.arctan2,
+        "cos": np.cos,
+        "exp": np.exp,
+        "fabs": np.abs,
+        "sin": np.sin,
+        "sqrt": np.sqrt,
+        "tanh": np.tanh,
+        "where": np.where,
+        "maximum": np.maximum,
+        "minimum": np.minimum,
+        "interpolate": np.interp,
+    }
     made: Callable[..., Any] = rebound(function, arrays, lambda copy: copy)
     return made
 
@@ -83,9 +103,7 @@ _OWN: Final = {where, maximum, minimum, interpolate}
 
 
 def rebound(
-    function: Callable[..., Any],
-    replaced: Mapping[str, Any],
-    wrap: Callable[[Any], Any],
+    function: Callable[..., Any], replaced: Mapping[str, Any], wrap: Callable[[Any], Any]
 ) -> Any:
     """A copy of a function in which the functions it calls are others.
 

@@ -10,10 +10,23 @@ from pmmkit.effects.primitives import exp, fabs, interpolate, maximum, minimum, 
 
 
 def wake_inflow(
-    u: float, v: float, r: float, beta: float, L: float, U: float, wake: int, wp: float, xp: float,
-    tau: float, cpv: float, cpr: float, C1: float, C2_positive: float, C2_negative: float,
+    u: float,
+    v: float,
+    r: float,
+    beta: float,
+    L: float,
+    U: float,
+    wake: int,
+    wp: float,
+    xp: float,
+    tau: float,
+    cpv: float,
+    cpr: float,
+    C1: float,
+    C2_positive: float,
+    C2_negative: float,
     cp: float,
-) -> float:  # fmt: skip
+) -> float:
     """Speed of the water into the propeller disc [m/s].
 
     Parameters
@@ -55,12 +68,37 @@ def wake_inflow(
 
 
 def force(
-    u: float, v: float, r: float, beta: float, n: float, L: float, U: float, rho: float,
-    D: float, t: float, wake: int, wp: float, xp: float, tau: float, cpv: float, cpr: float,
-    C1: float, C2_positive: float, C2_negative: float, cp: float, open_water: int,
-    kt0: float, kt1: float, kt2: float, kq0: float, kq1: float, kq2: float,
-    J: Sequence[float], KT: Sequence[float], KQ: Sequence[float],
-) -> tuple[float, float, float, float, float]:  # fmt: skip
+    u: float,
+    v: float,
+    r: float,
+    beta: float,
+    n: float,
+    L: float,
+    U: float,
+    rho: float,
+    D: float,
+    t: float,
+    wake: int,
+    wp: float,
+    xp: float,
+    tau: float,
+    cpv: float,
+    cpr: float,
+    C1: float,
+    C2_positive: float,
+    C2_negative: float,
+    cp: float,
+    open_water: int,
+    kt0: float,
+    kt1: float,
+    kt2: float,
+    kq0: float,
+    kq1: float,
+    kq2: float,
+    J: Sequence[float],
+    KT: Sequence[float],
+    KQ: Sequence[float],
+) -> tuple[float, float, float, float, float]:
     """Surge force [N], inflow [m/s], thrust [N], torque [N m] and thrust over ρ D² [m²/s²].
 
     Thrust is ρ n|n| D⁴ KT(J), written so that the polynomial holds at n = 0 too; astern, with J

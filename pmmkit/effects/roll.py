@@ -9,9 +9,16 @@ from pmmkit.effects.primitives import fabs, sin
 
 
 def force(
-    p: float, phi: float, rho: float, g: float, volume: float, GM: float, damping: float,
-    damping_quadratic: float, restoring: int,
-) -> tuple[float]:  # fmt: skip
+    p: float,
+    phi: float,
+    rho: float,
+    g: float,
+    volume: float,
+    GM: float,
+    damping: float,
+    damping_quadratic: float,
+    restoring: int,
+) -> tuple[float]:
     """Roll moment [N m] at a roll rate [rad/s] and a heel [rad].
 
     Examples

@@ -9,10 +9,25 @@ from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, si
 
 
 def rudder_flow(
-    v: float, r: float, beta: float, L: float, U: float, propeller_inflow: float, loading: float,
-    inflow: int, epsilon: float, kappa: float, eta: float, gamma_positive: float,
-    gamma_negative: float, lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float,
-) -> tuple[float, float]:  # fmt: skip
+    v: float,
+    r: float,
+    beta: float,
+    L: float,
+    U: float,
+    propeller_inflow: float,
+    loading: float,
+    inflow: int,
+    epsilon: float,
+    kappa: float,
+    eta: float,
+    gamma_positive: float,
+    gamma_negative: float,
+    lR: float,
+    gamma: float,
+    cRr: float,
+    cRrrr: float,
+    cRrrv: float,
+) -> tuple[float, float]:
     """Water speed along and across the ship at the rudder [m/s].
 
     Parameters
@@ -53,9 +68,16 @@ def rudder_flow(
 
 
 def normal_force(
-    along: float, across: float, delta: float, rho: float, area: float, lift_slope: float,
-    stall: int, stall_deg: float, stall_loss: float,
-) -> float:  # fmt: skip
+    along: float,
+    across: float,
+    delta: float,
+    rho: float,
+    area: float,
+    lift_slope: float,
+    stall: int,
+    stall_deg: float,
+    stall_loss: float,
+) -> float:
     """Normal force of the rudder [N], negative when the rudder turns the ship to starboard.
 
     -½ρ A fα V² sin α with α = δ + atan(across/along), written by sums of angles. With `stall` the
@@ -77,17 +99,58 @@ def normal_force(
 
 
 def force(
-    v: float, r: float, beta: float, delta: float, L: float, U: float, rho: float,
-    propeller_inflow: float, loading: float, inflow: int, area: float, lift_slope: float,
-    epsilon: float, kappa: float, eta: float, gamma_positive: float, gamma_negative: float,
-    lR: float, gamma: float, cRr: float, cRrrr: float, cRrrv: float, tR: float, aH: float,
-    xH: float, xR: float, zR: float, stall: int, stall_deg: float, stall_loss: float,
-) -> tuple[float, float, float, float, float]:  # fmt: skip
+    v: float,
+    r: float,
+    beta: float,
+    delta: float,
+    L: float,
+    U: float,
+    rho: float,
+    propeller_inflow: float,
+    loading: float,
+    inflow: int,
+    area: float,
+    lift_slope: float,
+    epsilon: float,
+    kappa: float,
+    eta: float,
+    gamma_positive: float,
+    gamma_negative: float,
+    lR: float,
+    gamma: float,
+    cRr: float,
+    cRrrr: float,
+    cRrrv: float,
+    tR: float,
+    aH: float,
+    xH: float,
+    xR: float,
+    zR: float,
+    stall: int,
+    stall_deg: float,
+    stall_loss: float,
+) -> tuple[float, float, float, float, float]:
     """X, Y [N], N, K [N m] on the ship with the hull's share, and the rudder's normal force [N]."""
     along, across = rudder_flow(
-        v, r, beta, L, U, propeller_inflow, loading, inflow, epsilon, kappa, eta, gamma_positive,
-        gamma_negative, lR, gamma, cRr, cRrrr, cRrrv,
-    )  # fmt: skip
+        v,
+        r,
+        beta,
+        L,
+        U,
+        propeller_inflow,
+        loading,
+        inflow,
+        epsilon,
+        kappa,
+        eta,
+        gamma_positive,
+        gamma_negative,
+        lR,
+        gamma,
+        cRr,
+        cRrrr,
+        cRrrv,
+    )
     normal = normal_force(along, across, delta, rho, area, lift_slope, stall, stall_deg, stall_loss)
     side = normal * cos(delta)
     return (

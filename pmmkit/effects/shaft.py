@@ -9,9 +9,17 @@ from pmmkit.effects.primitives import fabs, maximum, minimum, pi, tanh, where
 
 
 def engine_torque(
-    wanted: float, n: float, side: float, limit: int, torque_max: float, torque_at_rest: float,
-    n_rated: float, power_max: float, astern_share: float, reverse_below: float,
-) -> float:  # fmt: skip
+    wanted: float,
+    n: float,
+    side: float,
+    limit: int,
+    torque_max: float,
+    torque_at_rest: float,
+    n_rated: float,
+    power_max: float,
+    astern_share: float,
+    reverse_below: float,
+) -> float:
     """What a diesel engine gives of the torque that its governor asks for [N m].
 
     Parameters
@@ -53,10 +61,21 @@ def engine_torque(
 
 
 def force(
-    n: float, n_order: float, torque: float, limit: int, inertia: float, torque_max: float,
-    torque_at_rest: float, n_rated: float, power_max: float, astern_share: float,
-    reverse_below: float, friction: float, n_low: float, time_constant: float,
-) -> tuple[float]:  # fmt: skip
+    n: float,
+    n_order: float,
+    torque: float,
+    limit: int,
+    inertia: float,
+    torque_max: float,
+    torque_at_rest: float,
+    n_rated: float,
+    power_max: float,
+    astern_share: float,
+    reverse_below: float,
+    friction: float,
+    n_low: float,
+    time_constant: float,
+) -> tuple[float]:
     """Rate of the revolutions [1/s²]: 2π I dn/dt = QE - Q - Qf.
 
     The governor asks for the torque that brings the revolutions to the order within its time
@@ -74,16 +93,29 @@ def force(
     wanted = load + moment * (n_order - n) / time_constant
     side = where(n_order < 0.0, -1.0, 1.0)
     given = engine_torque(
-        wanted, n, side, limit, torque_max, torque_at_rest, n_rated, power_max, astern_share,
+        wanted,
+        n,
+        side,
+        limit,
+        torque_max,
+        torque_at_rest,
+        n_rated,
+        power_max,
+        astern_share,
         reverse_below,
-    )  # fmt: skip
+    )
     return ((given - load) / moment,)
 
 
 def lag(
-    n: float, n_order: float, law: int, time_constant: float, time_turns: float, n_low: float,
+    n: float,
+    n_order: float,
+    law: int,
+    time_constant: float,
+    time_turns: float,
+    n_low: float,
     n_step: float,
-) -> tuple[float]:  # fmt: skip
+) -> tuple[float]:
     """Rate of revolutions that follow their order [1/s²], whatever the load.
 
     dn/dt = (nO - n)/Tm; ``by-turns``: Tm is `time_turns` over the revolutions, at least `n_low`.
@@ -110,40 +142,59 @@ SHAFT: Final = Effect(
     "reversal that has to wait.",
     parameters=(
         Parameter(
-            name="inertia", text="rotating inertia of engine, shaft, propeller and its water, at "
-            "the speed of the shaft", unit="kg m2", low=1e-12,
+            name="inertia",
+            text="rotating inertia of engine, shaft, propeller and its water, at "
+            "the speed of the shaft",
+            unit="kg m2",
+            low=1e-12,
         ),
         Parameter(name="torque_max", text="largest torque at the shaft", unit="N m", low=0.0),
         Parameter(
-            name="torque_at_rest", text="torque limit at rest over that at n_rated", default=0.4,
-            low=0.0, high=1.0, form=_FALLING,
+            name="torque_at_rest",
+            text="torque limit at rest over that at n_rated",
+            default=0.4,
+            low=0.0,
+            high=1.0,
+            form=_FALLING,
         ),
         Parameter(
-            name="n_rated", text="revolutions from which the whole torque is there", unit="1/s",
-            low=1e-6, form=_FALLING,
+            name="n_rated",
+            text="revolutions from which the whole torque is there",
+            unit="1/s",
+            low=1e-6,
+            form=_FALLING,
         ),
         Parameter(
-            name="power_max", text="largest power at the shaft", unit="W", low=0.0,
+            name="power_max",
+            text="largest power at the shaft",
+            unit="W",
+            low=0.0,
             form=("limit", "power"),
         ),
         Parameter(
-            name="astern_share", text="torque limit astern over that ahead", default=1.0, low=0.0,
+            name="astern_share",
+            text="torque limit astern over that ahead",
+            default=1.0,
+            low=0.0,
             high=1.0,
         ),
         Parameter(
-            name="reverse_below", text="revolutions below which the engine can be started against "
-            "the way the shaft turns", unit="1/s", default=1e6, low=1e-6,
+            name="reverse_below",
+            text="revolutions below which the engine can be started against "
+            "the way the shaft turns",
+            unit="1/s",
+            default=1e6,
+            low=1e-6,
         ),
+        Parameter(name="friction", text="torque of friction", unit="N m", default=0.0, low=0.0),
         Parameter(
-            name="friction", text="torque of friction", unit="N m", default=0.0, low=0.0
+            name="n_low",
+            text="revolutions below which the friction fades",
+            unit="1/s",
+            default=0.3,
+            low=1e-6,
         ),
-        Parameter(
-            name="n_low", text="revolutions below which the friction fades", unit="1/s",
-            default=0.3, low=1e-6,
-        ),
-        Parameter(
-            name="time_constant", text="of the governor", unit="s", default=5.0, low=1e-3
-        ),
+        Parameter(name="time_constant", text="of the governor", unit="s", default=5.0, low=1e-3),
     ),
     options={"limit": ("constant", "falling", "power")},
     needs=("n",),
@@ -152,7 +203,7 @@ SHAFT: Final = Effect(
     states=("n",),
     source="Equation of the shaft and constant limit of the torque: Estimation of Hydrodynamic "
     "Derivatives from Sea Trial Data Using System Identification Technique",
-)  # fmt: skip
+)
 SHAFT_LAG: Final = Effect(
     name="shaft_lag",
     family="shaft",
@@ -160,20 +211,34 @@ SHAFT_LAG: Final = Effect(
     summary="Revolutions as a state that follows its order with a time constant.",
     parameters=(
         Parameter(
-            name="time_constant", text="of the revolutions", unit="s", low=1e-3,
+            name="time_constant",
+            text="of the revolutions",
+            unit="s",
+            low=1e-3,
             form=("law", "first-order"),
         ),
         Parameter(
-            name="time_turns", text="time constant times revolutions", default=5.65, low=1e-6,
+            name="time_turns",
+            text="time constant times revolutions",
+            default=5.65,
+            low=1e-6,
             form=("law", "by-turns"),
         ),
         Parameter(
-            name="n_low", text="revolutions below which the time constant grows no more",
-            unit="1/s", default=0.3, low=1e-6, form=("law", "by-turns"),
+            name="n_low",
+            text="revolutions below which the time constant grows no more",
+            unit="1/s",
+            default=0.3,
+            low=1e-6,
+            form=("law", "by-turns"),
         ),
         Parameter(
-            name="n_step", text="largest difference from the order that is acted on: limits the "
-            "rate to this over the time constant", unit="1/s", default=1e6, low=1e-9,
+            name="n_step",
+            text="largest difference from the order that is acted on: limits the "
+            "rate to this over the time constant",
+            unit="1/s",
+            default=1e6,
+            low=1e-9,
         ),
     ),
     options={"law": ("first-order", "by-turns")},
@@ -182,5 +247,5 @@ SHAFT_LAG: Final = Effect(
     outputs=("n_rate",),
     states=("n",),
     source="Van Berlekom and Goddard 1972; by turns: Son and Nomoto 1981 as in the MSS toolbox",
-)  # fmt: skip
+)
 EFFECTS: Final = (SHAFT, SHAFT_LAG)

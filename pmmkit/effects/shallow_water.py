@@ -53,9 +53,16 @@ def aspect_ratio(k: float, draught_over_depth: float, power: Any) -> Any:
 
 
 def factors(
-    depth: float, d: float, L: float, B: float, CB: float, *, lambda_Yv: Any = 2.3,
-    lambda_Nv: Any = 1.7, lambda_Nr: Any = 0.7,
-) -> dict[str, Any]:  # fmt: skip
+    depth: float,
+    d: float,
+    L: float,
+    B: float,
+    CB: float,
+    *,
+    lambda_Yv: Any = 2.3,
+    lambda_Nv: Any = 1.7,
+    lambda_Nr: Any = 0.7,
+) -> dict[str, Any]:
     """What derivatives are multiplied by in water of a depth.
 
     Parameters

@@ -37,37 +37,55 @@ def force(
 
 
 RESISTANCE_CURVE: Final = Effect(
-    name="resistance_curve", family="speed", kind="force",
+    name="resistance_curve",
+    family="speed",
+    kind="force",
     summary="Resistance that does not go with the square of the speed.",
     parameters=(
         Parameter(name="X_F", text="multiplies F in X over ½ρL²U²", typical=-4e-5),
         Parameter(name="X_FF", text="multiplies F² in X over ½ρL²U²", typical=-2.5e-5),
         Parameter(name="Fn0", text="Froude number at which F = (Fn/Fn0)² - 1 is zero", low=1e-3),
     ),
-    force=force, outputs=("X",), source="ITTC 7.5-02-02-01",
-    check="resistance at more speeds", excites=("several speeds",),
-)  # fmt: skip
+    force=force,
+    outputs=("X",),
+    source="ITTC 7.5-02-02-01",
+    check="resistance at more speeds",
+    excites=("several speeds",),
+)
 FROUDE_LINEAR: Final = terms(
-    "froude_linear", "speed", "Linear derivatives that change with the Froude number.",
-    {"Yv F": -0.0010, "Nv F": 0.0003, "Yr F": -0.00045, "Nr F": -0.00012}, source="Yoon 2009",
-    check="a third speed", excites=("several speeds",),
-)  # fmt: skip
+    "froude_linear",
+    "speed",
+    "Linear derivatives that change with the Froude number.",
+    {"Yv F": -0.0010, "Nv F": 0.0003, "Yr F": -0.00045, "Nr F": -0.00012},
+    source="Yoon 2009",
+    check="a third speed",
+    excites=("several speeds",),
+)
 FROUDE_NONLINEAR: Final = terms(
-    "froude_nonlinear", "speed", "Cubic derivatives that change with the Froude number.",
-    {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008}, source="Yoon 2009",
-    check="amplitude steps at the extreme speeds", excites=("several speeds",),
-)  # fmt: skip
+    "froude_nonlinear",
+    "speed",
+    "Cubic derivatives that change with the Froude number.",
+    {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008},
+    source="Yoon 2009",
+    check="amplitude steps at the extreme speeds",
+    excites=("several speeds",),
+)
 FROUDE_COUPLING: Final = terms(
-    "froude_coupling", "speed", "Products of sway and yaw that change with the Froude number.",
+    "froude_coupling",
+    "speed",
+    "Products of sway and yaw that change with the Froude number.",
     {"Yvvr F": 0.005, "Yvrr F": -0.010, "Nvvr F": -0.010, "Nvrr F": 0.0004, "Xvr F": 0.0008},
     source="Yoon 2009",
-    check="yaw with drift at the extreme speeds", excites=("several speeds",),
-)  # fmt: skip
+    check="yaw with drift at the extreme speeds",
+    excites=("several speeds",),
+)
 FROUDE_SURGE: Final = terms(
-    "froude_surge", "speed", "Resistance of sway and yaw that changes with the Froude number.",
-    {"Xvv F": -0.0006, "Xrr F": 0.0001}, source="Yoon 2009",
-    check="static drift and pure yaw at the extreme speeds", excites=("several speeds",),
-)  # fmt: skip
-EFFECTS: Final = (
-    RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR, FROUDE_COUPLING, FROUDE_SURGE,
-)  # fmt: skip
+    "froude_surge",
+    "speed",
+    "Resistance of sway and yaw that changes with the Froude number.",
+    {"Xvv F": -0.0006, "Xrr F": 0.0001},
+    source="Yoon 2009",
+    check="static drift and pure yaw at the extreme speeds",
+    excites=("several speeds",),
+)
+EFFECTS: Final = (RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR, FROUDE_COUPLING, FROUDE_SURGE)

@@ -9,13 +9,45 @@ from pmmkit.effects.primitives import atan2, fabs, maximum
 
 
 def force(
-    u: float, v: float, r: float, delta: float, n: float, L: float, d: float, rho: float,
-    volume: float, depth: float, t: float, Tuu: float, Tun: float, Tnn: float, YT: float,
-    NT: float, cun: float, cnn: float, Xccdd: float, Xccbd: float, Yccd: float, Yccbbd: float,
-    Nccd: float, Nccbbd: float, Yccbbdz: float, Nccbbdz: float, Xuuz: float, Xvrz: float,
-    Xvvzz: float, Yurz: float, Yvvz: float, Nurz: float, Nuvz: float, Nvrz: float,
-    Yuvz_limit: float, Xudotz: float, Yvdotz: float, Nrdotz: float,
-) -> tuple[float, float, float, float, float, float, float, float]:  # fmt: skip
+    u: float,
+    v: float,
+    r: float,
+    delta: float,
+    n: float,
+    L: float,
+    d: float,
+    rho: float,
+    volume: float,
+    depth: float,
+    t: float,
+    Tuu: float,
+    Tun: float,
+    Tnn: float,
+    YT: float,
+    NT: float,
+    cun: float,
+    cnn: float,
+    Xccdd: float,
+    Xccbd: float,
+    Yccd: float,
+    Yccbbd: float,
+    Nccd: float,
+    Nccbbd: float,
+    Yccbbdz: float,
+    Nccbbdz: float,
+    Xuuz: float,
+    Xvrz: float,
+    Xvvzz: float,
+    Yurz: float,
+    Yvvz: float,
+    Nurz: float,
+    Nuvz: float,
+    Nvrz: float,
+    Yuvz_limit: float,
+    Xudotz: float,
+    Yvdotz: float,
+    Nrdotz: float,
+) -> tuple[float, float, float, float, float, float, float, float]:
     """X, Y [N], N [N m], thrust, rudder's side force [N], and added mass by the depth.
 
     Everything is written per displaced mass: thrust Tuu u²/L + Tun u n + L Tnn n|n|, rudder by the
@@ -37,25 +69,47 @@ def force(
     N = Nccd * square * port + (Nccbbd + Nccbbdz * z) * bent + NT * L * thrust
     N += z * (L * Nurz * u * r + Nuvz * u * v + L * Nvrz * fabs(v) * r)
     return (
-        mass * X, mass * Y, mass * N, mass * thrust, mass * side, mass * Xudotz * z,
-        mass * Yvdotz * z, mass * L * L * Nrdotz * z,
-    )  # fmt: skip
+        mass * X,
+        mass * Y,
+        mass * N,
+        mass * thrust,
+        mass * side,
+        mass * Xudotz * z,
+        mass * Yvdotz * z,
+        mass * L * L * Nrdotz * z,
+    )
 
 
 _TERMS: Final = {
-    "Tuu": "thrust per u²/L", "Tun": "thrust per u n", "Tnn": "thrust per L n|n|",
-    "YT": "side force over thrust", "NT": "moment over thrust and L",
-    "cun": "speed at the rudder squared per u n", "cnn": "per n²",
-    "Xccdd": "rudder drag", "Xccbd": "rudder drag with drift", "Yccd": "rudder force",
-    "Yccbbd": "rudder force lost with drift", "Nccd": "rudder moment",
+    "Tuu": "thrust per u²/L",
+    "Tun": "thrust per u n",
+    "Tnn": "thrust per L n|n|",
+    "YT": "side force over thrust",
+    "NT": "moment over thrust and L",
+    "cun": "speed at the rudder squared per u n",
+    "cnn": "per n²",
+    "Xccdd": "rudder drag",
+    "Xccbd": "rudder drag with drift",
+    "Yccd": "rudder force",
+    "Yccbbd": "rudder force lost with drift",
+    "Nccd": "rudder moment",
     "Nccbbd": "rudder moment lost with drift",
-}  # fmt: skip
+}
 _SHALLOW: Final = {
-    "Yccbbdz": "Yccbbd per ζ", "Nccbbdz": "Nccbbd per ζ", "Xuuz": "Xuu per ζ", "Xvrz": "Xvr per ζ",
-    "Xvvzz": "Xvv per ζ²", "Yurz": "Yur per ζ", "Yvvz": "Yv|v| per ζ", "Nurz": "Nur per ζ",
-    "Nuvz": "Nuv per ζ", "Nvrz": "N|v|r per ζ", "Xudotz": "Xudot per ζ", "Yvdotz": "Yvdot per ζ",
+    "Yccbbdz": "Yccbbd per ζ",
+    "Nccbbdz": "Nccbbd per ζ",
+    "Xuuz": "Xuu per ζ",
+    "Xvrz": "Xvr per ζ",
+    "Xvvzz": "Xvv per ζ²",
+    "Yurz": "Yur per ζ",
+    "Yvvz": "Yv|v| per ζ",
+    "Nurz": "Nur per ζ",
+    "Nuvz": "Nuv per ζ",
+    "Nvrz": "N|v|r per ζ",
+    "Xudotz": "Xudot per ζ",
+    "Yvdotz": "Yvdot per ζ",
     "Nrdotz": "Nrdot per ζ",
-}  # fmt: skip
+}
 TANKER_BIS: Final = Effect(
     name="tanker_bis",
     family="propeller",
@@ -67,8 +121,10 @@ TANKER_BIS: Final = Effect(
         *(Parameter(name=name, text=text) for name, text in _TERMS.items()),
         *(Parameter(name=name, text=text, default=0.0) for name, text in _SHALLOW.items()),
         Parameter(
-            name="Yuvz_limit", text="ζ from which Yuv falls by 0.85 (1 - limit/ζ) per ζ",
-            default=1e9, low=0.0,
+            name="Yuvz_limit",
+            text="ζ from which Yuv falls by 0.85 (1 - limit/ζ) per ζ",
+            default=1e9,
+            low=0.0,
         ),
         Parameter(name="rate_deg_s", text="rate of the steering gear", unit="deg/s", low=1e-6),
         Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
@@ -78,5 +134,5 @@ TANKER_BIS: Final = Effect(
     force=force,
     outputs=("X", "Y", "N", "thrust", "rudder_force", "Xudot", "Yvdot", "Nrdot"),
     source="Van Berlekom and Goddard 1972, Appendix A",
-)  # fmt: skip
+)
 EFFECTS: Final = (TANKER_BIS,)

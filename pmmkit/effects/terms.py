@@ -13,9 +13,15 @@ BY_SPEED: Final = " F"
 
 
 def terms(
-    name: str, family: str, summary: str, sizes: Mapping[str, float], *, source: str,
-    check: str = "", excites: tuple[str, ...] = (),
-) -> Effect:  # fmt: skip
+    name: str,
+    family: str,
+    summary: str,
+    sizes: Mapping[str, float],
+    *,
+    source: str,
+    check: str = "",
+    excites: tuple[str, ...] = (),
+) -> Effect:
     """An effect that is written in derivatives.
 
     Parameters
@@ -32,13 +38,18 @@ def terms(
     'multiplies v|v| in Y'
     """
     return Effect(
-        name=name, family=family, kind="terms", summary=summary, source=source, check=check,
+        name=name,
+        family=family,
+        kind="terms",
+        summary=summary,
+        source=source,
+        check=check,
         excites=excites,
         parameters=tuple(
             Parameter(name=label, text=_meaning(label), typical=size)
             for label, size in sizes.items()
         ),
-    )  # fmt: skip
+    )
 
 
 def _meaning(label: str) -> str:
@@ -50,62 +61,101 @@ def _meaning(label: str) -> str:
 
 EFFECTS: Final = (
     terms(
-        "modulus_sway_drag", "cross_flow", "Drag of sway with the square of its velocity.",
-        {"Yv|v|": -0.020, "Nv|v|": 0.004}, source="Fedyaevsky and Sobolev 1964; Norrbin 1971",
+        "modulus_sway_drag",
+        "cross_flow",
+        "Drag of sway with the square of its velocity.",
+        {"Yv|v|": -0.020, "Nv|v|": 0.004},
+        source="Fedyaevsky and Sobolev 1964; Norrbin 1971",
         check="static drift at 15 to 25°, or pure sway at a third amplitude",
     ),
     terms(
-        "modulus_yaw_drag", "cross_flow", "Drag of yaw with the square of its rate.",
-        {"Yr|r|": 0.0022, "Nr|r|": -0.0017}, source="Norrbin 1971",
+        "modulus_yaw_drag",
+        "cross_flow",
+        "Drag of yaw with the square of its rate.",
+        {"Yr|r|": 0.0022, "Nr|r|": -0.0017},
+        source="Norrbin 1971",
         check="pure yaw at r' 0.8, or circular motion",
     ),
     terms(
-        "cubic_hull_terms", "hull", "Damping that grows with the cube of sway and of yaw.",
+        "cubic_hull_terms",
+        "hull",
+        "Damping that grows with the cube of sway and of yaw.",
         {"Yvvv": -0.109, "Nvvv": 0.0015, "Yrrr": 0.0018, "Nrrr": -0.0023},
-        source="Abkowitz 1964", check="static drift to 15°, and pure yaw at a third amplitude",
+        source="Abkowitz 1964",
+        check="static drift to 15°, and pure yaw at a third amplitude",
     ),
     terms(
-        "yaw_sway_coupling", "hull_coupling",
+        "yaw_sway_coupling",
+        "hull_coupling",
         "Products of sway and yaw in side force and moment.",
         {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156},
         source="Son and Nomoto 1981",
         check="yaw with drift at two drift angles of both signs",
     ),
     terms(
-        "surge_yaw_coupling", "surge", "Surge force of sway and yaw together.", {"Xvr": 0.0039},
-        source="Yasukawa and Yoshimura 2015", check="yaw with drift at two drift angles",
+        "surge_yaw_coupling",
+        "surge",
+        "Surge force of sway and yaw together.",
+        {"Xvr": 0.0039},
+        source="Yasukawa and Yoshimura 2015",
+        check="yaw with drift at two drift angles",
     ),
     terms(
-        "surge_fourth_order", "surge", "Surge force with the fourth power of sway.",
-        {"Xvvvv": 0.05}, source="Yasukawa and Yoshimura 2015", check="static drift to 20°",
+        "surge_fourth_order",
+        "surge",
+        "Surge force with the fourth power of sway.",
+        {"Xvvvv": 0.05},
+        source="Yasukawa and Yoshimura 2015",
+        check="static drift to 20°",
     ),
     terms(
-        "asymmetry", "asymmetry",
+        "asymmetry",
+        "asymmetry",
         "A constant side force and moment, with the square of the speed.",
-        {"Y0": 1.0e-4, "N0": -4.5e-5}, source="Abkowitz 1964",
+        {"Y0": 1.0e-4, "N0": -4.5e-5},
+        source="Abkowitz 1964",
         check="a straight run without the propeller",
     ),
     terms(
-        "even_hull_terms", "asymmetry", "Forces that are the same to port and to starboard.",
+        "even_hull_terms",
+        "asymmetry",
+        "Forces that are the same to port and to starboard.",
         {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003, "Yvr": 0.001, "Nvr": 0.001},
         source="Abkowitz 1964",
         check="static drift to both sides",
     ),
     terms(
-        "heel_coupling", "heel", "Forces of the heel angle.",
-        {"Yphi": -4e-4, "Nphi": -3e-4, "Yvphiphi": 0.003, "Nvvphi": -0.019,
-         "Yrphiphi": 0.003, "Nrrphi": -0.003},
+        "heel_coupling",
+        "heel",
+        "Forces of the heel angle.",
+        {
+            "Yphi": -4e-4,
+            "Nphi": -3e-4,
+            "Yvphiphi": 0.003,
+            "Nvvphi": -0.019,
+            "Yrphiphi": 0.003,
+            "Nrrphi": -0.003,
+        },
         source="Son and Nomoto 1981",
-        check="static heel of 5 and 10° straight ahead", excites=("roll",),
+        check="static heel of 5 and 10° straight ahead",
+        excites=("roll",),
     ),
     terms(
-        "rudder_stall", "rudder", "Rudder force that bends over at large angles.",
-        {"Yddd": 0.0045, "Nddd": -0.0022}, source="Molland and Turnock 2007",
-        check="rudder at 25, 30 and 35°", excites=("rudder",),
+        "rudder_stall",
+        "rudder",
+        "Rudder force that bends over at large angles.",
+        {"Yddd": 0.0045, "Nddd": -0.0022},
+        source="Molland and Turnock 2007",
+        check="rudder at 25, 30 and 35°",
+        excites=("rudder",),
     ),
     terms(
-        "rudder_cross_terms", "rudder", "Rudder force that changes with drift.",
-        {"Yvvd": -0.06, "Yvdd": 0.02, "Nvvd": 0.03, "Nvdd": -0.01}, source="Strøm-Tejsen 1965",
-        check="drift with rudder at both signs of each", excites=("rudder",),
+        "rudder_cross_terms",
+        "rudder",
+        "Rudder force that changes with drift.",
+        {"Yvvd": -0.06, "Yvdd": 0.02, "Nvvd": 0.03, "Nvdd": -0.01},
+        source="Strøm-Tejsen 1965",
+        check="drift with rudder at both signs of each",
+        excites=("rudder",),
     ),
-)  # fmt: skip
+)

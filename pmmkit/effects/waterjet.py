@@ -9,11 +9,30 @@ from pmmkit.effects.primitives import cos, fabs, maximum, minimum, pi, sin
 
 
 def force(
-    u: float, v: float, r: float, n: float, delta: float, bucket: float, L: float, rho: float,
-    number: float, nozzle: float, D: float, phi0: float, phi1: float, kq: float, w: float,
-    t: float, xj: float, zj: float, xi: float, turning: float, reverse: float,
-    reverse_side: float, max_deg: float,
-) -> tuple[float, float, float, float, float, float, float]:  # fmt: skip
+    u: float,
+    v: float,
+    r: float,
+    n: float,
+    delta: float,
+    bucket: float,
+    L: float,
+    rho: float,
+    number: float,
+    nozzle: float,
+    D: float,
+    phi0: float,
+    phi1: float,
+    kq: float,
+    w: float,
+    t: float,
+    xj: float,
+    zj: float,
+    xi: float,
+    turning: float,
+    reverse: float,
+    reverse_side: float,
+    max_deg: float,
+) -> tuple[float, float, float, float, float, float, float]:
     """X, Y [N], N, K [N m], thrust straight ahead [N], torque [N m] and the jets' force across [N].
 
     Each pump takes in the flow Q = phi0 n D³ + phi1 (1 - w) u D², never backwards, and throws it
@@ -52,7 +71,7 @@ def force(
         thrust,
         number * kq * rho * n * n * D * D * D * D * D,
         steering,
-    )  # fmt: skip
+    )
 
 
 WATERJET: Final = Effect(
@@ -73,20 +92,34 @@ WATERJET: Final = Effect(
         Parameter(name="zj", text="nozzles below the origin over L", default=0.0),
         Parameter(name="xi", text="intakes forward of midship over L", default=-0.4),
         Parameter(
-            name="turning", text="share of the cross flow at the intake that the ship must stop",
-            default=1.0, low=0.0, high=1.0,
+            name="turning",
+            text="share of the cross flow at the intake that the ship must stop",
+            default=1.0,
+            low=0.0,
+            high=1.0,
         ),
         Parameter(
-            name="reverse", text="force astern over that of the jet, bucket down", default=0.5,
-            low=0.0, high=1.0,
+            name="reverse",
+            text="force astern over that of the jet, bucket down",
+            default=0.5,
+            low=0.0,
+            high=1.0,
         ),
         Parameter(
-            name="reverse_side", text="side force over that of the jet ahead, bucket down; minus "
-            "reverse if the bucket turns with the nozzle", default=-0.5, low=-1.0, high=1.0,
+            name="reverse_side",
+            text="side force over that of the jet ahead, bucket down; minus "
+            "reverse if the bucket turns with the nozzle",
+            default=-0.5,
+            low=-1.0,
+            high=1.0,
         ),
         Parameter(name="rate_deg_s", text="rate of the steering nozzles", unit="deg/s", low=1e-6),
         Parameter(
-            name="max_deg", text="largest angle of the jet", unit="deg", default=30.0, low=0.0,
+            name="max_deg",
+            text="largest angle of the jet",
+            unit="deg",
+            default=30.0,
+            low=0.0,
             high=90.0,
         ),
     ),
@@ -96,5 +129,5 @@ WATERJET: Final = Effect(
     outputs=("X", "Y", "N", "K", "thrust", "torque", "rudder_force"),
     source="Momentum of the jet less that of the water taken in; the shares of the bucket are "
     "typical values, to be replaced by those of the maker",
-)  # fmt: skip
+)
 EFFECTS: Final = (WATERJET,)

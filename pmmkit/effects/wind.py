@@ -40,11 +40,27 @@ def relative_wind(
 
 
 def force(
-    u: float, v: float, psi: float, L: float, wind_speed: float, wind_direction: float,
-    coefficients: int, rho_air: float, AF: float, AL: float, Loa: float, lever: float,
-    cx: float, cy: float, cn: float, angle_deg: Sequence[float], CX: Sequence[float],
-    CY: Sequence[float], CN: Sequence[float], CK: Sequence[float],
-) -> tuple[float, float, float, float]:  # fmt: skip
+    u: float,
+    v: float,
+    psi: float,
+    L: float,
+    wind_speed: float,
+    wind_direction: float,
+    coefficients: int,
+    rho_air: float,
+    AF: float,
+    AL: float,
+    Loa: float,
+    lever: float,
+    cx: float,
+    cy: float,
+    cn: float,
+    angle_deg: Sequence[float],
+    CX: Sequence[float],
+    CY: Sequence[float],
+    CN: Sequence[float],
+    CK: Sequence[float],
+) -> tuple[float, float, float, float]:
     """X, Y [N], N, K [N m] of the wind past midship.
 
     Notes
@@ -115,12 +131,17 @@ WIND: Final = Effect(
             name="cy", text="size of CY in wind from abeam, 0.7 to 0.95", default=0.8, form=_SIMPLE
         ),
         Parameter(
-            name="cn", text="size of CN in wind 45° off the bow, 0.05 to 0.2", default=0.1,
+            name="cn",
+            text="size of CN in wind 45° off the bow, 0.05 to 0.2",
+            default=0.1,
             form=_SIMPLE,
         ),
         Parameter(
-            name="angle_deg", text="angles 0 to 180 from which the wind comes, from starboard, "
-            "ascending", unit="deg", form=_TABLE, table=True,
+            name="angle_deg",
+            text="angles 0 to 180 from which the wind comes, from starboard, ascending",
+            unit="deg",
+            form=_TABLE,
+            table=True,
         ),
         Parameter(name="CX", text="at each angle, ahead positive", form=_TABLE, table=True),
         Parameter(name="CY", text="at each angle, to starboard positive", form=_TABLE, table=True),
@@ -128,8 +149,10 @@ WIND: Final = Effect(
             name="CN", text="at each angle, bow to starboard positive", form=_TABLE, table=True
         ),
         Parameter(
-            name="CK", text="at each angle, starboard side down positive",
-            form=("coefficients", "table-with-roll"), table=True,
+            name="CK",
+            text="at each angle, starboard side down positive",
+            form=("coefficients", "table-with-roll"),
+            table=True,
         ),
     ),
     options={"coefficients": ("simple", "table", "table-with-roll")},
@@ -138,5 +161,5 @@ WIND: Final = Effect(
     outputs=("X", "Y", "N", "K"),
     source="Isherwood 1972, Blendermann 1994 (what the coefficients refer to); simple: Fossen "
     "2011, section 8.1, as in public programs that quote it",
-)  # fmt: skip
+)
 EFFECTS: Final = (WIND,)

@@ -20,16 +20,41 @@ GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 ENGINE: Final = ("integrator.py", "queries.py")
 ESTIMATING: Final = ("integrator.py", "estimators.py")
 ENTRIES: Final = (
-    "rates", "complete", "self_propulsion", "run", "probe", "sample", "run_many", "settle",
-    "repeat", "constants", "advance", "linearised", "correct", "predict", "extended", "smoothed",
-    "unscented", "windows", "along", "take_in",
-)  # fmt: skip
+    "rates",
+    "complete",
+    "self_propulsion",
+    "run",
+    "probe",
+    "sample",
+    "run_many",
+    "settle",
+    "repeat",
+    "constants",
+    "advance",
+    "linearised",
+    "correct",
+    "predict",
+    "extended",
+    "smoothed",
+    "unscented",
+    "windows",
+    "along",
+    "take_in",
+)
 """Functions that are called from outside the module."""
 _FACTORS: Final = {
-    "u": "surge", "v": "sway", "r": "yaw", "p": "roll", "phi": "phi", "d": "delta",
-    "|u|": "fabs(surge)", "|v|": "fabs(sway)", "|r|": "fabs(yaw)", "|p|": "fabs(roll)",
+    "u": "surge",
+    "v": "sway",
+    "r": "yaw",
+    "p": "roll",
+    "phi": "phi",
+    "d": "delta",
+    "|u|": "fabs(surge)",
+    "|v|": "fabs(sway)",
+    "|r|": "fabs(yaw)",
+    "|p|": "fabs(roll)",
     "|d|": "fabs(delta)",
-}  # fmt: skip
+}
 
 
 def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
@@ -235,10 +260,16 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         return f"{constant} - k[{PLACE[derivative]}]{more}"
 
     matrix = {
-        (1, 1): ("mass", "Yvdot"), (1, 2): ("mass_xG", "Yrdot"), (1, 3): ("-mass * k[9]", "Ypdot"),
-        (2, 1): ("mass_xG", "Nvdot"), (2, 2): ("k[10]", "Nrdot"), (2, 3): ("0.0", "Npdot"),
-        (3, 1): ("-mass * k[9]", "Kvdot"), (3, 2): ("0.0", "Krdot"), (3, 3): ("k[11]", "Kpdot"),
-    }  # fmt: skip
+        (1, 1): ("mass", "Yvdot"),
+        (1, 2): ("mass_xG", "Yrdot"),
+        (1, 3): ("-mass * k[9]", "Ypdot"),
+        (2, 1): ("mass_xG", "Nvdot"),
+        (2, 2): ("k[10]", "Nrdot"),
+        (2, 3): ("0.0", "Npdot"),
+        (3, 1): ("-mass * k[9]", "Kvdot"),
+        (3, 2): ("0.0", "Krdot"),
+        (3, 3): ("k[11]", "Kpdot"),
+    }
     lines = [f"out[3] = X / ({entry('mass', 'Xudot')})"]
     for (i, j), (constant, derivative) in matrix.items():
         if structure.rolls or (i < 3 and j < 3):

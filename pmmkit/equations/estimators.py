@@ -174,10 +174,23 @@ def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
 
 
 def linearised(
-    z: Array, y: Array, start: Array, stop: Array, time: float, longest: float, base: Array,
-    starts: Places, places: Places, slopes: Array, change: Array, steps: Array, k: Array,
-    work: Array, A: Array, B: Array,
-) -> int:  # fmt: skip
+    z: Array,
+    y: Array,
+    start: Array,
+    stop: Array,
+    time: float,
+    longest: float,
+    base: Array,
+    starts: Places,
+    places: Places,
+    slopes: Array,
+    change: Array,
+    steps: Array,
+    k: Array,
+    work: Array,
+    A: Array,
+    B: Array,
+) -> int:
     """States after an interval into `y`, and their slopes over states and parameters."""
     m = len(change)
     if constants(base, starts, places, slopes, change, k) != 0:
@@ -220,10 +233,24 @@ def turned_back(residual: float, kind: int) -> float:
 
 
 def take_in(
-    measured: Array, kinds: Places, variances: Array, z: Array, P: Array, k: Array,
-    starts: Places, places: Places, slopes: Array, about: Array, change: Array, gate: float,
-    h: Array, gain: Array, left: Array, residuals: Array, spreads: Array,
-) -> None:  # fmt: skip
+    measured: Array,
+    kinds: Places,
+    variances: Array,
+    z: Array,
+    P: Array,
+    k: Array,
+    starts: Places,
+    places: Places,
+    slopes: Array,
+    about: Array,
+    change: Array,
+    gate: float,
+    h: Array,
+    gain: Array,
+    left: Array,
+    residuals: Array,
+    spreads: Array,
+) -> None:
     """Take in the measurements of an instant, one after another, but for those beyond the gate."""
     n, m = len(z), len(z) - NS
     for q in range(len(kinds)):
@@ -256,11 +283,29 @@ def grown(diffusion: float, fading: float, time: float) -> float:
 
 
 def extended(
-    times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
-    starts: Places, places: Places, slopes: Array, about: Array, frozen: Array, z: Array,
-    P: Array, fading: Array, diffusion: Array, steps: Array, longest: float, gate: float,
-    means: Array, residuals: Array, spreads: Array, kept: Array,
-) -> int:  # fmt: skip
+    times: Array,
+    inputs: Array,
+    measured: Array,
+    kinds: Places,
+    variances: Array,
+    base: Array,
+    starts: Places,
+    places: Places,
+    slopes: Array,
+    about: Array,
+    frozen: Array,
+    z: Array,
+    P: Array,
+    fading: Array,
+    diffusion: Array,
+    steps: Array,
+    longest: float,
+    gate: float,
+    means: Array,
+    residuals: Array,
+    spreads: Array,
+    kept: Array,
+) -> int:
     """Extended Kalman filter over one record; `z` and `P` end as those of the last instant.
 
     `fading` are the inverse times in which parameters forget, `diffusion` the growth of the
@@ -284,9 +329,23 @@ def extended(
                 change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
                 keep[j] = math.exp(-fading[j] * time)
             lost = linearised(
-                z, y, inputs[t - 1], inputs[t], time, longest, base, starts, places, slopes,
-                change, steps, k, work, A, B,
-            )  # fmt: skip
+                z,
+                y,
+                inputs[t - 1],
+                inputs[t],
+                time,
+                longest,
+                base,
+                starts,
+                places,
+                slopes,
+                change,
+                steps,
+                k,
+                work,
+                A,
+                B,
+            )
             if lost != 0:
                 return 1
             for i in range(NS):
@@ -319,9 +378,24 @@ def extended(
             change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
         constants(base, starts, places, slopes, change, k)
         take_in(
-            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
-            gain, left, residuals[t], spreads[t],
-        )  # fmt: skip
+            measured[t],
+            kinds,
+            variances,
+            z,
+            P,
+            k,
+            starts,
+            places,
+            slopes,
+            about,
+            change,
+            gate,
+            h,
+            gain,
+            left,
+            residuals[t],
+            spreads[t],
+        )
         if store:
             for i in range(n):
                 kept[t, n + i] = z[i]
@@ -383,11 +457,26 @@ def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
 
 
 def unscented(
-    times: Array, inputs: Array, measured: Array, kinds: Places, variances: Array, base: Array,
-    starts: Places, places: Places, slopes: Array, about: Array, z: Array, P: Array,
-    fading: Array, diffusion: Array, longest: float, gate: float, means: Array,
-    residuals: Array, spreads: Array,
-) -> int:  # fmt: skip
+    times: Array,
+    inputs: Array,
+    measured: Array,
+    kinds: Places,
+    variances: Array,
+    base: Array,
+    starts: Places,
+    places: Places,
+    slopes: Array,
+    about: Array,
+    z: Array,
+    P: Array,
+    fading: Array,
+    diffusion: Array,
+    longest: float,
+    gate: float,
+    means: Array,
+    residuals: Array,
+    spreads: Array,
+) -> int:
     """Unscented Kalman filter with 2n equally weighted points; as `extended`."""
     N, n = len(times), len(z)
     m = n - NS
@@ -441,9 +530,24 @@ def unscented(
             change[j] = z[NS + j] - about[j]
         constants(base, starts, places, slopes, change, k)
         take_in(
-            measured[t], kinds, variances, z, P, k, starts, places, slopes, about, change, gate, h,
-            gain, left, residuals[t], spreads[t],
-        )  # fmt: skip
+            measured[t],
+            kinds,
+            variances,
+            z,
+            P,
+            k,
+            starts,
+            places,
+            slopes,
+            about,
+            change,
+            gate,
+            h,
+            gain,
+            left,
+            residuals[t],
+            spreads[t],
+        )
         for i in range(n):
             means[t, i] = z[i]
             means[t, n + i] = P[i, i]
@@ -451,9 +555,8 @@ def unscented(
 
 
 def windows(
-    times: Array, inputs: Array, begins: Places, first: Array, k: Array, longest: float,
-    out: Array,
-) -> None:  # fmt: skip
+    times: Array, inputs: Array, begins: Places, first: Array, k: Array, longest: float, out: Array
+) -> None:
     """States at every instant of windows, each from its own first states."""
     work, y = np.zeros((6, NS)), np.zeros(NS)
     for w in range(len(begins) - 1):

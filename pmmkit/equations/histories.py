@@ -8,19 +8,16 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.equations.code_generation import CONTROLS, MOTION, summed
 from pmmkit.equations.constants import PLACE
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure
 from pmmkit.errors import ModelError
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
-Array = NDArray[np.float64]
-HISTORY: Final = (
-    "u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS
-)  # fmt: skip
+HISTORY: Final = ("u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS)
 """What a history of motion may hold; what it lacks is zero."""
 WIND: Final = ("wind_speed", "wind_direction")
 
@@ -194,9 +191,12 @@ def rigid_body(ship: Ship, motion: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _followed(
-    structure: Structure, constants: Sequence[Any], given: Mapping[str, Array],
-    names: Sequence[str], t: Array | None,
-) -> dict[str, Array]:  # fmt: skip
+    structure: Structure,
+    constants: Sequence[Any],
+    given: Mapping[str, Array],
+    names: Sequence[str],
+    t: Array | None,
+) -> dict[str, Array]:
     """States that follow the motion, ds/dt = λ (q - s): q without time, else s settled at first.
 
     Between two instants q is a straight line and λ constant.
@@ -228,13 +228,16 @@ def _followed(
 def _function(structure: Structure) -> Callable[..., tuple[tuple[Array, ...], dict[str, Array]]]:
     module = ModuleType("pmmkit_histories")
     module.__dict__.update(
-        sqrt=np.sqrt, fabs=np.abs, atan2=np.arctan2, maximum=np.maximum,
+        sqrt=np.sqrt,
+        fabs=np.abs,
+        atan2=np.arctan2,
+        maximum=np.maximum,
         **{
             f"effect_{item.effect}": over_arrays(item.known.force)
             for item in structure.used
             if item.known.force is not None
         },
-    )  # fmt: skip
+    )
     exec(compile(_text(structure), "<forces of a model>", "exec"), module.__dict__)
     made: Callable[..., tuple[tuple[Array, ...], dict[str, Array]]] = module.__dict__["forces"]
     return made

@@ -160,10 +160,19 @@ def dense(steps: list[float], at: int, theta: float, state: int) -> float:
 
 
 def keep(
-    steps: list[float], at: int, t: float, h: float, y: list[float], new: list[float],
-    k1: list[float], k3: list[float], k4: list[float], k5: list[float], k6: list[float],
+    steps: list[float],
+    at: int,
+    t: float,
+    h: float,
+    y: list[float],
+    new: list[float],
+    k1: list[float],
+    k3: list[float],
+    k4: list[float],
+    k5: list[float],
+    k6: list[float],
     k7: list[float],
-) -> None:  # fmt: skip
+) -> None:
     """Write a step and the coefficients of its dense output."""
     steps[at] = t
     steps[at + 1] = h
@@ -186,10 +195,21 @@ def keep(
 
 
 def step(
-    t: float, h: float, y: list[float], gear: list[float], k: list[float], z: list[float],
-    k1: list[float], k2: list[float], k3: list[float], k4: list[float], k5: list[float],
-    k6: list[float], k7: list[float], new: list[float],
-) -> None:  # fmt: skip
+    t: float,
+    h: float,
+    y: list[float],
+    gear: list[float],
+    k: list[float],
+    z: list[float],
+    k1: list[float],
+    k2: list[float],
+    k3: list[float],
+    k4: list[float],
+    k5: list[float],
+    k6: list[float],
+    k7: list[float],
+    new: list[float],
+) -> None:
     """One step of Dormand and Prince from the rates `k1`: fills the stages and `new`."""
     for i in range(NS):
         z[i] = y[i] + h * 0.2 * k1[i]
@@ -229,9 +249,18 @@ def step(
 
 
 def error_of(
-    h: float, y: list[float], new: list[float], rtol: float, size: list[float], k1: list[float],
-    k3: list[float], k4: list[float], k5: list[float], k6: list[float], k7: list[float],
-) -> float:  # fmt: skip
+    h: float,
+    y: list[float],
+    new: list[float],
+    rtol: float,
+    size: list[float],
+    k1: list[float],
+    k3: list[float],
+    k4: list[float],
+    k5: list[float],
+    k6: list[float],
+    k7: list[float],
+) -> float:
     """Root of the mean square of the error over the tolerance."""
     total = 0.0
     for i in range(NS):
@@ -300,9 +329,15 @@ def solve(a: list[float], b: list[float], m: int) -> int:
 
 
 def settle(
-    y: list[float], delta: float, turn: float, bucket: float, speed: float, n0: float,
-    k: list[float], found: list[float],
-) -> int:  # fmt: skip
+    y: list[float],
+    delta: float,
+    turn: float,
+    bucket: float,
+    speed: float,
+    n0: float,
+    k: list[float],
+    found: list[float],
+) -> int:
     """The motion without accelerations next to the states `y`, by Newton's method.
 
     Fills `found` and gives 0; gives 1 if there is none near.
@@ -365,9 +400,14 @@ def settle(
 
 
 def run(
-    k: list[float], phases: list[float], count: int, settings: list[float], steps: list[float],
-    room: int, events: list[float],
-) -> tuple[int, int, float]:  # fmt: skip
+    k: list[float],
+    phases: list[float],
+    count: int,
+    settings: list[float],
+    steps: list[float],
+    room: int,
+    events: list[float],
+) -> tuple[int, int, float]:
     """Integrate one ship through its phases.
 
     Gives a status (0 done, 1 mass matrix, 2 motion without bound, 3 steps too small, 4 no more
@@ -465,11 +505,17 @@ def run(
                     when = t + place * hh
                     if (
                         settle(
-                            z, controlled(when, gear, 0), controlled(when, gear, 1),
-                            controlled(when, gear, 2), speed, n0, k, k2,
+                            z,
+                            controlled(when, gear, 0),
+                            controlled(when, gear, 1),
+                            controlled(when, gear, 2),
+                            speed,
+                            n0,
+                            k,
+                            k2,
                         )
                         == 1
-                    ):  # fmt: skip
+                    ):
                         more -= 1
                         level += side * TWICE
                         done = 0

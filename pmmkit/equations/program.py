@@ -10,7 +10,6 @@ from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import added_mass
@@ -22,8 +21,8 @@ from pmmkit.equations.constants import NAMES, PLACE
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
 from pmmkit.errors import DataError, MissingPartError, ModelError
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Numbers = Mapping[str, Mapping[str, Any]]
 """Values of the parts by effect and name: floats, tables, or arrays with a value per ship."""
 
@@ -140,9 +139,15 @@ class Prepared:
         return out
 
     def accelerations(
-        self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
-        delta: float = 0.0, n: float = 0.0,
-    ) -> tuple[float, float, float, float]:  # fmt: skip
+        self,
+        u: float,
+        v: float,
+        r: float,
+        p: float = 0.0,
+        phi: float = 0.0,
+        delta: float = 0.0,
+        n: float = 0.0,
+    ) -> tuple[float, float, float, float]:
         """Surge, sway [m/s²], yaw and roll acceleration [rad/s²] in ship axes at midship.
 
         States of lags are settled.
@@ -151,9 +156,15 @@ class Prepared:
         return out[3], out[4], out[5], out[6] if self.rolls else 0.0
 
     def settled(
-        self, u: float, v: float, r: float, p: float = 0.0, phi: float = 0.0,
-        delta: float = 0.0, n: float = 0.0,
-    ) -> list[float]:  # fmt: skip
+        self,
+        u: float,
+        v: float,
+        r: float,
+        p: float = 0.0,
+        phi: float = 0.0,
+        delta: float = 0.0,
+        n: float = 0.0,
+    ) -> list[float]:
         """States of a motion, those that effects bring where their rates vanish."""
         given = {"u": u, "v": v, "r": r, "p": p, "phi": phi, "n": n}
         states = self.structure.states
@@ -206,9 +217,13 @@ def propulsion_problem(name: str, speed: float) -> str:
 
 @lru_cache(maxsize=64)
 def prepare(
-    model: Model, speed: float, *, conditions: Conditions = CALM, extrapolate: bool = False,
+    model: Model,
+    speed: float,
+    *,
+    conditions: Conditions = CALM,
+    extrapolate: bool = False,
     generic: bool = False,
-) -> Prepared:  # fmt: skip
+) -> Prepared:
     """A model at an approach speed, as code and constants.
 
     Parameters
@@ -314,16 +329,30 @@ def packed(
     wind_speed, wind_direction = conditions.wind_on_water
     current_x, current_y = conditions.current
     common: dict[str, Any] = {
-        "L": ship.L, "B": ship.B, "d": ship.d, "mass": ship.mass, "volume": ship.volume,
-        "GM": ship.GM or 0.0, "rho": water.rho, "g": water.g, "xG": ship.xG, "zG": ship.zG or 0.0,
-        "Izz": ship.Izz, "Ixx": ship.Ixx or 0.0, "rolls": float(model.rolls),
+        "L": ship.L,
+        "B": ship.B,
+        "d": ship.d,
+        "mass": ship.mass,
+        "volume": ship.volume,
+        "GM": ship.GM or 0.0,
+        "rho": water.rho,
+        "g": water.g,
+        "xG": ship.xG,
+        "zG": ship.zG or 0.0,
+        "Izz": ship.Izz,
+        "Ixx": ship.Ixx or 0.0,
+        "rolls": float(model.rolls),
         **added._asdict(),
         "reference": math.sqrt(water.g * ship.L) if bis else speed if fixed else 0.0,
         "square": 1.0 if bis else 0.0,
         "loss_from": speed if convention.surge == "delta-u" else 0.0,
-        "wind_speed": wind_speed, "wind_direction": wind_direction, "depth": depth,
-        "current_x": current_x, "current_y": current_y, "speed": speed,
-    }  # fmt: skip
+        "wind_speed": wind_speed,
+        "wind_direction": wind_direction,
+        "depth": depth,
+        "current_x": current_x,
+        "current_y": current_y,
+        "speed": speed,
+    }
     k: list[Any] = [common.get(name, 0.0) for name in NAMES]
     if not generic:
         k += [number for _, numbers in monomials for number in numbers.values()]
@@ -397,9 +426,11 @@ def feels_depth(model: Model) -> bool:
 def _check_parts(model: Model) -> None:
     parts = model.parts
     outputs = {
-        output for effect in parts if catalogue()[effect].force for output in
-        catalogue()[effect].outputs
-    }  # fmt: skip
+        output
+        for effect in parts
+        if catalogue()[effect].force
+        for output in catalogue()[effect].outputs
+    }
     missing = [name for name in ("hull_polynomial", "added_mass") if name not in parts]
     drives = {"thrust", "propelled"} & outputs or model.convention.surge == "delta-u"
     if not drives:

@@ -48,9 +48,15 @@ def take(steps: list[float], place: int, theta: float, results: list[float], to:
 
 
 def probe(
-    steps: list[float], events: list[float], probes: list[float], count: int, n0: float,
-    settings: list[float], k: list[float], results: list[float],
-) -> None:  # fmt: skip
+    steps: list[float],
+    events: list[float],
+    probes: list[float],
+    count: int,
+    n0: float,
+    settings: list[float],
+    k: list[float],
+    results: list[float],
+) -> None:
     """What is asked of a history: (1 + NS) numbers a probe, the instant and the states; or NaN."""
     y, found = vector(NS), vector(NS)
     for p in range(count):
@@ -121,9 +127,16 @@ def probe(
 
 
 def sample(
-    steps: list[float], kept: int, events: list[float], count: int, settings: list[float],
-    times: list[float], size: int, n0: float, out: list[float],
-) -> None:  # fmt: skip
+    steps: list[float],
+    kept: int,
+    events: list[float],
+    count: int,
+    settings: list[float],
+    times: list[float],
+    size: int,
+    n0: float,
+    out: list[float],
+) -> None:
     """States and controls at ascending instants: NS + 3 rows of `size` numbers."""
     place, phase = 0, 0
     for j in range(size):
@@ -146,10 +159,19 @@ def sample(
 
 
 def run_many(
-    ships: list[float], first: int, last: int, width: int, phases: list[float], count: int,
-    settings: list[float], probes: list[float], asked: int, room: int, results: list[float],
+    ships: list[float],
+    first: int,
+    last: int,
+    width: int,
+    phases: list[float],
+    count: int,
+    settings: list[float],
+    probes: list[float],
+    asked: int,
+    room: int,
+    results: list[float],
     states: list[float],
-) -> None:  # fmt: skip
+) -> None:
     """Ships one after another: their probes, their status and revolutions of the approach."""
     k, steps, events = vector(width), vector(room), vector(9 * (count + 1))
     found = vector((1 + NS) * asked)

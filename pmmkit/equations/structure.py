@@ -16,8 +16,17 @@ from pmmkit.errors import MissingPartError, ModelError
 POLYNOMIALS: Final = ("hull_polynomial", "rudder_abkowitz")
 FORCES: Final = ("X", "Y", "N", "K")
 ACCELERATIONS: Final = (
-    "Xudot", "Yvdot", "Yrdot", "Ypdot", "Nvdot", "Nrdot", "Npdot", "Kvdot", "Krdot", "Kpdot",
-)  # fmt: skip
+    "Xudot",
+    "Yvdot",
+    "Yrdot",
+    "Ypdot",
+    "Nvdot",
+    "Nrdot",
+    "Npdot",
+    "Kvdot",
+    "Krdot",
+    "Kpdot",
+)
 Products = tuple[tuple[tuple[int, ...], tuple[str, ...]], ...]
 """Places of the factors of each product, and the channels that it enters."""
 

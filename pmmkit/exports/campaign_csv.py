@@ -237,9 +237,7 @@ def _same(one: xr.Dataset, other: xr.Dataset) -> bool:
         return False
     return all(
         np.array_equal(
-            np.broadcast_to(one[name].values, other[name].shape),
-            other[name].values,
-            equal_nan=True,
+            np.broadcast_to(one[name].values, other[name].shape), other[name].values, equal_nan=True
         )
         for name in one.variables
     )

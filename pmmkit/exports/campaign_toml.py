@@ -13,26 +13,49 @@ from pmmkit.exports.text import comment, written_by
 from pmmkit.toml_files import toml_text
 
 _DEGREES: Final = {
-    "drift": "drift_deg", "heel": "heel_deg", "rudder": "rudder_deg", "phase": "phase_deg",
-}  # fmt: skip
+    "drift": "drift_deg",
+    "heel": "heel_deg",
+    "rudder": "rudder_deg",
+    "phase": "phase_deg",
+}
 """Settings that are zero where nothing is stated."""
 _OPTIONAL: Final = {
-    "yaw_amplitude": ("yaw_amplitude_deg", True), "switch": ("switch_deg", True),
-    "amplitude": ("amplitude_m", False), "period": ("period", False),
-    "propeller_rps": ("propeller_rps", False), "yaw_rate": ("yaw_rate", False),
-    "radius": ("radius", False), "repeat_of": ("repeat_of", False),
-}  # fmt: skip
+    "yaw_amplitude": ("yaw_amplitude_deg", True),
+    "switch": ("switch_deg", True),
+    "amplitude": ("amplitude_m", False),
+    "period": ("period", False),
+    "propeller_rps": ("propeller_rps", False),
+    "yaw_rate": ("yaw_rate", False),
+    "radius": ("radius", False),
+    "repeat_of": ("repeat_of", False),
+}
 """Settings that may be absent: their keys, and whether those are in degrees."""
 _SHIP: Final = {
-    "name": "name", "L": "L", "B": "B", "d": "d", "volume": "volume", "mass": "mass",
-    "Izz": "Izz", "xG": "xG", "zG": "zG", "GM": "GM", "Ixx": "Ix", "balance_mass": "balance_mass",
-    "balance_Izz": "balance_Izz", "balance_xG": "balance_xG", "block_stated": "CB",
-}  # fmt: skip
+    "name": "name",
+    "L": "L",
+    "B": "B",
+    "d": "d",
+    "volume": "volume",
+    "mass": "mass",
+    "Izz": "Izz",
+    "xG": "xG",
+    "zG": "zG",
+    "GM": "GM",
+    "Ixx": "Ix",
+    "balance_mass": "balance_mass",
+    "balance_Izz": "balance_Izz",
+    "balance_xG": "balance_xG",
+    "block_stated": "CB",
+}
 _WATER: Final = ("rho", "g", "nu", "depth", "tank_width", "tank_depth")
 _SUFFIXES: Final = {
-    "drift": "_deg", "heel": "_deg", "rudder": "_deg", "yaw_amplitude": "_deg", "phase": "_deg",
+    "drift": "_deg",
+    "heel": "_deg",
+    "rudder": "_deg",
+    "yaw_amplitude": "_deg",
+    "phase": "_deg",
     "amplitude": "_m",
-}  # fmt: skip
+}
 
 
 def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) -> str:

@@ -15,9 +15,23 @@ from pmmkit.simulation.simulate import steering
 from pmmkit.tables import converted, from_values
 
 _HULL: Final = (
-    "Xvv", "Xvr", "Xrr", "Xvvvv", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Yrrr", "Nv", "Nr", "Nvvv",
-    "Nvvr", "Nvrr", "Nrrr",
-)  # fmt: skip
+    "Xvv",
+    "Xvr",
+    "Xrr",
+    "Xvvvv",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yvvr",
+    "Yvrr",
+    "Yrrr",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nvvr",
+    "Nvrr",
+    "Nrrr",
+)
 _ADDED: Final = ("Xudot", "Yvdot", "Nrdot")
 _TAKEN: Final = frozenset({"Xuu", *_HULL, *_ADDED})
 _PARTS: Final = ("hull_polynomial", "added_mass", "propeller", "rudder_mmg")
@@ -112,9 +126,10 @@ def _check_parts(model: Model) -> None:
     if surplus:
         problems.append(f"shipmmg has no place for {', '.join(surplus)}.")
     for effect, option, word in (
-        ("propeller", "open_water", "polynomial"), ("rudder_mmg", "inflow", "mmg"),
+        ("propeller", "open_water", "polynomial"),
+        ("rudder_mmg", "inflow", "mmg"),
         ("rudder_mmg", "stall", "none"),
-    ):  # fmt: skip
+    ):
         if effect in model.parts:
             chosen = catalogue()[effect].chosen(model.parts[effect].options)[option]
             if chosen != word:

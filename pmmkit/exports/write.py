@@ -38,10 +38,14 @@ FORMATS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
 """What can be exported, and to which formats."""
 ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "mss": ".m", "shipmmg": ".py", "csv": ".csv", "excel": ".xlsx", "latex": ".tex",
+        "mss": ".m",
+        "shipmmg": ".py",
+        "csv": ".csv",
+        "excel": ".xlsx",
+        "latex": ".tex",
         "netcdf": ".nc",
     }
-)  # fmt: skip
+)
 """Ending of the files of each format."""
 
 
@@ -136,8 +140,11 @@ def kind_of(subject: object) -> str:
         If it is nothing of these.
     """
     kinds: tuple[tuple[type, str], ...] = (
-        (Model, "model"), (DerivativeTable, "table"), (Campaign, "campaign"), (Track, "track"),
-    )  # fmt: skip
+        (Model, "model"),
+        (DerivativeTable, "table"),
+        (Campaign, "campaign"),
+        (Track, "track"),
+    )
     for kind, word in kinds:
         if isinstance(subject, kind):
             return word

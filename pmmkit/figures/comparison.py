@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
 from pmmkit.figures.comparison_free import force_residuals, sailed
+from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.validation.captive import CaptiveRun
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
 """Steps of the colours, in units of the expanded uncertainty."""
 SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
@@ -97,9 +96,9 @@ def misfit_map(comparison: Comparison) -> Figure:
     heights = [len(tests) for tests in rows.values()]
     with style.styled():
         figure = style.canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
-        axes = figure.subplots(
-            len(channels), 1, squeeze=False, sharex=True, height_ratios=heights
-        )[:, 0]  # fmt: skip
+        axes = figure.subplots(len(channels), 1, squeeze=False, sharex=True, height_ratios=heights)[
+            :, 0
+        ]
         norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
         image: Any = None
         for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
@@ -109,9 +108,12 @@ def misfit_map(comparison: Comparison) -> Figure:
                     place = tests.index(cell.test), columns.index(_column(cell))
                     values[place] = np.fmax(values[place], cell.ratio)
             image = axis.pcolormesh(
-                np.ma.masked_invalid(values), cmap=shades, norm=norm, edgecolors="white",
+                np.ma.masked_invalid(values),
+                cmap=shades,
+                norm=norm,
+                edgecolors="white",
                 linewidth=1.2,
-            )  # fmt: skip
+            )
             _write_numbers(axis, values)
             axis.grid(False)
             axis.invert_yaxis()
@@ -123,9 +125,10 @@ def misfit_map(comparison: Comparison) -> Figure:
         for axis in axes:
             _part_harmonics(axis, [harmonic for harmonic, _ in columns])
         axes[-1].set_xticks(
-            np.arange(len(columns)) + 0.5, [f"{speed:.3g}" for _, speed in columns],
+            np.arange(len(columns)) + 0.5,
+            [f"{speed:.3g}" for _, speed in columns],
             rotation=90 if len(columns) > 18 else 0,
-        )  # fmt: skip
+        )
         axes[-1].set_xlabel("speed [m/s]")
         bar = figure.colorbar(
             image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
@@ -146,10 +149,14 @@ def _write_numbers(axis: Axes, values: Array) -> None:
     for row, column in np.argwhere(np.isfinite(values)).tolist():
         value = float(values[row, column])
         axis.text(
-            column + 0.5, row + 0.5, f"{value:.0f}" if value >= 9.95 else f"{value:.1f}",
-            ha="center", va="center", fontsize=size,
+            column + 0.5,
+            row + 0.5,
+            f"{value:.0f}" if value >= 9.95 else f"{value:.1f}",
+            ha="center",
+            va="center",
+            fontsize=size,
             color="white" if value >= 8.0 else style.INK if value >= 1.0 else "#8a8a8a",
-        )  # fmt: skip
+        )
 
 
 def _name_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
@@ -192,9 +199,10 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             order = max(int(label[1:]) for label in run.view.labels)
             theta = np.linspace(0.0, 2 * np.pi, FINE)
             basis = design_matrix(theta, order)[:, _places(run)]
-            whole = design_matrix(theta, order) @ np.linalg.lstsq(
-                _basis_at_samples(run, order), x, rcond=None
-            )[0]  # fmt: skip
+            whole = (
+                design_matrix(theta, order)
+                @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
+            )
             for axis, channel in zip(axes[:, column], channels, strict=True):
                 if column == 0:
                     axis.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
@@ -202,9 +210,12 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
                     continue
                 axis.plot(whole, basis @ run.view.force[channel], color=MEASURED, label="measured")
                 axis.plot(
-                    whole, basis @ run.predicted[channel], color=PREDICTED, ls="--",
+                    whole,
+                    basis @ run.predicted[channel],
+                    color=PREDICTED,
+                    ls="--",
                     label="predicted",
-                )  # fmt: skip
+                )
             axes[0, column].set_title(f"{words_of_test(run.view.run.test)}\n{run.view.run.id}")
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
@@ -284,11 +295,12 @@ def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array | N
         "Froude number [-]": [np.full_like(run.view.motion.u, run.Fn) for run in runs],
     }
     return {
-        name: [x if _shown(run, x, runs, values) else None
-               for run, x in zip(runs, values, strict=True)]
+        name: [
+            x if _shown(run, x, runs, values) else None for run, x in zip(runs, values, strict=True)
+        ]
         for name, values in every.items()
         if np.ptp(np.concatenate(values)) > 1e-6
-    }  # fmt: skip
+    }
 
 
 def _shown(run: CaptiveRun, x: Array, runs: Sequence[CaptiveRun], values: Sequence[Array]) -> bool:
@@ -302,30 +314,47 @@ def _shown(run: CaptiveRun, x: Array, runs: Sequence[CaptiveRun], values: Sequen
 
 
 def _residual(
-    axis: Axes, run: CaptiveRun, channel: str, x: Array, comparison: Comparison,
+    axis: Axes,
+    run: CaptiveRun,
+    channel: str,
+    x: Array,
+    comparison: Comparison,
     tests: Sequence[str],
-) -> None:  # fmt: skip
+) -> None:
     view, ship, water = run.view, comparison.ship, comparison.water
     scale = 1e3 / force_unit(
-        channel, "prime", L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+        channel,
+        "prime",
+        L=ship.L,
+        d=ship.d,
+        volume=ship.volume,
+        rho=water.rho,
+        g=water.g,
         U=view.speed,
-    )  # fmt: skip
+    )
     number = tests.index(view.run.test)
     look: dict[str, Any] = {"color": style.colour(number), "label": words_of_test(view.run.test)}
     if not view.run.dynamic:
         axis.plot(
-            [float(view.projection[0] @ x)], [scale * float(run.error(channel)[0])], ls="",
-            marker=style.marker(number), ms=4, **look,
-        )  # fmt: skip
+            [float(view.projection[0] @ x)],
+            [scale * float(run.error(channel)[0])],
+            ls="",
+            marker=style.marker(number),
+            ms=4,
+            **look,
+        )
         return
     order = max(int(label[1:]) for label in view.labels)
     theta = np.linspace(0.0, 2 * np.pi, FINE)
     basis = design_matrix(theta, order)
     whole = np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
     axis.plot(
-        basis @ whole, scale * (basis[:, _places(run)] @ run.error(channel)), lw=0.8, alpha=0.8,
+        basis @ whole,
+        scale * (basis[:, _places(run)] @ run.error(channel)),
+        lw=0.8,
+        alpha=0.8,
         **look,
-    )  # fmt: skip
+    )
 
 
 def residual_in_time(comparison: Comparison, run: str) -> Figure:
@@ -357,9 +386,12 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
             left.plot(t, predicted, color=PREDICTED, ls="--", label="predicted")
             left.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
             right.plot(
-                t, table[f"{channel}_error"].to_numpy()[thin], color=style.LIMIT, lw=0.9,
+                t,
+                table[f"{channel}_error"].to_numpy()[thin],
+                color=style.LIMIT,
+                lw=0.9,
                 label="predicted less measured",
-            )  # fmt: skip
+            )
             right.axhline(0.0, color="#999999", lw=0.8)
         axes[0, 0].set_title(run)
         axes[0, 1].set_title("what is left")

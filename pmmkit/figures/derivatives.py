@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from pmmkit.conventions import CHANNELS, canonical
-from pmmkit.effects.state import Array
 from pmmkit.errors import TableError
+from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.tables.compare import Reference
@@ -82,12 +82,21 @@ def derivatives_over_froude(
                 axis.plot(
                     [table.Fn[0] - margin, *table.Fn, table.Fn[-1] + margin],
                     factor * known[canonical(name)][[0, *range(len(table.Fn)), -1]],
-                    color=style.REFERENCE, ls="--", lw=1.2, label=reference_name,
-                )  # fmt: skip
+                    color=style.REFERENCE,
+                    ls="--",
+                    lw=1.2,
+                    label=reference_name,
+                )
             axis.errorbar(
-                table.Fn, value, np.nan_to_num(error), color=style.ORDERED[0], marker="o",
-                lw=1.2, capsize=3, label="this table, 95 % interval",
-            )  # fmt: skip
+                table.Fn,
+                value,
+                np.nan_to_num(error),
+                color=style.ORDERED[0],
+                marker="o",
+                lw=1.2,
+                capsize=3,
+                label="this table, 95 % interval",
+            )
             axis.set_xlim(table.Fn[0] - margin, table.Fn[-1] + margin)
             axis.margins(y=0.18)
             axis.locator_params(axis="y", nbins=4)
@@ -160,13 +169,16 @@ def beside_reference(
                 _dots(axis, ratio[row, columns], ends[:, row, columns], place, row, label, limits)
             for gap in np.flatnonzero(np.all(np.isnan(ratio[:, columns]), axis=0)):
                 axis.text(
-                    limits[0], gap, "  not determined by these runs", va="center",
-                    fontsize=8, color=style.REFERENCE,
-                )  # fmt: skip
+                    limits[0],
+                    gap,
+                    "  not determined by these runs",
+                    va="center",
+                    fontsize=8,
+                    color=style.REFERENCE,
+                )
             axis.axvline(1.0, color=style.REFERENCE, ls="--", lw=1.2, zorder=1)
             axis.set_yticks(
-                np.arange(len(group)),
-                [style.symbol(name, table.convention) for name in group],
+                np.arange(len(group)), [style.symbol(name, table.convention) for name in group]
             )
             axis.set_ylim(len(group) - 0.4, -0.6)
             axis.set_xlim(limits)
@@ -206,10 +218,15 @@ def _dots(
         right = bool(value > limits[1])
         axis.plot(limits[right], height, marker=">" if right else "<", color=colour, clip_on=False)
         axis.annotate(
-            f"{value:.3g}", (limits[right], height), xytext=(-8 if right else 8, 0),
-            textcoords="offset points", ha="right" if right else "left", va="center",
-            fontsize=8, color=colour,
-        )  # fmt: skip
+            f"{value:.3g}",
+            (limits[right], height),
+            xytext=(-8 if right else 8, 0),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            va="center",
+            fontsize=8,
+            color=colour,
+        )
 
 
 def _limits(ends: np.ndarray) -> tuple[float, float]:
@@ -229,9 +246,15 @@ def _scale(values: np.ndarray) -> tuple[float, str]:
 
 def _say(axis: Axes, text: str) -> None:
     axis.text(
-        0.5, 0.5, text, transform=axis.transAxes, ha="center", va="center",
-        color=style.REFERENCE, fontsize=9,
-    )  # fmt: skip
+        0.5,
+        0.5,
+        text,
+        transform=axis.transAxes,
+        ha="center",
+        va="center",
+        color=style.REFERENCE,
+        fontsize=9,
+    )
 
 
 def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:

@@ -47,9 +47,12 @@ def evidence(found: Diagnosis) -> Figure:
         for place, item in enumerate(shown):
             label, colour = _KINDS[all(is_fault(name) for name in item.names)]
             axis.barh(
-                place, item.log_evidence, height=0.62, color=colour,
+                place,
+                item.log_evidence,
+                height=0.62,
+                color=colour,
                 alpha=1.0 if item.names in named else 0.35,
-            )  # fmt: skip
+            )
             axis.barh(place, 0.0, color=colour, label=label)
         axis.axvline(0.0, color=style.INK, lw=0.8)
         axis.axvline(_CERTAIN, color=style.LIMIT, lw=1.0, ls="--", label="1000 to 1")
@@ -82,9 +85,12 @@ def coverage(found: Diagnosis) -> Figure:
         for place, (item, size) in enumerate(zip(items, sizes, strict=True)):
             colour = style.ORDERED[1] if item.shown else style.REFERENCE
             axis.barh(
-                place, size, height=0.62, color=colour,
+                place,
+                size,
+                height=0.62,
+                color=colour,
                 label="these runs can show it" if item.shown else "they cannot",
-            )  # fmt: skip
+            )
         axis.axvline(1.0, color=style.INK, lw=0.8)
         axis.set_yticks(range(len(items)), [_words((item.name,)) for item in items])
         axis.set_ylim(len(items) - 0.4, -0.6)
@@ -125,15 +131,18 @@ def error_fall(fall: ErrorFall) -> Figure:
         figure = style.canvas(4.2)
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.4))
         _bars(
-            left, fall.steps, [[100 * own[x] / force[x] for x in channels] for own in by_channel],
+            left,
+            fall.steps,
+            [[100 * own[x] / force[x] for x in channels] for own in by_channel],
             [f"{x}\n{_in_newtons([own[x] for own in by_channel], x)}" for x in channels],
-        )  # fmt: skip
+        )
         left.set_ylabel("error of left-out conditions,\n% of the channel's rms force")
         _bars(
-            right, fall.steps,
+            right,
+            fall.steps,
             [[100 * item.share(test) for test in tests] for item in fall.errors],
             [test.replace("_", "\n") for test in tests],
-        )  # fmt: skip
+        )
         left.set_title("by channel")
         right.set_title("by test type, root mean square of the channels")
         style.legend_below(figure, [left])

@@ -11,7 +11,8 @@ import numpy as np
 
 from pmmkit.conventions import force_unit
 from pmmkit.effects.hull import regressors
-from pmmkit.effects.state import Array, State
+from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.tables import DerivativeTable
@@ -26,9 +27,11 @@ _ROOMY: Final = 40
 _POINTS: Final = 1500
 """Samples shown of one record; more would only make the file large."""
 _WHAT: Final = {
-    "X": ("surge force", "N"), "Y": ("sway force", "N"),
-    "N": ("yaw moment", "N m"), "K": ("roll moment", "N m"),
-}  # fmt: skip
+    "X": ("surge force", "N"),
+    "Y": ("sway force", "N"),
+    "N": ("yaw moment", "N m"),
+    "K": ("roll moment", "N m"),
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -116,11 +119,16 @@ def forces_over_drift(
                 if table:
                     _curve(axis, table, channel, group, scale, style.colour(number))
                 axis.errorbar(
-                    np.degrees(group.drift), scale * group.force[channel],
+                    np.degrees(group.drift),
+                    scale * group.force[channel],
                     np.nan_to_num(_TWO_SIDED * scale * group.std[channel]),
-                    ls="", marker=style.marker(number), color=style.colour(number),
-                    capsize=2 * shrunk, ms=4.5 * shrunk, label=f"Fn {group.froude:.3f}",
-                )  # fmt: skip
+                    ls="",
+                    marker=style.marker(number),
+                    color=style.colour(number),
+                    capsize=2 * shrunk,
+                    ms=4.5 * shrunk,
+                    label=f"Fn {group.froude:.3f}",
+                )
             stroke = "''" if table and table.convention.system == "bis" else "'"
             axis.set_title(
                 f"{what} $10^3\\,{channel}{stroke}$ [-]" if table else f"{what} [{unit}]"
@@ -133,18 +141,19 @@ def forces_over_drift(
 def _unit(table: DerivativeTable, channel: str, froude: float) -> float:
     ship, water = table.ship, table.water
     return force_unit(
-        channel, table.convention.system, L=ship.L, d=ship.d, volume=ship.volume,
-        rho=water.rho, g=water.g, U=ship.speed(froude, water.g),
-    )  # fmt: skip
+        channel,
+        table.convention.system,
+        L=ship.L,
+        d=ship.d,
+        volume=ship.volume,
+        rho=water.rho,
+        g=water.g,
+        U=ship.speed(froude, water.g),
+    )
 
 
 def _curve(
-    axis: Axes,
-    table: DerivativeTable,
-    channel: str,
-    points: DriftPoints,
-    scale: float,
-    colour: str,
+    axis: Axes, table: DerivativeTable, channel: str, points: DriftPoints, scale: float, colour: str
 ) -> None:
     """The table's force over the drift angle with its 95 % band."""
     near = np.flatnonzero(np.isclose(table.Fn, points.froude, rtol=0.01))
@@ -158,9 +167,13 @@ def _curve(
     state = State.of(u=speed * np.cos(drift), v=-speed * np.sin(drift), thrust=thrust)
     names = [name for name in table.names if name[0] == channel]
     design = regressors(
-        names, state, ship=table.ship, water=table.water, convention=table.convention,
+        names,
+        state,
+        ship=table.ship,
+        water=table.water,
+        convention=table.convention,
         approach_speed=speed,
-    )  # fmt: skip
+    )
     acting = np.any(design != 0, axis=0)
     columns = [table.index(name) for name, acts in zip(names, acting, strict=True) if acts]
     design = scale * design[:, acting]
@@ -203,9 +216,15 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
                 if channel not in cycle.samples:
                     continue
                 axis.plot(
-                    phase, cycle.samples[channel][thin], ls="", marker=".", ms=2.5,
-                    color="#b9c4cf", rasterized=True, label="recorded",
-                )  # fmt: skip
+                    phase,
+                    cycle.samples[channel][thin],
+                    ls="",
+                    marker=".",
+                    ms=2.5,
+                    color="#b9c4cf",
+                    rasterized=True,
+                    label="recorded",
+                )
                 order = (len(cycle.coefficients[channel]) - 1) // 2
                 fit = design_matrix(fine, order) @ np.nan_to_num(cycle.coefficients[channel])
                 axis.plot(

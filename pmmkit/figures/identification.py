@@ -29,10 +29,18 @@ _FARTHEST: Final = 6.0
 _COLUMNS: Final = 3
 _LAGS: Final = 40
 _AXES: Final = {
-    "x": "x", "y": "y", "psi": "heading ψ", "u": "surge u", "v": "sway v", "r": "yaw rate r",
-    "p": "roll rate p", "phi": "heel φ", "xdot": "dx/dt", "ydot": "dy/dt",
+    "x": "x",
+    "y": "y",
+    "psi": "heading ψ",
+    "u": "surge u",
+    "v": "sway v",
+    "r": "yaw rate r",
+    "p": "roll rate p",
+    "phi": "heel φ",
+    "xdot": "dx/dt",
+    "ydot": "dy/dt",
     "sog": "speed over ground",
-}  # fmt: skip
+}
 
 
 def identified_parameters(found: Sequence[Identified]) -> Figure:
@@ -66,9 +74,14 @@ def identified_parameters(found: Sequence[Identified]) -> Figure:
         axis = figure.subplots()
         places = np.arange(len(names), dtype=float)
         axis.barh(
-            places, 2 * _WIDE, left=-_WIDE, height=0.82, color="#e6e6e6", label="prior, 95 %",
+            places,
+            2 * _WIDE,
+            left=-_WIDE,
+            height=0.82,
+            color="#e6e6e6",
+            label="prior, 95 %",
             zorder=0,
-        )  # fmt: skip
+        )
         axis.axvline(0.0, color=style.REFERENCE, lw=1.0, ls="--", zorder=1)
         for number, item in enumerate(found):
             shift = 0.66 * ((number + 0.5) / len(found) - 0.5)
@@ -98,23 +111,38 @@ def _intervals(axis: Axes, item: Identified, at: np.ndarray, number: int, limit:
     seen = np.array([name not in item.unseen for name in item.names])
     for kept, face in ((inside & seen, colour), (inside & ~seen, "white")):
         axis.plot(
-            value[kept], at[kept], ls="", marker=style.marker(number), color=colour, ms=4.5,
-            markerfacecolor=face, label=f"{item.method}, 95 %" if face == colour else None,
+            value[kept],
+            at[kept],
+            ls="",
+            marker=style.marker(number),
+            color=colour,
+            ms=4.5,
+            markerfacecolor=face,
+            label=f"{item.method}, 95 %" if face == colour else None,
             zorder=3,
-        )  # fmt: skip
+        )
     for x, y in zip(value[~inside], at[~inside], strict=True):
         if math.isnan(x):
             continue
         right = bool(x > 0)
         axis.plot(
-            limit if right else -limit, y, marker=">" if right else "<", color=colour,
-            clip_on=False, zorder=4,
-        )  # fmt: skip
-        axis.annotate(
-            f"{x:.3g}", (limit if right else -limit, y), xytext=(-8 if right else 8, 0),
-            textcoords="offset points", ha="right" if right else "left", va="center", fontsize=8,
+            limit if right else -limit,
+            y,
+            marker=">" if right else "<",
             color=colour,
-        )  # fmt: skip
+            clip_on=False,
+            zorder=4,
+        )
+        axis.annotate(
+            f"{x:.3g}",
+            (limit if right else -limit, y),
+            xytext=(-8 if right else 8, 0),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            va="center",
+            fontsize=8,
+            color=colour,
+        )
 
 
 def parameter_histories(
@@ -170,9 +198,14 @@ def parameter_histories(
             )
             axis.axhline(mean, color=style.REFERENCE, lw=1.0, ls="--", zorder=1, label="prior mean")
             axis.fill_between(
-                t, histories[:, i] - half, histories[:, i] + half, color=style.colour(0),
-                alpha=0.25, lw=0, label="95 % band",
-            )  # fmt: skip
+                t,
+                histories[:, i] - half,
+                histories[:, i] + half,
+                color=style.colour(0),
+                alpha=0.25,
+                lw=0,
+                label="95 % band",
+            )
             axis.plot(t, histories[:, i], color=style.colour(0), label=f"{found.method}")
             for start in starts[1:]:
                 axis.axvline(start, color="#999999", lw=0.8, ls=":")
@@ -248,9 +281,14 @@ def _normalised(axis: Axes, t: np.ndarray, values: np.ndarray, gated: np.ndarray
     top = max(3.2, float(np.nanmax(np.abs(values), initial=0.0)) * 1.08)
     if gated.any():
         axis.plot(
-            t[gated], np.full(int(gated.sum()), 0.95 * top), ls="", marker="v", ms=4,
-            color=style.LIMIT, label="not taken in",
-        )  # fmt: skip
+            t[gated],
+            np.full(int(gated.sum()), 0.95 * top),
+            ls="",
+            marker="v",
+            ms=4,
+            color=style.LIMIT,
+            label="not taken in",
+        )
     axis.set_ylim(-top, top)
     axis.locator_params(axis="y", nbins=5)
 
@@ -288,22 +326,36 @@ def window_figure(found: PredictedWindow) -> Figure:
         figure = style.canvas(4.4)
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.3))
         left.plot(
-            found.measured["y"] / found.L, found.measured["x"] / found.L, lw=3.5, color="#bdbdbd",
+            found.measured["y"] / found.L,
+            found.measured["x"] / found.L,
+            lw=3.5,
+            color="#bdbdbd",
             label="measured",
-        )  # fmt: skip
+        )
         right.plot(t, np.degrees(found.measured["psi"]), lw=3.5, color="#bdbdbd", label="measured")
         for number, (name, motion) in enumerate(found.predicted.items()):
             colour, dash = (style.colour(number - 1), "-") if number else (style.REFERENCE, "--")
             left.plot(
-                motion["y"] / found.L, motion["x"] / found.L, label=name, lw=1.4, color=colour,
+                motion["y"] / found.L,
+                motion["x"] / found.L,
+                label=name,
+                lw=1.4,
+                color=colour,
                 ls=dash,
-            )  # fmt: skip
+            )
             right.plot(t, np.degrees(motion["psi"]), label=name, lw=1.4, color=colour, ls=dash)
         right.plot(t, np.degrees(found.delta), color="#9a9a9a", lw=1.0, ls=":", label="rudder δ")
         left.plot(
-            found.measured["y"][0] / found.L, found.measured["x"][0] / found.L, ls="", marker="o",
-            ms=5, color=style.INK, markerfacecolor="white", zorder=4, label="start",
-        )  # fmt: skip
+            found.measured["y"][0] / found.L,
+            found.measured["x"][0] / found.L,
+            ls="",
+            marker="o",
+            ms=5,
+            color=style.INK,
+            markerfacecolor="white",
+            zorder=4,
+            label="start",
+        )
         left.set_aspect("equal", adjustable="datalim")
         left.set_xlabel("to east, y / L [-]")
         left.set_ylabel("to north, x / L [-]")

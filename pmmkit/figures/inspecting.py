@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pmmkit.numerics import Array
 from pmmkit.plotting.style import INK, canvas, colour, in_powers, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Array = NDArray[np.float64]
 
 PANELS: Final = 24
 """Most panels in one figure."""

@@ -78,9 +78,13 @@ def zigzag(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figur
             colour = style.colour(number)
             above.plot(track.t, np.degrees(track.psi), color=colour, label=f"{name}, heading")
             above.plot(
-                track.t, np.degrees(track.delta), color=colour, ls="--", lw=1.0,
+                track.t,
+                np.degrees(track.delta),
+                color=colour,
+                ls="--",
+                lw=1.0,
                 label=f"{name}, rudder",
-            )  # fmt: skip
+            )
             below.plot(track.t, np.degrees(track.r), color=colour, label=f"{name}, heading")
         if len(tracks) == 1:
             _overshoots(above, tracks[0])
@@ -108,10 +112,15 @@ def _overshoots(axis: Axes, track: Track) -> None:
         top = inside[np.argmax(np.abs(heading[inside]))]
         side = np.sign(heading[top])
         axis.annotate(
-            f"{value:.1f}°", (track.t[top], side * (switch + value)), xytext=(0, 5 * side),
-            textcoords="offset points", ha="center", va="bottom" if side > 0 else "top",
-            fontsize=9, color=style.REFERENCE,
-        )  # fmt: skip
+            f"{value:.1f}°",
+            (track.t[top], side * (switch + value)),
+            xytext=(0, 5 * side),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if side > 0 else "top",
+            fontsize=9,
+            color=style.REFERENCE,
+        )
     axis.margins(y=0.12)
 
 
@@ -140,9 +149,14 @@ def spiral(track: Track) -> Figure:
             )
             angles, rates = zip(*points, strict=True)
             axis.plot(
-                angles, rates, color=style.colour(number), marker=style.marker(number), ms=4,
-                ls="-" if number == 0 else "--", label=text,
-            )  # fmt: skip
+                angles,
+                rates,
+                color=style.colour(number),
+                marker=style.marker(number),
+                ms=4,
+                ls="-" if number == 0 else "--",
+                label=text,
+            )
         _rate_over_rudder(figure, axis)
     return figure
 
@@ -181,9 +195,13 @@ def steady_turns(curve: SpiralCurve) -> Figure:
         if curve.loop_width_deg > 0:
             half = curve.loop_width_deg / 2
             axis.axvspan(
-                curve.neutral_deg - half, curve.neutral_deg + half, color=style.colour(1),
-                alpha=0.15, lw=0, label=f"loop {curve.loop_width_deg:.2f}° wide",
-            )  # fmt: skip
+                curve.neutral_deg - half,
+                curve.neutral_deg + half,
+                color=style.colour(1),
+                alpha=0.15,
+                lw=0,
+                label=f"loop {curve.loop_width_deg:.2f}° wide",
+            )
         _rate_over_rudder(figure, axis)
     return figure
 
@@ -209,13 +227,24 @@ def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
         figure = style.canvas(3.2)
         axes = np.atleast_1d(figure.subplots(1, len(metrics)))
         for axis, metric in zip(axes, metrics, strict=True):
-            axis.plot(values, sweep[metric].values, color=style.colour(0), marker="o", ms=4,
-                      label="as it is")  # fmt: skip
+            axis.plot(
+                values,
+                sweep[metric].values,
+                color=style.colour(0),
+                marker="o",
+                ms=4,
+                label="as it is",
+            )
             if f"{metric}_low" in sweep:
                 axis.fill_between(
-                    values, sweep[f"{metric}_low"].values, sweep[f"{metric}_high"].values,
-                    color=style.colour(0), alpha=0.2, lw=0, label="95 % of the ships",
-                )  # fmt: skip
+                    values,
+                    sweep[f"{metric}_low"].values,
+                    sweep[f"{metric}_high"].values,
+                    color=style.colour(0),
+                    alpha=0.2,
+                    lw=0,
+                    label="95 % of the ships",
+                )
             if metric in _LIMITS:
                 axis.axhline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
             axis.set_title(_titled(metric, sweep[metric].attrs.get("units", "-")))
@@ -254,9 +283,16 @@ def path(track: Track) -> Figure:
         places = [int(np.searchsorted(track.t, t)) for t in track.orders]
         places = [min(place, len(track) - 1) for place in places]
         axis.plot(
-            track.y[places] / track.L, track.x[places] / track.L, ls="", marker="o", ms=5,
-            color=style.colour(0), markerfacecolor="white", label="orders", zorder=3,
-        )  # fmt: skip
+            track.y[places] / track.L,
+            track.x[places] / track.L,
+            ls="",
+            marker="o",
+            ms=5,
+            color=style.colour(0),
+            markerfacecolor="white",
+            label="orders",
+            zorder=3,
+        )
         axis.set_aspect("equal", adjustable="datalim")
         axis.set_xlabel("to starboard, y / L [-]")
         axis.set_ylabel("ahead, x / L [-]")

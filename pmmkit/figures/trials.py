@@ -70,8 +70,11 @@ def trial_path(trial: Trial) -> Figure:
         if removed:
             axis.plot(
                 *_in_lengths(trial, trial.y_ground, trial.x_ground, shown),
-                color=style.REFERENCE, ls="--", lw=1.1, label="as measured, over ground",
-            )  # fmt: skip
+                color=style.REFERENCE,
+                ls="--",
+                lw=1.1,
+                label="as measured, over ground",
+            )
         axis.plot(
             *_in_lengths(trial, trial.y, trial.x, shown),
             color=style.colour(0),
@@ -112,9 +115,13 @@ def trial_zigzag(trial: Trial) -> Figure:
         heading = np.degrees(trial.psi)
         axis.plot(trial.t[shown], heading[shown], color=style.colour(0), label="heading ψ")
         axis.plot(
-            trial.t[shown], np.degrees(trial.delta)[shown], color=style.colour(2), ls="--", lw=1.1,
+            trial.t[shown],
+            np.degrees(trial.delta)[shown],
+            color=style.colour(2),
+            ls="--",
+            lw=1.1,
             label="rudder δ",
-        )  # fmt: skip
+        )
         for number, begin in enumerate(trial.orders[1:], start=1):
             over = trial.metrics.get(f"overshoot_{number}_deg", math.nan)
             if math.isnan(over):
@@ -124,10 +131,15 @@ def trial_zigzag(trial: Trial) -> Figure:
             top = inside[int(np.argmax(np.abs(heading[inside])))]
             side = float(np.sign(heading[top]))
             axis.annotate(
-                f"{over:.1f}°", (trial.t[top], heading[top]), xytext=(0, 5 * side),
-                textcoords="offset points", ha="center", va="bottom" if side > 0 else "top",
-                fontsize=9, color=style.REFERENCE,
-            )  # fmt: skip
+                f"{over:.1f}°",
+                (trial.t[top], heading[top]),
+                xytext=(0, 5 * side),
+                textcoords="offset points",
+                ha="center",
+                va="bottom" if side > 0 else "top",
+                fontsize=9,
+                color=style.REFERENCE,
+            )
         axis.axhline(0.0, color=style.REFERENCE, lw=0.6)
         axis.margins(y=0.14)
         axis.set_xlabel("time from the first execute [s]")
@@ -163,11 +175,16 @@ def _measure(
 ) -> None:
     axis.annotate("", end, start, arrowprops=_LINE)
     axis.annotate(
-        text, ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2),
-        xytext=(-5, 0) if upright else (0, 3), textcoords="offset points",
-        rotation=90 if upright else 0, ha="right" if upright else "center",
-        va="center" if upright else "bottom", fontsize=9, color=style.REFERENCE,
-    )  # fmt: skip
+        text,
+        ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2),
+        xytext=(-5, 0) if upright else (0, 3),
+        textcoords="offset points",
+        rotation=90 if upright else 0,
+        ha="right" if upright else "center",
+        va="center" if upright else "bottom",
+        fontsize=9,
+        color=style.REFERENCE,
+    )
 
 
 def _guide(axis: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
@@ -189,9 +206,12 @@ def _turn_lines(axis: Axes, trial: Trial) -> None:
         axis, (beyond, 0.0), (beyond, quarter[1]), f"advance {found['advance']:.2f} L", upright=True
     )
     _measure(
-        axis, (0.0, quarter[1] + 0.3), (quarter[0], quarter[1] + 0.3),
-        f"transfer {found['transfer']:.2f} L", upright=False,
-    )  # fmt: skip
+        axis,
+        (0.0, quarter[1] + 0.3),
+        (quarter[0], quarter[1] + 0.3),
+        f"transfer {found['transfer']:.2f} L",
+        upright=False,
+    )
     for at in (0.0, quarter[0]):
         _guide(axis, (at, quarter[1]), (at, quarter[1] + 0.35))
     if math.isnan(found["tactical_diameter"]):
@@ -199,13 +219,22 @@ def _turn_lines(axis: Axes, trial: Trial) -> None:
     level = float(np.interp(trial.metrics["time_180"], trial.t, trial.x)) / trial.L
     half = (side * found["tactical_diameter"], level)
     axis.plot(
-        *half, ls="", marker="D", ms=5, color=style.colour(0), markerfacecolor="white",
-        label="180°", zorder=4,
-    )  # fmt: skip
+        *half,
+        ls="",
+        marker="D",
+        ms=5,
+        color=style.colour(0),
+        markerfacecolor="white",
+        label="180°",
+        zorder=4,
+    )
     _measure(
-        axis, (0.0, level), half, f"tactical diameter {found['tactical_diameter']:.2f} L",
+        axis,
+        (0.0, level),
+        half,
+        f"tactical diameter {found['tactical_diameter']:.2f} L",
         upright=False,
-    )  # fmt: skip
+    )
 
 
 def _stop_lines(axis: Axes, trial: Trial) -> None:
@@ -213,17 +242,27 @@ def _stop_lines(axis: Axes, trial: Trial) -> None:
     if math.isnan(head):
         return
     axis.plot(
-        aside, head, ls="", marker="D", ms=5, color=style.colour(0), markerfacecolor="white",
-        label="stopped", zorder=4,
-    )  # fmt: skip
+        aside,
+        head,
+        ls="",
+        marker="D",
+        ms=5,
+        color=style.colour(0),
+        markerfacecolor="white",
+        label="stopped",
+        zorder=4,
+    )
     beyond = -0.5 if aside >= 0 else 0.5
     _guide(axis, (aside, head), (beyond, head))
     _measure(axis, (beyond, 0.0), (beyond, head), f"head reach {head:.2f} L", upright=True)
     axis.annotate(
         f"lateral deviation {aside:+.2f} L\ntrack reach {trial.metrics['track_reach_L']:.2f} L",
-        (aside, head), xytext=(8, 6), textcoords="offset points", fontsize=9,
+        (aside, head),
+        xytext=(8, 6),
+        textcoords="offset points",
+        fontsize=9,
         color=style.REFERENCE,
-    )  # fmt: skip
+    )
 
 
 def _arrow(axis: Axes, trial: Trial) -> None:
@@ -235,11 +274,19 @@ def _arrow(axis: Axes, trial: Trial) -> None:
     ahead, aside = 0.06 * math.cos(to), 0.06 * math.sin(to)
     middle = (0.92, 0.9)
     axis.annotate(
-        "", (middle[0] + aside, middle[1] + ahead), (middle[0] - aside, middle[1] - ahead),
-        xycoords="axes fraction", textcoords="axes fraction",
+        "",
+        (middle[0] + aside, middle[1] + ahead),
+        (middle[0] - aside, middle[1] - ahead),
+        xycoords="axes fraction",
+        textcoords="axes fraction",
         arrowprops={"arrowstyle": "->", "color": style.colour(1), "lw": 1.6},
-    )  # fmt: skip
+    )
     axis.annotate(
-        f"current {current.speed:.2f} m/s", (middle[0], middle[1] - 0.08), xycoords="axes fraction",
-        ha="center", va="top", fontsize=9, color=style.colour(1),
-    )  # fmt: skip
+        f"current {current.speed:.2f} m/s",
+        (middle[0], middle[1] - 0.08),
+        xycoords="axes fraction",
+        ha="center",
+        va="top",
+        fontsize=9,
+        color=style.colour(1),
+    )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.effects.state import Array
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.simulation.imo import TURNING_LIMITS
 
@@ -137,10 +137,14 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
         for axis, (measure, title) in zip(axes, MEASURES.items(), strict=True):
             for number, (name, sweep) in enumerate(sweeps.items()):
                 axis.plot(
-                    sweep["Fn"].values, sweep[measure].values, ms=4, label=name,
+                    sweep["Fn"].values,
+                    sweep[measure].values,
+                    ms=4,
+                    label=name,
                     color=style.ORDERED[0] if number == 0 else style.REFERENCE,
-                    marker=style.marker(number), ls="-" if number == 0 else "--",
-                )  # fmt: skip
+                    marker=style.marker(number),
+                    ls="-" if number == 0 else "--",
+                )
             if measure in _LIMITS:
                 axis.axhline(_LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
             axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
@@ -168,9 +172,15 @@ def _path(axis: Axes, track: Track, number: int, name: str) -> None:
         index = int(np.searchsorted(turned, angle))
         if index < len(turned):
             axis.plot(
-                aside[index], ahead[index], marker=style.marker(number), ls="", ms=6,
-                markeredgecolor=colour, markerfacecolor=face, zorder=4,
-            )  # fmt: skip
+                aside[index],
+                ahead[index],
+                marker=style.marker(number),
+                ls="",
+                ms=6,
+                markeredgecolor=colour,
+                markerfacecolor=face,
+                zorder=4,
+            )
 
 
 def _turned(track: Track) -> Array:
@@ -210,8 +220,13 @@ def _measures(axis: Axes, track: Track) -> None:
         middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
         upright = name == "advance"
         axis.annotate(
-            f"{name} {value:.2f} L", middle, xytext=(-6, 0) if upright else (0, 4),
-            textcoords="offset points", rotation=90 if upright else 0,
-            ha="right" if upright else "center", va="center" if upright else "bottom",
-            fontsize=9, color=style.REFERENCE,
-        )  # fmt: skip
+            f"{name} {value:.2f} L",
+            middle,
+            xytext=(-6, 0) if upright else (0, 4),
+            textcoords="offset points",
+            rotation=90 if upright else 0,
+            ha="right" if upright else "center",
+            va="center" if upright else "bottom",
+            fontsize=9,
+            color=style.REFERENCE,
+        )

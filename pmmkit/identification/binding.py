@@ -17,8 +17,8 @@ from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import Place, places, replaced
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 DRIVES: Final = ("shaft", "shaft_lag")
 """Parts that move the revolutions; where these are measured, they are left out."""
 AROUND: Final = ("current_x", "current_y")
@@ -70,9 +70,13 @@ def driven(model: Model) -> Model:
 
 
 def bound(
-    model: Model, names: Sequence[str], speed: float, *, conditions: Conditions = CALM,
+    model: Model,
+    names: Sequence[str],
+    speed: float,
+    *,
+    conditions: Conditions = CALM,
     extrapolate: bool = False,
-) -> Binding:  # fmt: skip
+) -> Binding:
     """How the equations of a model at a speed depend on some of its values.
 
     Parameters
@@ -123,10 +127,14 @@ def bound(
         slopes += slope
         starts.append(len(places_of))
     return Binding(
-        structure=structure, names=tuple(names), mean=np.array(mean), base=base,
-        starts=np.array(starts, np.int64), places=np.array(places_of, np.int64),
+        structure=structure,
+        names=tuple(names),
+        mean=np.array(mean),
+        base=base,
+        starts=np.array(starts, np.int64),
+        places=np.array(places_of, np.int64),
         slopes=np.array(slopes),
-    )  # fmt: skip
+    )
 
 
 def _line(

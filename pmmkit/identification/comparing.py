@@ -23,17 +23,21 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 BEFORE: Final = "before"
 """The model as it was, among the methods."""
 UNITS: Final[Mapping[str, str]] = {
-    "position": "m", "position_end": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s",
-}  # fmt: skip
+    "position": "m",
+    "position_end": "m",
+    "heading": "deg",
+    "speed": "m/s",
+    "yaw_rate": "deg/s",
+}
 """Errors of a prediction and their units."""
 
 
@@ -215,9 +219,14 @@ def compare_methods(
         own = _derivatives(model, before) if method == "sindy" else before
         try:
             found[method] = _one(
-                model, records, method, own, sensors=sensors, extrapolate=extrapolate,
+                model,
+                records,
+                method,
+                own,
+                sensors=sensors,
+                extrapolate=extrapolate,
                 settings=(settings or {}).get(method, {}),
-            )  # fmt: skip
+            )
         except (PmmkitError, np.linalg.LinAlgError) as error:
             if len(methods) == 1:
                 raise
@@ -235,9 +244,13 @@ def compare_methods(
         if references
     }
     return MethodComparison(
-        model=model, prior=before, found=MappingProxyType(found), failed=MappingProxyType(failed),
-        predictions=MappingProxyType(predictions), window=window,
-    )  # fmt: skip
+        model=model,
+        prior=before,
+        found=MappingProxyType(found),
+        failed=MappingProxyType(failed),
+        predictions=MappingProxyType(predictions),
+        window=window,
+    )
 
 
 def _rows(what: str, names: Sequence[str], values: Array) -> dict[tuple[str, str], float]:
@@ -245,16 +258,28 @@ def _rows(what: str, names: Sequence[str], values: Array) -> dict[tuple[str, str
 
 
 def _one(
-    model: Model, records: Sequence[FreeRecord], method: str, prior: Prior, *,
-    sensors: Mapping[str, float] | None, extrapolate: bool, settings: Mapping[str, Any],
-) -> Identified:  # fmt: skip
+    model: Model,
+    records: Sequence[FreeRecord],
+    method: str,
+    prior: Prior,
+    *,
+    sensors: Mapping[str, float] | None,
+    extrapolate: bool,
+    settings: Mapping[str, Any],
+) -> Identified:
     if not prior.names:
         raise DataError("The sparse regression looks for derivatives, and none was named.")
     try:
         return identify(
-            model, records, prior.names, method=method, prior=prior, sensors=sensors,
-            extrapolate=extrapolate, **settings,
-        )  # fmt: skip
+            model,
+            records,
+            prior.names,
+            method=method,
+            prior=prior,
+            sensors=sensors,
+            extrapolate=extrapolate,
+            **settings,
+        )
     except ModelError as error:
         remedy = "Say how well it is known with a narrower prior, or hold it: do not name it."
         raise DataError(
@@ -272,9 +297,11 @@ def _derivatives(model: Model, prior: Prior) -> Prior:
         if name in homes and homes[name][0] in DERIVATIVE_PARTS and "." not in name
     ]
     return Prior(
-        names=tuple(prior.names[i] for i in at), mean=prior.mean[at],
-        covariance=prior.covariance[np.ix_(at, at)], origin=prior.origin,
-    )  # fmt: skip
+        names=tuple(prior.names[i] for i in at),
+        mean=prior.mean[at],
+        covariance=prior.covariance[np.ix_(at, at)],
+        origin=prior.origin,
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -344,13 +371,15 @@ def predicted_window(
     _, item, at = max(found, key=lambda entry: entry[0])
     names = ("x", "y", "psi", "u", "v", "r")
     return PredictedWindow(
-        name=item.name, t=item.t[at], delta=item.record.delta[at],
+        name=item.name,
+        t=item.t[at],
+        delta=item.record.delta[at],
         measured=MappingProxyType({name: item.motion[name][at] for name in names}),
         predicted=MappingProxyType(
             {name: _sailed(model, item, at, extrapolate) for name, model in models.items()}
         ),
         L=next(iter(models.values())).ship.L,
-    )  # fmt: skip
+    )
 
 
 def _windows(t: Array, window: float) -> list[NDArray[np.intp]]:
@@ -373,7 +402,12 @@ def _sailed(
     first = np.array([[item.motion[name][at[0]] for name in states]])
     out = np.empty((len(at), len(states)))
     functions.windows(
-        record.t[at], record.inputs[at], np.array([0, len(at)]), first, k,
-        STEP * ready.ship.L / record.speed, out,
-    )  # fmt: skip
+        record.t[at],
+        record.inputs[at],
+        np.array([0, len(at)]),
+        first,
+        k,
+        STEP * ready.ship.L / record.speed,
+        out,
+    )
     return MappingProxyType({name: out[:, i] for i, name in enumerate(states)})

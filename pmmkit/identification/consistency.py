@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.identification.filters import Filtered, Innovations
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 LAGS: Final = 20
 """Samples over which innovations are looked at for hanging together."""
 FEWEST: Final = 30
@@ -155,14 +155,20 @@ class Consistency:
 
         rows = [
             {
-                "record": record, "channel": item.channel, "samples": item.samples,
-                "nis": item.nis, "nis_low": item.band[0], "nis_high": item.band[1],
-                "mean": item.mean, "correlation_1": float(item.correlation[0]),
-                "p_white": item.p_white, "gated": item.gated,
+                "record": record,
+                "channel": item.channel,
+                "samples": item.samples,
+                "nis": item.nis,
+                "nis_low": item.band[0],
+                "nis_high": item.band[1],
+                "mean": item.mean,
+                "correlation_1": float(item.correlation[0]),
+                "p_white": item.p_white,
+                "gated": item.gated,
             }
             for record, own in (("all", self.channels), *self.records.items())
             for item in own.values()
-        ]  # fmt: skip
+        ]
         return pd.DataFrame(rows)
 
 
@@ -281,7 +287,12 @@ def _channel(name: str, items: Sequence[Innovations], lags: int) -> ChannelTest 
     gated = sum(int(item.gated[:, item.names.index(name)].sum()) for item in items)
     low, high = chi2.ppf([0.025, 0.975], n) / n
     return ChannelTest(
-        channel=name, samples=n, nis=float(np.mean(there**2)), band=(float(low), float(high)),
-        mean=float(np.mean(there)), correlation=correlation,
-        p_white=float(chi2.sf(statistic, int(np.count_nonzero(pairs)))), gated=gated / (n + gated),
-    )  # fmt: skip
+        channel=name,
+        samples=n,
+        nis=float(np.mean(there**2)),
+        band=(float(low), float(high)),
+        mean=float(np.mean(there)),
+        correlation=correlation,
+        p_white=float(chi2.sf(statistic, int(np.count_nonzero(pairs)))),
+        gated=gated / (n + gated),
+    )

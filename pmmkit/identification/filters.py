@@ -19,8 +19,8 @@ from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 GATE: Final = 5.0
 """Residuals beyond so many of their standard deviations are not taken in."""
 SETTLED: Final = 0.02
@@ -206,11 +206,16 @@ def kalman(
     pace = speed / ready.ship.L
     wander = wander or {}
     setup = _Setup(
-        binding=binding, functions=compiled(binding.structure, ESTIMATING), records=tuple(records),
-        sensors=MappingProxyType(sensors_of(records, sensors or {})), prior=prior, speed=speed,
-        L=ready.ship.L, gate=gate,
+        binding=binding,
+        functions=compiled(binding.structure, ESTIMATING),
+        records=tuple(records),
+        sensors=MappingProxyType(sensors_of(records, sensors or {})),
+        prior=prior,
+        speed=speed,
+        L=ready.ship.L,
+        gate=gate,
         wander=np.array([wander.get(name, 0.0) ** 2 * pace for name in prior.names]),
-    )  # fmt: skip
+    )
     if method == "ukf":
         chosen = roughness if roughness is not None else _roughest(setup, prior.mean)
         return _filtered(setup, "ukf", chosen, prior.mean, 1, True, started)
@@ -249,21 +254,30 @@ def _roughest(setup: _Setup, about: Array) -> float:
 
 
 def _filtered(
-    setup: _Setup, method: Literal["ekf", "ukf"], roughness: float, about: Array, count: int,
-    done: bool, started: float,
-) -> Filtered:  # fmt: skip
+    setup: _Setup,
+    method: Literal["ekf", "ukf"],
+    roughness: float,
+    about: Array,
+    count: int,
+    done: bool,
+    started: float,
+) -> Filtered:
     z, P, runs = _pass(setup, method, roughness, about)
     names = [record.name for record in setup.records]
     return Filtered(
-        method=method, names=setup.prior.names, values=z, covariance=P, prior=setup.prior,
+        method=method,
+        names=setup.prior.names,
+        values=z,
+        covariance=P,
+        prior=setup.prior,
         histories=MappingProxyType({name: run[0] for name, run in zip(names, runs, strict=True)}),
         spreads=MappingProxyType({name: run[1] for name, run in zip(names, runs, strict=True)}),
-        innovations=MappingProxyType(
-            {name: run[2] for name, run in zip(names, runs, strict=True)}
-        ),
-        iterations=count, converged=done, roughness=roughness,
+        innovations=MappingProxyType({name: run[2] for name, run in zip(names, runs, strict=True)}),
+        iterations=count,
+        converged=done,
+        roughness=roughness,
         seconds=time.perf_counter() - started,
-    )  # fmt: skip
+    )
 
 
 def _pass(
@@ -296,30 +310,58 @@ def _pass(
         longest = STEP * setup.L / setup.speed
         steps = np.concatenate([state_steps(binding.structure.states, setup), 1e-4 * unit])
         shared = (
-            record.t, record.inputs, measured, kinds, variances, base, binding.starts,
-            binding.places, binding.slopes, about,
-        )  # fmt: skip
+            record.t,
+            record.inputs,
+            measured,
+            kinds,
+            variances,
+            base,
+            binding.starts,
+            binding.places,
+            binding.slopes,
+            about,
+        )
         if method == "ekf":
             frozen = np.where(setup.wander > 0.0, 0.0, 1.0)
             status = setup.functions.extended(
-                *shared, frozen, z, P, np.zeros(m), diffusion, steps, longest, setup.gate, means,
-                residuals, spreads, np.empty((0, 0)),
-            )  # fmt: skip
+                *shared,
+                frozen,
+                z,
+                P,
+                np.zeros(m),
+                diffusion,
+                steps,
+                longest,
+                setup.gate,
+                means,
+                residuals,
+                spreads,
+                np.empty((0, 0)),
+            )
         else:
             status = setup.functions.unscented(
-                *shared, z, P, np.zeros(m), diffusion, longest, setup.gate, means, residuals,
+                *shared,
+                z,
+                P,
+                np.zeros(m),
+                diffusion,
+                longest,
+                setup.gate,
+                means,
+                residuals,
                 spreads,
-            )  # fmt: skip
+            )
         if status:
             raise SimulationError(LOST[status].format(record.name))
         values, covariance = z[size:].copy(), P[size:, size:].copy()
         gated = residuals**2 > setup.gate**2 * spreads
         runs.append(
             (
-                means[:, : size + m], means[:, size + m :],
+                means[:, : size + m],
+                means[:, size + m :],
                 Innovations(names=names, residuals=residuals, variances=spreads, gated=gated),
             )
-        )  # fmt: skip
+        )
     return values, covariance, runs
 
 
@@ -372,9 +414,15 @@ def first_state(
     y, spread = np.zeros(len(states)), np.zeros(len(states))
     pace = record.speed / L
     wide = {
-        "x": L, "y": L, "psi": 0.5, "u": 0.3 * record.speed, "v": 0.2 * record.speed,
-        "r": 0.3 * pace, "p": 0.1 * pace, "phi": 0.1,
-    }  # fmt: skip
+        "x": L,
+        "y": L,
+        "psi": 0.5,
+        "u": 0.3 * record.speed,
+        "v": 0.2 * record.speed,
+        "r": 0.3 * pace,
+        "p": 0.1 * pace,
+        "phi": 0.1,
+    }
     for i, name in enumerate(states):
         values = record.measured.get(name)
         there = np.flatnonzero(np.isfinite(values)) if values is not None else np.array([])

@@ -18,8 +18,8 @@ from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
 ROUNDS: Final = 4
@@ -98,9 +98,13 @@ class Fitted:
 
 
 def fit_to_forces(
-    model: Model, records: Sequence[ForceRecord], names: Sequence[str], *,
-    prior: Prior | None = None, extrapolate: bool = False,
-) -> Fitted:  # fmt: skip
+    model: Model,
+    records: Sequence[ForceRecord],
+    names: Sequence[str],
+    *,
+    prior: Prior | None = None,
+    extrapolate: bool = False,
+) -> Fitted:
     """Fit derivatives and parameters of effects, linear or not, by least squares.
 
     Parameters
@@ -188,9 +192,15 @@ def fit_to_forces(
             return np.concatenate(parts)
 
         found = least_squares(
-            residual, at_start, jac="3-point", x_scale="jac", diff_step=STEP, xtol=1e-12,
-            ftol=1e-12, gtol=1e-12,
-        )  # fmt: skip
+            residual,
+            at_start,
+            jac="3-point",
+            x_scale="jac",
+            diff_step=STEP,
+            xtol=1e-12,
+            ftol=1e-12,
+            gtol=1e-12,
+        )
         widened = _widened(records, found.jac[:rows] * width, found.fun[:rows] * width)
         at_start = found.x
         if prior is None or abs(math.sqrt(widened) / width - 1.0) < SAME:
@@ -201,12 +211,14 @@ def fit_to_forces(
         np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]), size
     )
     return Fitted(
-        model=with_parameters(model, at, values), names=tuple(names), values=values,
+        model=with_parameters(model, at, values),
+        names=tuple(names),
+        values=values,
         covariance=covariance,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         rms=MappingProxyType(_by_channel(records, found.fun[:rows] * width, known)),
         cost=float(found.cost),
-    )  # fmt: skip
+    )
 
 
 def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) -> float:

@@ -8,16 +8,15 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.segments import GAP, usable
 from pmmkit.errors import DataError
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 from pmmkit.simulation.simulate import steering
 
-Array = NDArray[np.float64]
 Rudder = Literal["auto", "measured", "ordered"]
 FASTER: Final = 3.0
 """A rudder that moves so many times faster than its gear can is an order, not an angle."""
@@ -109,11 +108,15 @@ def _record(
         delta = rate_limited(t, delta, rate)
     blowing = _true_wind(t, columns) if wind else None
     return FreeRecord(
-        name=run.id, t=t, delta=delta, turns=_filled(t, columns["n"], GAP),
-        measured=MappingProxyType(measured), speed=run.settings.speed,
+        name=run.id,
+        t=t,
+        delta=delta,
+        turns=_filled(t, columns["n"], GAP),
+        measured=MappingProxyType(measured),
+        speed=run.settings.speed,
         wind_speed=blowing[0] if blowing else None,
         wind_direction=blowing[1] if blowing else None,
-    )  # fmt: skip
+    )
 
 
 def _filled(t: Array, values: Array, longest: float = math.inf) -> Array:

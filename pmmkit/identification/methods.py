@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.identification.binding import AROUND
@@ -22,11 +21,11 @@ from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 FAR: Final = 4.0
 """Standard deviations from the prior from which a value is pointed at."""
 WHITE: Final = 1.5
@@ -88,14 +87,17 @@ class Identified:
 
         return pd.DataFrame(
             {
-                "prior": self.prior.mean, "prior_std": self.prior.std, "value": self.values,
-                "std": self.std, "ci_low": self.values - 1.96 * self.std,
+                "prior": self.prior.mean,
+                "prior_std": self.prior.std,
+                "value": self.values,
+                "std": self.std,
+                "ci_low": self.values - 1.96 * self.std,
                 "ci_high": self.values + 1.96 * self.std,
                 "std_over_prior": self.std / self.prior.std,
                 "seen": [name not in self.unseen for name in self.names],
             },
             index=pd.Index(self.names, name="parameter"),
-        )  # fmt: skip
+        )
 
 
 def identify(
@@ -241,10 +243,18 @@ def _told(
             f"signs, prior and sensors",
         )
     return Identified(
-        method=method, names=prior.names, values=np.array(found.values), std=std,
-        covariance=covariance, prior=prior, unseen=unseen, model=made, seconds=seconds,
-        notes=notes, detail=found,
-    )  # fmt: skip
+        method=method,
+        names=prior.names,
+        values=np.array(found.values),
+        std=std,
+        covariance=covariance,
+        prior=prior,
+        unseen=unseen,
+        model=made,
+        seconds=seconds,
+        notes=notes,
+        detail=found,
+    )
 
 
 def _with_values(
@@ -272,10 +282,12 @@ def _with_values(
         block = covariance[np.ix_(places_of, places_of)]
         block = 0.5 * (block + block.T)
     return replace(
-        made, parts=MappingProxyType(parts), covariance=block,
+        made,
+        parts=MappingProxyType(parts),
+        covariance=block,
         covariance_names=tuple(name for _, name in derivatives) if block is not None else (),
         history=(*model.history, f"{len(own)} values identified by {how}."),
-    )  # fmt: skip
+    )
 
 
 def _sparse(found: Any, prior: Prior, started: float) -> Identified:
@@ -292,8 +304,15 @@ def _sparse(found: Any, prior: Prior, started: float) -> Identified:
         if name not in held:
             values[i], std[i] = fitted.get(name, 0.0), spread.get(name, 0.0)
     return Identified(
-        method="sindy", names=prior.names, values=values, std=std, covariance=np.diag(std**2),
-        prior=prior, unseen=tuple(name for name in prior.names if name in held),
-        model=found.model, seconds=time.perf_counter() - started, notes=tuple(found.warnings),
+        method="sindy",
+        names=prior.names,
+        values=values,
+        std=std,
+        covariance=np.diag(std**2),
+        prior=prior,
+        unseen=tuple(name for name in prior.names if name in held),
+        model=found.model,
+        seconds=time.perf_counter() - started,
+        notes=tuple(found.warnings),
         detail=found,
-    )  # fmt: skip
+    )

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations.program import Numbers
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Place = tuple[str, str]
 """Effect and name of a value."""
 

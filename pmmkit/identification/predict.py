@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
@@ -18,11 +17,11 @@ from pmmkit.identification.filters import STEP
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import Smoothed, smooth
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 STARTS: Final = 4
 """Windows begin at so many places in each length of a window."""
 
@@ -149,9 +148,14 @@ def predict(
                 continue
             out = np.empty((len(at), len(states)))
             functions.windows(
-                record.t[at], record.inputs[at], np.array([0, len(at)]), truth[at[:1]].copy(), k,
-                STEP * ready.ship.L / record.speed, out,
-            )  # fmt: skip
+                record.t[at],
+                record.inputs[at],
+                np.array([0, len(at)]),
+                truth[at[:1]].copy(),
+                k,
+                STEP * ready.ship.L / record.speed,
+                out,
+            )
             squares.append(_squares(out, truth[at]))
         if squares:
             mean = np.sqrt(np.mean(squares, axis=0))

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.equations.program import values_at
 from pmmkit.errors import DataError
@@ -15,8 +14,8 @@ from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 SPREAD: Final = 0.3
 """Relative standard deviation of a derivative of which nothing else is known."""
 CURRENT: Final = 0.1

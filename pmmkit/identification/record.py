@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 KINDS: Final[Mapping[str, int]] = {"xdot": 100, "ydot": 101, "sog": 102}
 """Channels that are no states, by the number the filters know them by."""
 STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
@@ -80,11 +79,14 @@ class FreeRecord:
         wind, way = self.wind_speed, self.wind_direction
         return np.stack(
             [
-                self.delta, self.turns, zero if self.bucket is None else self.bucket,
-                zero if wind is None else wind, zero if way is None else way,
+                self.delta,
+                self.turns,
+                zero if self.bucket is None else self.bucket,
+                zero if wind is None else wind,
+                zero if way is None else way,
             ],
             axis=1,
-        )  # fmt: skip
+        )
 
     def calm(self) -> FreeRecord:
         """The record as if no wind had been measured."""
@@ -100,14 +102,16 @@ class FreeRecord:
         """The record between two instants."""
         at = (self.t >= first) & (self.t <= last)
         return self.with_(
-            t=self.t[at], delta=self.delta[at], turns=self.turns[at],
+            t=self.t[at],
+            delta=self.delta[at],
+            turns=self.turns[at],
             measured={name: x[at] for name, x in self.measured.items()},
             **{
                 name: x[at]
                 for name in ("wind_speed", "wind_direction", "bucket")
                 if (x := getattr(self, name)) is not None
             },
-        )  # fmt: skip
+        )
 
     def only(self, channels: Sequence[str]) -> FreeRecord:
         """The record with some of its channels.

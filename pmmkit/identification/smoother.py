@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.conventions import force_unit
 from pmmkit.equations.code_generation import ESTIMATING
@@ -21,8 +20,8 @@ from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 MEMORY: Final = 1.0
 """Time over which an unknown force hangs together, in ship lengths over the speed."""
 SIZES: Final = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
@@ -152,14 +151,31 @@ def smooth(
         residuals, totals = np.empty((rows, len(channels))), np.empty((rows, len(channels)))
         diffusion = np.concatenate([np.zeros(len(states)), 2.0 * spread**2 * fading])
         sizes = {"u": record.speed, "v": record.speed, "r": pace}
-        steps = np.concatenate(
-            [[1e-6 * sizes.get(name, 1.0) for name in states], 1e-3 * spread]
-        )  # fmt: skip
+        steps = np.concatenate([[1e-6 * sizes.get(name, 1.0) for name in states], 1e-3 * spread])
         status = functions.extended(
-            record.t, record.inputs, measured, kinds, variances, binding.base, binding.starts,
-            binding.places, binding.slopes, np.zeros(len(names)), np.zeros(len(names)), z, P,
-            fading, diffusion, steps, STEP / pace, gate, means, residuals, totals, kept,
-        )  # fmt: skip
+            record.t,
+            record.inputs,
+            measured,
+            kinds,
+            variances,
+            binding.base,
+            binding.starts,
+            binding.places,
+            binding.slopes,
+            np.zeros(len(names)),
+            np.zeros(len(names)),
+            z,
+            P,
+            fading,
+            diffusion,
+            steps,
+            STEP / pace,
+            gate,
+            means,
+            residuals,
+            totals,
+            kept,
+        )
         if status:
             raise SimulationError(LOST[status].format(record.name))
         square = residuals**2 / totals
@@ -172,9 +188,16 @@ def smooth(
     means, covariance = np.empty((rows, n)), np.empty((rows, n, n))
     functions.smoothed(kept, n, means, covariance)
     return _told(
-        record, states, names, means, covariance, size, likelihood, gated,
+        record,
+        states,
+        names,
+        means,
+        covariance,
+        size,
+        likelihood,
+        gated,
         _rates(functions, binding.base, record, means, len(states), len(names)),
-    )  # fmt: skip
+    )
 
 
 def units(model: Model, speed: float) -> dict[str, float]:
@@ -182,11 +205,17 @@ def units(model: Model, speed: float) -> dict[str, float]:
     ship, water = model.ship, model.water
     return {
         channel: force_unit(
-            channel, "prime-d", L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+            channel,
+            "prime-d",
+            L=ship.L,
+            d=ship.d,
+            volume=ship.volume,
+            rho=water.rho,
+            g=water.g,
             U=speed,
         )
         for channel in ("X", "Y", "N", "K")
-    }  # fmt: skip
+    }
 
 
 def _likelihood(forward, share: float) -> float:  # type: ignore[no-untyped-def]
@@ -209,9 +238,16 @@ def _rates(  # type: ignore[no-untyped-def]
 
 
 def _told(
-    record: FreeRecord, states: Sequence[str], names: Sequence[str], means: Array,
-    covariance: Array, size: float, likelihood: float, gated: int, rates: Array,
-) -> Smoothed:  # fmt: skip
+    record: FreeRecord,
+    states: Sequence[str],
+    names: Sequence[str],
+    means: Array,
+    covariance: Array,
+    size: float,
+    likelihood: float,
+    gated: int,
+    rates: Array,
+) -> Smoothed:
     std = np.sqrt(np.maximum(np.einsum("tii->ti", covariance), 0.0))
     motion = {name: means[:, i] for i, name in enumerate(states)}
     motion |= {
@@ -221,16 +257,20 @@ def _told(
     }
     first = len(states)
     return Smoothed(
-        name=record.name, t=record.t, motion=MappingProxyType(motion),
+        name=record.name,
+        t=record.t,
+        motion=MappingProxyType(motion),
         motion_std=MappingProxyType({name: std[:, i] for i, name in enumerate(states)}),
-        residual=MappingProxyType(
-            {name[-1]: means[:, first + i] for i, name in enumerate(names)}
-        ),
+        residual=MappingProxyType({name[-1]: means[:, first + i] for i, name in enumerate(names)}),
         residual_std=MappingProxyType(
             {name[-1]: std[:, first + i] for i, name in enumerate(names)}
         ),
-        covariance=covariance, size=size, log_likelihood=likelihood, gated=gated, record=record,
-    )  # fmt: skip
+        covariance=covariance,
+        size=size,
+        log_likelihood=likelihood,
+        gated=gated,
+        record=record,
+    )
 
 
 def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) -> ForceRecord:
@@ -259,8 +299,10 @@ def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) 
     forces = rigid_body(model.ship, motion)
     step = float(np.median(np.diff(record.t)))
     return ForceRecord(
-        name=record.name, motion=MappingProxyType(motion),
+        name=record.name,
+        motion=MappingProxyType(motion),
         forces=MappingProxyType({name: forces[name] for name in smoothed.residual}),
-        std=MappingProxyType(dict(smoothed.residual_std)), speed=record.speed,
+        std=MappingProxyType(dict(smoothed.residual_std)),
+        speed=record.speed,
         correlated=max(round(2.0 * memory / pace / step), 1),
-    )  # fmt: skip
+    )

@@ -22,8 +22,8 @@ from pmmkit.identification.filters import STEP, first_state, kind_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 WINDOW: Final = 8.0
 """Length of a window in ship lengths over the speed of the approach."""
 SETTLED: Final = 0.01
@@ -179,15 +179,20 @@ def fit_trajectories(
             if np.all(np.abs(wider / widths - 1.0) < SAME):
                 break
     return replace(
-        found, rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
+        found,
+        rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
         inflation=float(np.exp(2.0 * np.mean(np.log(widths)))) * found.inflation,
-    )  # fmt: skip
+    )
 
 
 def _problem(
-    model: Model, records: Sequence[FreeRecord], prior: Prior, sensors: Mapping[str, float],
-    window: float | None, extrapolate: bool,
-) -> _Problem:  # fmt: skip
+    model: Model,
+    records: Sequence[FreeRecord],
+    prior: Prior,
+    sensors: Mapping[str, float],
+    window: float | None,
+    extrapolate: bool,
+) -> _Problem:
     ready = driven(model)
     speed, L = records[0].speed, ready.ship.L
     binding = bound(ready, prior.names, speed, extrapolate=extrapolate)
@@ -210,16 +215,20 @@ def _problem(
         )
     sizes = {"u": speed, "v": speed, "r": speed / L, "x": L, "y": L}
     return _Problem(
-        binding=binding, functions=compiled(binding.structure, ESTIMATING),
+        binding=binding,
+        functions=compiled(binding.structure, ESTIMATING),
         t=np.concatenate([record.t for record in records]),
         inputs=np.concatenate([record.inputs for record in records]),
-        begins=np.array(begins, np.int64), measured=np.concatenate(pieces),
+        begins=np.array(begins, np.int64),
+        measured=np.concatenate(pieces),
         kinds=np.array([kind_of(name, states) for name in channels], np.int64),
-        sensors=np.array([known[name] for name in channels]), channels=channels,
+        sensors=np.array([known[name] for name in channels]),
+        channels=channels,
         longest=STEP * L / speed,
         steps=np.array([SMALL * sizes.get(name, 1.0) for name in states]),
-        parameter_steps=1e-4 * prior.std, prior=prior,
-    )  # fmt: skip
+        parameter_steps=1e-4 * prior.std,
+        prior=prior,
+    )
 
 
 def _first_states(
@@ -313,10 +322,18 @@ def _solved(
         for i, name in enumerate(problem.channels)
     }
     return TrajectoryFit(
-        names=prior.names, values=values, covariance=covariance, prior=prior, inflation=inflation,
-        rms=MappingProxyType(rms), windows=problem.windows, iterations=count, converged=converged,
-        cost=cost, seconds=time.perf_counter() - started,
-    )  # fmt: skip
+        names=prior.names,
+        values=values,
+        covariance=covariance,
+        prior=prior,
+        inflation=inflation,
+        rms=MappingProxyType(rms),
+        windows=problem.windows,
+        iterations=count,
+        converged=converged,
+        cost=cost,
+        seconds=time.perf_counter() - started,
+    )
 
 
 def _covariance(pieces: Sequence[_Piece], scale: Array, precision: Array) -> tuple[Array, float]:
@@ -415,8 +432,11 @@ def _linear(
         rest, remaining = J[:, size:] - left @ along, r - left @ toward
         pieces.append(
             _Piece(
-                normal=rest.T @ rest, score=rest.T @ remaining, back=back, along=along,
+                normal=rest.T @ rest,
+                score=rest.T @ remaining,
+                back=back,
+                along=along,
                 toward=toward,
             )
-        )  # fmt: skip
+        )
     return pieces, residuals

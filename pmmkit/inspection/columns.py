@@ -9,8 +9,8 @@ import numpy as np
 
 from pmmkit.inspection.guessing import Suggestion, rates_of, suggest
 from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
+from pmmkit.numerics import Array
 from pmmkit.readers import usual_of
-from pmmkit.readers.base import Array
 
 
 def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = ()) -> FileLook:

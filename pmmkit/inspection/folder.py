@@ -27,9 +27,31 @@ _DEEPEST: Final = 8
 _FEW: Final = 40
 """Lines from which the beginning of an export is told."""
 _PASSED: Final = frozenset(
-    {".toml", ".py", ".m", ".md", ".ipynb", ".html", ".png", ".jpg", ".jpeg", ".gif", ".svg",
-     ".pdf", ".doc", ".docx", ".ppt", ".pptx", ".mp4", ".avi", ".mov", ".zip", ".7z", ".gz"}
-)  # fmt: skip
+    {
+        ".toml",
+        ".py",
+        ".m",
+        ".md",
+        ".ipynb",
+        ".html",
+        ".png",
+        ".jpg",
+        ".jpeg",
+        ".gif",
+        ".svg",
+        ".pdf",
+        ".doc",
+        ".docx",
+        ".ppt",
+        ".pptx",
+        ".mp4",
+        ".avi",
+        ".mov",
+        ".zip",
+        ".7z",
+        ".gz",
+    }
+)
 """Suffixes of files that are not measurements and are not opened."""
 
 

@@ -12,16 +12,10 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.channels import (
-    DEGREE_CHANNELS,
-    harmonic_part,
-    names_taken_unasked,
-    split_unit,
-    unit_of,
-)
+from pmmkit.channels import DEGREE_CHANNELS, harmonic_part, names_taken_unasked, split_unit, unit_of
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 Certainty = Literal["surely", "probably", "perhaps"]
 
@@ -264,9 +258,14 @@ def _with_unit(item: Suggestion, numbers: Array) -> Suggestion:
 
 
 _TELLING: Final[dict[str, tuple[str, float]]] = {
-    "psi": ("deg", 45.0), "phi": ("deg", 1.6), "delta": ("deg", 1.6), "trim": ("deg", 1.6),
-    "wind_direction": ("deg", 6.4), "n": ("rpm", 60.0), "r": ("deg/s", 2.0),
-}  # fmt: skip
+    "psi": ("deg", 45.0),
+    "phi": ("deg", 1.6),
+    "delta": ("deg", 1.6),
+    "trim": ("deg", 1.6),
+    "wind_direction": ("deg", 6.4),
+    "n": ("rpm", 60.0),
+    "r": ("deg/s", 2.0),
+}
 """Unit other than SI, and the number beyond which SI cannot be."""
 
 
@@ -295,9 +294,19 @@ def bare_header(header: str, unit: str | None = None) -> tuple[str, str | None]:
 
 
 _SUFFIX_UNITS: Final = {
-    "rpm": "rpm", "rps": "rps", "deg": "deg", "rad": "rad", "kN": "kN", "N": "N", "Nm": "N m",
-    "mm": "mm", "m": "m", "mps": "m/s", "s": "s", "sec": "s",
-}  # fmt: skip
+    "rpm": "rpm",
+    "rps": "rps",
+    "deg": "deg",
+    "rad": "rad",
+    "kN": "kN",
+    "N": "N",
+    "Nm": "N m",
+    "mm": "mm",
+    "m": "m",
+    "mps": "m/s",
+    "s": "s",
+    "sec": "s",
+}
 """Last words of a header that are taken for its unit."""
 
 
@@ -320,7 +329,7 @@ _NAMES: Final = tuple(
         "u": "u(?: velo(?:city)?)?|surge (?:velo(?:city)?|speed)",
         "v": "vm?(?: velo(?:city)?)?|sway (?:velo(?:city)?|speed)",
         "r": "r(?: angvelo| angular velocity)?|yaw ?rate|yaw (?:velo(?:city)?|speed)|"
-             "rot|rate of turn|omega ?z",
+        "rot|rate of turn|omega ?z",
         "p": "roll ?rate|roll (?:velo(?:city)?|speed)|omega ?x",
         "X": "f ?x|force ?x|x ?force|surge force|longitudinal force|total x|drag|x",
         "Y": "f ?y|force ?y|y ?force|sway force|side force|lateral force|total y|y",
@@ -330,19 +339,21 @@ _NAMES: Final = tuple(
         "phi": "phi|φ|roll(?: angle)?|heel(?: angle)?",
         "delta": "delta(?: rudder)?|δ|rudder(?: angle)?|rud|helm|ruder(?:winkel)?",
         "n": "n|rps|rpm|revs?|revolutions|n prop(?:eller)?|prop(?:eller)? (?:rev(?:olution)?s?|rps|"
-             "rpm|n)|shaft speed",
+        "rpm|n)|shaft speed",
         "T": "thrust|prop(?:eller)? thrust",
         "Q": "torque|prop(?:eller)? torque",
         "sinkage": "sinkage|heave|squat",
         "trim": "trim(?: angle)?|pitch(?: angle)?",
-        "lat": "lat(?:itude)?", "lon": "lon(?:g|gitude)?",
-        "sog": "sog|speed over ground", "cog": "cog|course over ground",
+        "lat": "lat(?:itude)?",
+        "lon": "lon(?:g|gitude)?",
+        "sog": "sog|speed over ground",
+        "cog": "cog|course over ground",
         "x": "x|x ?0|x ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?x|north(?:ing)?",
         "y": "y|y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
         "speed": "speed|(?:carriage|towing|model) speed|v ?carriage|u ?c",
         "t": "t|time(?: s)?|physical time(?: physical time)?|zeit|temps|tiempo|tijd|时间|時間",
     }.items()
-)  # fmt: skip
+)
 
 _TABLE_NAMES: Final = tuple(
     (name, _pattern(words))

@@ -15,10 +15,15 @@ from pmmkit.readers.base import Options, Request
 from pmmkit.readers.text.layout import Layout
 
 FORMAT_WORDS: Final[Mapping[str, str]] = {
-    "csv": "text of columns", "excel": "workbook", "pmmkit": "campaign saved by pmmkit",
-    "openfoam": "OpenFOAM", "star-ccm+": "STAR-CCM+ export", "matlab": "MATLAB file",
-    "tdms": "TDMS (LabVIEW)", "hdf5": "HDF5",
-}  # fmt: skip
+    "csv": "text of columns",
+    "excel": "workbook",
+    "pmmkit": "campaign saved by pmmkit",
+    "openfoam": "OpenFOAM",
+    "star-ccm+": "STAR-CCM+ export",
+    "matlab": "MATLAB file",
+    "tdms": "TDMS (LabVIEW)",
+    "hdf5": "HDF5",
+}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,8 +11,9 @@ import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.inspection.seen import FileLook
+from pmmkit.numerics import Array
 from pmmkit.readers import FORMATS, Reader
-from pmmkit.readers.base import ABSURD, Array, Request, to_number
+from pmmkit.readers.base import ABSURD, Request, to_number
 from pmmkit.readers.text.layout import Layout
 
 

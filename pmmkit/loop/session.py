@@ -154,10 +154,9 @@ class Session:
         fit = joint_fit(self.system, blocks, floor=self.floor)
         found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
         return found.model.with_(
-            history=(*found.model.history, *self._history(fit.std.size)), notes=(
-                *found.model.notes, *found.notes
-            ),
-        )  # fmt: skip
+            history=(*found.model.history, *self._history(fit.std.size)),
+            notes=(*found.model.notes, *found.notes),
+        )
 
     def _history(self, count: int) -> list[str]:
         errors = self.fall()
@@ -178,11 +177,12 @@ class Session:
         """Write the steps as TOML, all or nothing; `replay` carries them out again."""
         data: dict[str, Any] = {
             "session": {
-                "campaign": self.campaign.title, "floor": self.floor,
+                "campaign": self.campaign.title,
+                "floor": self.floor,
                 "effects": [step.effect for step in self.steps],
                 "why": [step.why for step in self.steps],
             }
-        }  # fmt: skip
+        }
         write_text(Path(path), toml_text(data))
 
 
@@ -206,9 +206,10 @@ class ErrorFall:
         """Steps that do not lower the held-out error."""
         shares = [item.share() for item in self.errors]
         return tuple(
-            name for name, before, after in zip(self.steps[1:], shares, shares[1:], strict=False)
+            name
+            for name, before, after in zip(self.steps[1:], shares, shares[1:], strict=False)
             if after > FALLS * before
-        )  # fmt: skip
+        )
 
     def to_pandas(self) -> pd.DataFrame:
         """A row per step, test type (``all`` too) and channel.
@@ -236,14 +237,18 @@ class ErrorFall:
                     }
                     for channel, error in errors.items()
                 ]
-        return pd.DataFrame(rows)  # fmt: skip
+        return pd.DataFrame(rows)
 
 
 def begin(
-    model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, *,
-    floor: float | None = None, candidates: Sequence[Candidate] | None = None,
-    noise: float | None = None, own: Sequence[OwnEffect] = (),
-) -> Session:  # fmt: skip
+    model: Model | str | Path | Sequence[str] | Structure,
+    campaign: Campaign,
+    *,
+    floor: float | None = None,
+    candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None,
+    own: Sequence[OwnEffect] = (),
+) -> Session:
     """A session about a model and captive tests.
 
     Parameters
@@ -269,16 +274,24 @@ def begin(
         campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
     return Session(
-        source=base.source, campaign=campaign, system=system, floor=system.floor,
-        begun=base.effects, own=tuple(own),
-    )  # fmt: skip
+        source=base.source,
+        campaign=campaign,
+        system=system,
+        floor=system.floor,
+        begun=base.effects,
+        own=tuple(own),
+    )
 
 
 def replay(
-    path: str | Path, model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign,
-    *, candidates: Sequence[Candidate] | None = None, noise: float | None = None,
+    path: str | Path,
+    model: Model | str | Path | Sequence[str] | Structure,
+    campaign: Campaign,
+    *,
+    candidates: Sequence[Candidate] | None = None,
+    noise: float | None = None,
     own: Sequence[OwnEffect] = (),
-) -> Session:  # fmt: skip
+) -> Session:
     """The steps of a file carried out again on a model and a campaign.
 
     Parameters
@@ -324,9 +337,12 @@ def _steps(data: object, path: str) -> _Saved:
 
 
 def fit(
-    model: Model | str | Path, campaign: Campaign, *, floor: float | None = None,
+    model: Model | str | Path,
+    campaign: Campaign,
+    *,
+    floor: float | None = None,
     noise: float | None = None,
-) -> Model:  # fmt: skip
+) -> Model:
     """A model with its derivatives and effects fitted together to captive tests.
 
     Parameters

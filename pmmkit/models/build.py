@@ -175,9 +175,10 @@ def _choose(table: DerivativeTable, donor: Model) -> tuple[list[str], list[str],
     facts = {name: parse_derivative(name) for name in table.names}
     rudder = [name for name, it in facts.items() if it.count("d") or it.count("T")]
     offsets = [
-        name for name, it in facts.items()
+        name
+        for name, it in facts.items()
         if it.factors == ("0",) and table.convention.surge != "delta-u"
-    ]  # fmt: skip
+    ]
     rolls = donor.rolls and any(it.channel == "K" for it in facts.values())
     roll = [] if rolls else [name for name in table.names if needs_roll(name)]
     for names, why in (

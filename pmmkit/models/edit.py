@@ -39,9 +39,14 @@ Sizes = Mapping[str, float] | Literal["typical"] | None
 
 
 def with_effect(
-    model: Model, effect: Named | Sequence[Named], *, coefficients: Sizes = None,
-    value: float | None = None, Fn: Sequence[float] = (), source: str = "",
-) -> Model:  # fmt: skip
+    model: Model,
+    effect: Named | Sequence[Named],
+    *,
+    coefficients: Sizes = None,
+    value: float | None = None,
+    Fn: Sequence[float] = (),
+    source: str = "",
+) -> Model:
     """A model with an effect that it lacked.
 
     Parameters
@@ -92,9 +97,9 @@ def with_effect(
     for item in several:
         asked = _asked(item, coefficients, value, tuple(float(x) for x in Fn), source)
         entry = catalogue().get(asked.name)
-        model = _with_part(model, asked, entry) if entry and entry.enters else with_terms(
-            model, asked
-        )  # fmt: skip
+        model = (
+            _with_part(model, asked, entry) if entry and entry.enters else with_terms(model, asked)
+        )
     return model
 
 
@@ -186,10 +191,14 @@ def _asked(
             f"{name} has no coefficient {', '.join(stray)}; it has {', '.join(shares)}."
         )
     return Asked(
-        name=name, shares=shares, coefficients={label: (given or {}).get(label, 0.0)
-                                                for label in shares},
-        known=given is not None, value=value, Fn=Fn, source=source or f"{origin} ({name})",
-    )  # fmt: skip
+        name=name,
+        shares=shares,
+        coefficients={label: (given or {}).get(label, 0.0) for label in shares},
+        known=given is not None,
+        value=value,
+        Fn=Fn,
+        source=source or f"{origin} ({name})",
+    )
 
 
 def _refuse(entry: Effect) -> None:
@@ -232,8 +241,10 @@ def _with_part(model: Model, asked: Asked, entry: Effect) -> Model:
     if entry.parameter("Fn0") is not None:
         values["Fn0"] = reference(model, asked)
     part = Part(
-        effect=asked.name, values=MappingProxyType(values), options=MappingProxyType(options),
+        effect=asked.name,
+        values=MappingProxyType(values),
+        options=MappingProxyType(options),
         source=asked.source,
-    )  # fmt: skip
+    )
     made = replace(model, parts=MappingProxyType({**model.parts, asked.name: part}))
     return told(made, added(asked.name, values))

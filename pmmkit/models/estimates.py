@@ -98,13 +98,19 @@ def estimated_model(
     hull = {name: x for name, x in values.items() if name not in mass}
     w = wake_fraction(ship)
     screw = {
-        "D": propeller_diameter, "t": 0.2, "kt0": 0.33, "kt1": -0.3, "kt2": -0.13, "wp": w,
+        "D": propeller_diameter,
+        "t": 0.2,
+        "kt0": 0.33,
+        "kt1": -0.3,
+        "kt2": -0.13,
+        "wp": w,
         "xp": -0.48,
-    }  # fmt: skip
+    }
     blade = rudder_values(ship, area=rudder_area, aspect=rudder_aspect, D=propeller_diameter)
     parts = (
         Part(
-            effect="hull_polynomial", values=MappingProxyType(hull),
+            effect="hull_polynomial",
+            values=MappingProxyType(hull),
             source=f"empirical: {guess.source}",
             sources=MappingProxyType(
                 {"Xuu": "measured: resistance" if resistance else "empirical: ITTC 1957 friction"}
@@ -114,23 +120,28 @@ def estimated_model(
             effect="added_mass", values=MappingProxyType(mass), source="empirical: Zhou et al. 1983"
         ),
         Part(
-            effect="propeller", values=MappingProxyType(screw),
+            effect="propeller",
+            values=MappingProxyType(screw),
             source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
         ),
         Part(
-            effect="rudder_mmg", options=MappingProxyType({"inflow": "mmg"}),
+            effect="rudder_mmg",
+            options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
         ),
-    )  # fmt: skip
+    )
     return Model(
-        name=ship.name, ship=ship, water=sea, convention=guess.convention,
+        name=ship.name,
+        ship=ship,
+        water=sea,
+        convention=guess.convention,
         parts=MappingProxyType({part.effect: part for part in parts}),
         title=f"{ship.name}, estimated from its particulars",
         scale=f"L = {ship.L:g} m; propulsion point: self-propulsion of the model's equations",
         notes=("Every value is an estimate from particulars: a first look, not a verdict.",),
         history=(f"Estimated by {method}.",),
-    )  # fmt: skip
+    )
 
 
 def _resistance(ship: Ship, water: Water, speed: float) -> float:

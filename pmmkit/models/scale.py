@@ -42,9 +42,20 @@ def scaled(model: Model, length: float) -> Model:
         raise ModelError(f"The length {length} m must be positive.")
     ratio = length / model.ship.L
     powers = {
-        "L": 1, "B": 1, "d": 1, "volume": 3, "mass": 3, "Izz": 5, "xG": 1, "zG": 1, "GM": 1,
-        "Ixx": 5, "balance_mass": 3, "balance_Izz": 5, "balance_xG": 1,
-    }  # fmt: skip
+        "L": 1,
+        "B": 1,
+        "d": 1,
+        "volume": 3,
+        "mass": 3,
+        "Izz": 5,
+        "xG": 1,
+        "zG": 1,
+        "GM": 1,
+        "Ixx": 5,
+        "balance_mass": 3,
+        "balance_Izz": 5,
+        "balance_xG": 1,
+    }
     ship = replace(
         model.ship,
         **{
@@ -213,9 +224,11 @@ def full_scale(
         ]
         floor = screw["t"] + 0.04
         parts["propeller"] = _changed(
-            carried, "propeller", "wp",
+            carried,
+            "propeller",
+            "wp",
             lambda value, i: min(floor + (value - floor) * share[i], value),
-        )  # fmt: skip
+        )
         steps.append(
             f"Wake by ITTC 1978: wp {_told(carried.parts['propeller'].values['wp'])} of the model, "
             f"{_told(parts['propeller'].values['wp'])} of the ship."
@@ -242,9 +255,7 @@ def _changed(model: Model, effect: str, name: str, law: Callable[[float, int], f
         new = tuple(law(value, i) for i in range(len(model.Fn))) if model.Fn else law(value, 0)
     noted = {**part.sources, name: f"{part.source_of(name)}; corrected to the scale of the ship"}
     return replace(
-        part,
-        values=MappingProxyType({**part.values, name: new}),
-        sources=MappingProxyType(noted),
+        part, values=MappingProxyType({**part.values, name: new}), sources=MappingProxyType(noted)
     )
 
 

@@ -20,9 +20,19 @@ from pmmkit.toml_files import read_toml, toml_text
 
 SCHEMA: Final = 1
 _TOP: Final = (
-    "schema", "name", "title", "scale", "notes", "history", "Fn", "ship", "water", "convention",
-    "effects", "covariance",
-)  # fmt: skip
+    "schema",
+    "name",
+    "title",
+    "scale",
+    "notes",
+    "history",
+    "Fn",
+    "ship",
+    "water",
+    "convention",
+    "effects",
+    "covariance",
+)
 _PART: Final = ("source", "options", "values", "sources")
 
 
@@ -224,12 +234,19 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
         raise ModelError(reader.problems, title=title)
     try:
         return Model(
-            name=name, ship=ship, water=water, parts=MappingProxyType(parts),
-            convention=convention, Fn=grid if isinstance(grid, tuple) else (),
-            covariance=covariance, covariance_names=names,
-            title=given["title"], scale=given["scale"],
-            notes=lists["notes"], history=lists["history"],
-        )  # fmt: skip
+            name=name,
+            ship=ship,
+            water=water,
+            parts=MappingProxyType(parts),
+            convention=convention,
+            Fn=grid if isinstance(grid, tuple) else (),
+            covariance=covariance,
+            covariance_names=names,
+            title=given["title"],
+            scale=given["scale"],
+            notes=lists["notes"],
+            history=lists["history"],
+        )
     except ModelError as error:
         found = [Problem(message=item.message, file=file) for item in error.problems]
         raise ModelError(found, title=title) from error

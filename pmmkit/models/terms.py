@@ -8,16 +8,15 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.effects.terms import BY_SPEED
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, Part
 from pmmkit.models.model import Value, needs_roll
+from pmmkit.numerics import Array
 from pmmkit.tables import converted, from_values
 
-Array = NDArray[np.float64]
 HULL: Final = "hull_polynomial"
 RUDDER: Final = "rudder_abkowitz"
 
@@ -87,9 +86,10 @@ def with_terms(model: Model, asked: Asked) -> Model:
             f"'roll'. Take a ship that rolls, as to_model(table, parts=\"s175\") does."
         )
     by_speed = {
-        label.removesuffix(BY_SPEED): size for label, size in sizes.items()
+        label.removesuffix(BY_SPEED): size
+        for label, size in sizes.items()
         if label.endswith(BY_SPEED)
-    }  # fmt: skip
+    }
     plain = {label: size for label, size in sizes.items() if not label.endswith(BY_SPEED)}
     if by_speed:
         model = _changing(model, asked, by_speed)
@@ -122,9 +122,10 @@ def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[st
         part = parts[home := _home(model, name).effect]
         before = f"{part.source_of(name)}; " if name in part.values else ""
         parts[home] = replace(
-            part, values=MappingProxyType({**part.values, name: value}),
+            part,
+            values=MappingProxyType({**part.values, name: value}),
             sources=MappingProxyType({**part.sources, name: before + source}),
-        )  # fmt: skip
+        )
     return MappingProxyType(parts)
 
 
@@ -165,11 +166,15 @@ def _carried(
     target = model.convention
     surges = any(parse_derivative(name).count("u") for name in sizes)
     table = from_values(
-        {name: np.ravel(size).tolist() if np.ndim(size) else float(size)
-         for name, size in sizes.items()},
-        ship=model.ship, water=model.water, Fn=rows,
+        {
+            name: np.ravel(size).tolist() if np.ndim(size) else float(size)
+            for name, size in sizes.items()
+        },
+        ship=model.ship,
+        water=model.water,
+        Fn=rows,
         convention=Convention() if surges else Convention(surge=target.surge),
-    )  # fmt: skip
+    )
     same = converted(table, target.with_(coriolis="in-derivatives"))
     return {name: same[name] for name in sizes}
 
@@ -205,9 +210,11 @@ def without_terms(model: Model, asked: Asked) -> Model:
     at = [row * count + i for row in range(rows) for i in kept]
     C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
     made = replace(
-        model, parts=parts, covariance=C,
+        model,
+        parts=parts,
+        covariance=C,
         covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
-    )  # fmt: skip
+    )
     if not changing:
         return made
     F = _law(made, asked, made.Fn)

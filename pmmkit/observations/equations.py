@@ -13,16 +13,25 @@ from pmmkit.campaigns.motion.kinematics import move_motion, nominal_motion
 from pmmkit.campaigns.run import Campaign, TypeB
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
-from pmmkit.effects.state import Array, State
-from pmmkit.numerics import projector
+from pmmkit.effects.state import State
+from pmmkit.numerics import Array, projector
 from pmmkit.observations.inertia import Rig, inertia_force
 from pmmkit.observations.prepare import GRID, Prepared, RunResult
 from pmmkit.signals import design_matrix
 
 SETTINGS: Final = (
-    "speed", "drift", "heel", "rudder", "propeller_rps", "period", "amplitude", "yaw_amplitude",
-    "phase", "yaw_rate", "radius",
-)  # fmt: skip
+    "speed",
+    "drift",
+    "heel",
+    "rudder",
+    "propeller_rps",
+    "period",
+    "amplitude",
+    "yaw_amplitude",
+    "phase",
+    "yaw_rate",
+    "radius",
+)
 RIG: Final = {
     "mass": "mass",
     "Izz": "Izz",

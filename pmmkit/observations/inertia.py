@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.state import Array, State
+from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 REPEAT_P = 0.05
 """Repeats scatter beyond the noise where chance does so more rarely than this."""

@@ -18,9 +18,9 @@ from pmmkit.campaigns.motion.kinematics import (
 )
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects.state import Array, State
+from pmmkit.effects.state import State
 from pmmkit.errors import DataError, Problem
-from pmmkit.numerics import projector
+from pmmkit.numerics import Array, projector
 from pmmkit.observations.inertia import Rig, at_midship, inertia_force
 from pmmkit.signals import (
     Harmonics,

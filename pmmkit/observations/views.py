@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.observations.inertia import Rig, rig_of
 from pmmkit.observations.prepare import Prepared, prepare
 
-Array = NDArray[np.float64]
 Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
 """Where the noise of a channel is known from."""
 RECORD: Final[Mapping[str, Noise]] = MappingProxyType({})
@@ -208,13 +208,18 @@ def _view(prepared: Prepared, rig: Rig, keep: bool) -> View:
         if (item := result.covariance.get(name)) is not None
     }
     return View(
-        run=result.run, early=False, projection=prepared.projection[rows], motion=motion,
-        t=prepared.t - prepared.begin, covariance=covariance,
+        run=result.run,
+        early=False,
+        projection=prepared.projection[rows],
+        motion=motion,
+        t=prepared.t - prepared.begin,
+        covariance=covariance,
         force=force if keep else {name: force[name] for name in covariance},
         heading=_heading(result.run, motion),
-        every=None if rows.all() else prepared.projection, kept=None if rows.all() else rows,
+        every=None if rows.all() else prepared.projection,
+        kept=None if rows.all() else rows,
         labels=tuple(label for label, there in zip(result.labels, rows, strict=True) if there),
-    )  # fmt: skip
+    )
 
 
 def _there(measured: Mapping[str, Array]) -> NDArray[np.bool_]:
@@ -235,8 +240,11 @@ def _pooled(views: Sequence[View]) -> list[View]:
     kin: dict[tuple[object, ...], list[int]] = {}
     for place, view in enumerate(views):
         key = (
-            round(math.log(view.speed), 2), round(view.omega / view.speed, 1), view.rows, view.early
-        )  # fmt: skip
+            round(math.log(view.speed), 2),
+            round(view.omega / view.speed, 1),
+            view.rows,
+            view.early,
+        )
         kin.setdefault(key, []).append(place)
     made = list(views)
     for members in kin.values():
@@ -262,10 +270,11 @@ def _with_noise(views: Sequence[View], campaign: Campaign) -> list[View]:
         given = {name: _elsewhere(view, name, scatter, campaign) for name in lacking}
         made.append(
             replace(
-                view, covariance={**view.covariance, **{name: V for name, (V, _) in given.items()}},
+                view,
+                covariance={**view.covariance, **{name: V for name, (V, _) in given.items()}},
                 noise=MappingProxyType({name: origin for name, (_, origin) in given.items()}),
             )
-        )  # fmt: skip
+        )
     return made
 
 
@@ -278,11 +287,11 @@ def _elsewhere(
     stated = [item for item in campaign.uncertainty if item.name == f"{channel}_gauge"]
     if stated:
         variance = sum(
-            (item.std * view.force[channel]) ** 2 if item.relative else np.full(
-                view.rows, item.std**2
-            )
+            (item.std * view.force[channel]) ** 2
+            if item.relative
+            else np.full(view.rows, item.std**2)
             for item in stated
-        )  # fmt: skip
+        )
         return np.diag(variance), "stated"
     if channel in campaign.numerical:
         return campaign.numerical[channel] ** 2 * one, "numerical"

@@ -8,11 +8,10 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
 
-Array = NDArray[np.float64]
 FLOOR: Final = 0.005
 """What is too small to matter in measured forces, over the rms force of a channel."""
 OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03, 0.05)
@@ -179,9 +178,12 @@ def _likelihood(channel: Channel, own: Array, model: Array, floor: Array) -> _Li
         for Z in [white[at][:, :, p + q + 1 :]]
     ]
     return _Likelihood(
-        whole=A.T @ A, own=np.concatenate([x for x, _ in sums]),
-        across=np.concatenate([x for _, x in sums]), model=basis.shape[1], floor=q,
-    )  # fmt: skip
+        whole=A.T @ A,
+        own=np.concatenate([x for x, _ in sums]),
+        across=np.concatenate([x for _, x in sums]),
+        model=basis.shape[1],
+        floor=q,
+    )
 
 
 def orthonormal(columns: Array, tolerance: float = 1e-8) -> Array:
@@ -196,9 +198,11 @@ def orthonormal(columns: Array, tolerance: float = 1e-8) -> Array:
 
 
 def estimated_scatter(
-    channels: Sequence[Channel], own: Mapping[str, Array], models: Mapping[str, Array],
+    channels: Sequence[Channel],
+    own: Mapping[str, Array],
+    models: Mapping[str, Array],
     floors: Mapping[str, Array],
-) -> Scatter:  # fmt: skip
+) -> Scatter:
     """Run scatter of the greatest restricted likelihood, one for all channels.
 
     Parameters
@@ -218,8 +222,12 @@ def estimated_scatter(
     """
     found = [_likelihood(c, own[c.name], models[c.name], floors[c.name]) for c in channels]
     best = Scatter()
-    for field, tried in (("offset", OFFSETS), ("gain", GAINS), ("drift", SETTINGS),
-                         ("offset", OFFSETS)):  # fmt: skip
+    for field, tried in (
+        ("offset", OFFSETS),
+        ("gain", GAINS),
+        ("drift", SETTINGS),
+        ("offset", OFFSETS),
+    ):
         options = [replace(best, **{field: x}) for x in tried]
         values = [sum(item.at(option) for item in found) for option in options]
         best = options[int(np.argmax(values))]

@@ -33,9 +33,18 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Options, Request
 
 __all__ = [
-    "FORMATS", "Cells", "Columns", "Options", "Request", "files_of", "format_of",
-    "head_of", "reader_for", "recognise", "usual_of",
-]  # fmt: skip
+    "FORMATS",
+    "Cells",
+    "Columns",
+    "Options",
+    "Request",
+    "files_of",
+    "format_of",
+    "head_of",
+    "reader_for",
+    "recognise",
+    "usual_of",
+]
 
 FORMATS: Final[dict[str, str]] = {
     "csv": "pmmkit.readers.text.csv",
@@ -50,10 +59,19 @@ FORMATS: Final[dict[str, str]] = {
 """Formats by name, and the module that reads each."""
 
 _SUFFIXES: Final[dict[str, str]] = {
-    ".xls": "excel", ".xlsx": "excel", ".xlsm": "excel", ".xlsb": "excel", ".ods": "excel",
-    ".h5": "hdf5", ".hdf5": "hdf5", ".nc": "hdf5", ".nc4": "hdf5",
-    ".mat": "matlab", ".tdms": "tdms", ".csv": "csv",
-}  # fmt: skip
+    ".xls": "excel",
+    ".xlsx": "excel",
+    ".xlsm": "excel",
+    ".xlsb": "excel",
+    ".ods": "excel",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".nc": "hdf5",
+    ".nc4": "hdf5",
+    ".mat": "matlab",
+    ".tdms": "tdms",
+    ".csv": "csv",
+}
 _CONTAINERS: Final = (".h5", ".hdf5", ".nc", ".nc4")
 """Suffixes that say how a file is packed and not what its layout is."""
 _GENERAL: Final = ("hdf5", "csv")

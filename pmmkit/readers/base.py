@@ -11,11 +11,10 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
 """Given the headers (empty where the file has none) and the number of columns: positions wanted."""
@@ -204,9 +203,25 @@ def to_number(cell: Cell, decimal: str = ".") -> float | None:
 
 
 _NO_VALUE: Final = frozenset(
-    {"", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "#na", "null", "none", "<na>", "-1.#ind",
-     "1.#ind", "-1.#qnan", "1.#qnan", "#n/a n/a"}
-)  # fmt: skip
+    {
+        "",
+        "nan",
+        "+nan",
+        "-nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "#na",
+        "null",
+        "none",
+        "<na>",
+        "-1.#ind",
+        "1.#ind",
+        "-1.#qnan",
+        "1.#qnan",
+        "#n/a n/a",
+    }
+)
 
 
 _GROUPED: Final = re.compile(

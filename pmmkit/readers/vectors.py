@@ -16,17 +16,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers.base import (
-    ABSURD,
-    LISTED,
-    Array,
-    Cell,
-    Cells,
-    Choose,
-    Columns,
-    Request,
-    fault,
-)
+from pmmkit.numerics import Array
+from pmmkit.readers.base import ABSURD, LISTED, Cell, Cells, Choose, Columns, Request, fault
 
 WIDEST: Final = 200
 """Matrices with more columns than this are not columns of channels."""
@@ -155,10 +146,7 @@ def numbers_only(
 
 
 def chosen_columns(
-    vectors: Sequence[Vector],
-    left_out: Sequence[str],
-    request: Request,
-    choose: Choose,
+    vectors: Sequence[Vector], left_out: Sequence[str], request: Request, choose: Choose
 ) -> Columns:
     """The columns that `choose` asks for, every number checked.
 

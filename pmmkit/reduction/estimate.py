@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Settings
+from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whitener
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
-Array = NDArray[np.float64]
 ROUNDS = 6
 STATED = 5.0
 """Degrees of freedom that the noise stated by the records counts for beside the residuals."""

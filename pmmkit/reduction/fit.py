@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 ROUNDING = 1e-14
 """Columns shorter than this share of the longest are zeros that were rounded."""

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.solve import Solution, solve, to_table
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
-
-Array = NDArray[np.float64]
 
 
 def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:

@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.open_water import open_water
 from pmmkit.effects.hull import in_channel, regressors
@@ -19,12 +18,12 @@ from pmmkit.effects.rudder import normal_force, rudder_flow
 from pmmkit.effects.state import State
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Part
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
     from pmmkit.tables import DerivativeTable
 
-Array = NDArray[np.float64]
 HIGHEST_J: Final = 0.8
 """Advance ratios up to which the open-water curve is fitted."""
 FADES: Final = 2.0
@@ -68,9 +67,17 @@ class _Point:
 
 
 def parts_of(
-    reduction: Reduction, *, area: float, height: float, lift_slope: float, lR: float,
-    rate_deg_s: float, xR: float = -0.5, xp: float = -0.48, assumed: str = "assumed",
-) -> Parts:  # fmt: skip
+    reduction: Reduction,
+    *,
+    area: float,
+    height: float,
+    lift_slope: float,
+    lR: float,
+    rate_deg_s: float,
+    xR: float = -0.5,
+    xp: float = -0.48,
+    assumed: str = "assumed",
+) -> Parts:
     """Propeller and rudder from thrust, rudder gauge and open-water curve.
 
     Parameters
@@ -161,9 +168,25 @@ def parts_of(
         p: _Point, eps: float, kappa: float, plus: float, minus: float, zero: float
     ) -> float:
         along, across = rudder_flow(
-            p.v, 0.0, math.atan2(-p.v, p.u), L, math.hypot(p.u, p.v), inflow(p),
-            p.thrust / (rho * D * D), 1, eps, kappa, eta, plus, minus, lR, 0.0, 0.0, 0.0, 0.0,
-        )  # fmt: skip
+            p.v,
+            0.0,
+            math.atan2(-p.v, p.u),
+            L,
+            math.hypot(p.u, p.v),
+            inflow(p),
+            p.thrust / (rho * D * D),
+            1,
+            eps,
+            kappa,
+            eta,
+            plus,
+            minus,
+            lR,
+            0.0,
+            0.0,
+            0.0,
+            0.0,
+        )
         return normal_force(
             along, across, p.delta + zero, stall=0, stall_deg=0.0, stall_loss=0.0, **tests
         )
@@ -174,8 +197,7 @@ def parts_of(
     )
     eps, kappa, zero = ahead.x.tolist()
     aside = least_squares(
-        lambda x: [normal(p, eps, kappa, x[0], x[1], zero) - p.normal for p in drifting],
-        [0.5, 0.5],
+        lambda x: [normal(p, eps, kappa, x[0], x[1], zero) - p.normal for p in drifting], [0.5, 0.5]
     )
     fast = [p for p in straight if p.u == design]
     drag = _line([-p.normal * math.sin(-p.delta) for p in fast], [p.force["X"] for p in fast])
@@ -183,26 +205,46 @@ def parts_of(
     turn = _line([p.normal * math.cos(p.delta) for p in fast], [p.force["N"] / L for p in fast])
     aH = side[0] - 1.0
     values = {
-        "area": area, "lift_slope": lift_slope, "epsilon": eps, "kappa": kappa, "eta": eta,
-        "gamma_positive": float(aside.x[0]), "gamma_negative": float(aside.x[1]), "lR": lR,
-        "tR": 1.0 - drag[0], "aH": aH, "xH": (turn[0] - xR) / aH, "xR": xR,
+        "area": area,
+        "lift_slope": lift_slope,
+        "epsilon": eps,
+        "kappa": kappa,
+        "eta": eta,
+        "gamma_positive": float(aside.x[0]),
+        "gamma_negative": float(aside.x[1]),
+        "lR": lR,
+        "tR": 1.0 - drag[0],
+        "aH": aH,
+        "xH": (turn[0] - xR) / aH,
+        "xR": xR,
         "rate_deg_s": rate_deg_s,
-    }  # fmt: skip
+    }
     screw = {
-        "D": D, "t": reduction.propulsion.thrust_deduction, "kt0": kt0, "kt1": kt1, "kt2": kt2,
-        "wp": wp, "xp": xp, "C1": FADES, "C2_positive": float(limits.x[0]),
+        "D": D,
+        "t": reduction.propulsion.thrust_deduction,
+        "kt0": kt0,
+        "kt1": kt1,
+        "kt2": kt2,
+        "wp": wp,
+        "xp": xp,
+        "C1": FADES,
+        "C2_positive": float(limits.x[0]),
         "C2_negative": float(limits.x[1]),
-    }  # fmt: skip
+    }
     measured = f"measured: {campaign.title}"
     lent = ("lift_slope", "lR", "xR", "rate_deg_s")
     return Parts(
         propeller=Part(
-            effect="propeller", values=MappingProxyType(screw), source=measured,
+            effect="propeller",
+            values=MappingProxyType(screw),
+            source=measured,
             options=MappingProxyType({"wake": "mmg"}),
             sources=MappingProxyType(dict.fromkeys(("xp", "C1"), assumed)),
         ),
         rudder=Part(
-            effect="rudder_mmg", values=MappingProxyType(values), source=measured,
+            effect="rudder_mmg",
+            values=MappingProxyType(values),
+            source=measured,
             options=MappingProxyType({"inflow": "mmg"}),
             sources=MappingProxyType(dict.fromkeys(lent, assumed)),
         ),
@@ -211,7 +253,9 @@ def parts_of(
                 **dict(zip(("epsilon", "kappa", "rudder_zero"), _errors(ahead), strict=True)),
                 **dict(zip(("gamma_positive", "gamma_negative"), _errors(aside), strict=True)),
                 **dict(zip(("C2_positive", "C2_negative"), _errors(limits), strict=True)),
-                "tR": drag[1], "aH": side[1], "t": reduction.propulsion.std,
+                "tR": drag[1],
+                "aH": side[1],
+                "t": reduction.propulsion.std,
                 "wp": float(np.std(wake)),
             }
         ),
@@ -221,13 +265,18 @@ def parts_of(
             f"has none of that.",
         ),
         runs=MappingProxyType({"straight ahead": len(straight), "in drift": len(drifting)}),
-    )  # fmt: skip
+    )
 
 
 def hull_alone(
-    table: DerivativeTable, parts: Parts, *, speed: float, revolutions: float,
-    most_drift_deg: float = 20.0, most_yaw: float = 0.6,
-) -> DerivativeTable:  # fmt: skip
+    table: DerivativeTable,
+    parts: Parts,
+    *,
+    speed: float,
+    revolutions: float,
+    most_drift_deg: float = 20.0,
+    most_yaw: float = 0.6,
+) -> DerivativeTable:
     """Derivatives of the hull without the rudder, from those of a model tested with it.
 
     Parameters
@@ -264,17 +313,17 @@ def hull_alone(
     for channel, force in forces.items():
         chosen = in_channel(names, channel)
         columns = regressors(
-            chosen, state, ship=ship, water=water, convention=table.convention,
-            approach_speed=speed,
-        )  # fmt: skip
+            chosen, state, ship=ship, water=water, convention=table.convention, approach_speed=speed
+        )
         size = np.linalg.norm(columns, axis=0)
         share = np.linalg.lstsq(columns / size, force, rcond=None)[0] / size
         for name, value in zip(chosen, share, strict=True):
             changed[:, table.index(name)] -= value
     return replace(
-        table, value=changed,
+        table,
+        value=changed,
         notes=(*table.notes, "Forces of the rudder amidships are taken off the hull."),
-    )  # fmt: skip
+    )
 
 
 def rudder_amidships(
@@ -286,17 +335,23 @@ def rudder_amidships(
 
     screw, blade = catalogue()["propeller"], catalogue()["rudder_mmg"]
     motion: dict[str, Any] = {
-        "u": state.u, "v": state.v, "r": state.r, "beta": np.arctan2(-state.v, state.u),
-        "U": state.speed, "L": L, "rho": rho,
-    }  # fmt: skip
+        "u": state.u,
+        "v": state.v,
+        "r": state.r,
+        "beta": np.arctan2(-state.v, state.u),
+        "U": state.speed,
+        "L": L,
+        "rho": rho,
+    }
     _, inflow, _, _, loading = over_arrays(propeller_force)(
-        n=revolutions,
-        **_words(screw, parts.propeller, propeller_force, motion),
+        n=revolutions, **_words(screw, parts.propeller, propeller_force, motion)
     )
     X, Y, N, _, _ = over_arrays(rudder_force)(
-        delta=0.0, propeller_inflow=inflow, loading=loading,
+        delta=0.0,
+        propeller_inflow=inflow,
+        loading=loading,
         **_words(blade, parts.rudder, rudder_force, motion),
-    )  # fmt: skip
+    )
     return {"X": X, "Y": Y, "N": N}
 
 
@@ -328,11 +383,13 @@ def _points(reduction: Reduction) -> list[_Point]:
             _Point(
                 u=here.speed * math.cos(here.drift),
                 v=-here.speed * math.sin(here.drift) if here.drift else 0.0,
-                delta=here.rudder, n=here.propeller_rps, thrust=extras["T"],
+                delta=here.rudder,
+                n=here.propeller_rps,
+                thrust=extras["T"],
                 normal=extras["FY_rudder"],
                 force={name: float(values[0]) for name, values in rows.force.items()},
             )
-        )  # fmt: skip
+        )
     return found
 
 

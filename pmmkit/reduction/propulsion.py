@@ -6,13 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.open_water import open_water
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.numerics import Array
 from pmmkit.observations.prepare import RunResult
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

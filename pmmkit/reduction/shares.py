@@ -7,16 +7,14 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from pmmkit.reduction.reduce import Reduction
-
-Array = NDArray[np.float64]
 
 
 def contributions(
@@ -66,9 +64,9 @@ def contributions(
         if weight[group] == 0.0:
             continue
         there = np.isfinite(item.fit.value)
-        gradient = weight[group] * np.array(
-            [slopes.get(name, 0.0) for name in item.fit.names]
-        ) * there  # fmt: skip
+        gradient = (
+            weight[group] * np.array([slopes.get(name, 0.0) for name in item.fit.names]) * there
+        )
         values = item.values()
         for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
             run = solution.groups[group][block.run]
@@ -91,14 +89,22 @@ def contributions(
     if not total > 0.0:
         raise DataError("None of these derivatives was determined with an uncertainty.")
     rows = [
-        {"source": test, "runs": len(runs_of[test]), "std": variance**0.5,
-         "share": variance / total}
+        {
+            "source": test,
+            "runs": len(runs_of[test]),
+            "std": variance**0.5,
+            "share": variance / total,
+        }
         for test, variance in by_test.items()
     ] + [
-        {"source": name, "runs": len(reduction.rows), "std": variance**0.5,
-         "share": variance / total}
+        {
+            "source": name,
+            "runs": len(reduction.rows),
+            "std": variance**0.5,
+            "share": variance / total,
+        }
         for name, variance in shared.items()
-    ]  # fmt: skip
+    ]
     frame = pd.DataFrame(rows).set_index("source")
     return frame.sort_values("share", ascending=False)
 

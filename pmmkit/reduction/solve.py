@@ -9,16 +9,15 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
+from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import Block, ChannelFit, Joint, blocks_of, fit_channel, join
 from pmmkit.tables import DerivativeTable
 
-Array = NDArray[np.float64]
 SPEED_GAP = 0.01
 """Runs whose speeds differ by less than this share belong to one Froude number."""
 

@@ -171,7 +171,7 @@ def _done(reduction: Reduction) -> Section:
         paragraphs=[
             f"Structure {origin.get('structure', 'custom')}, {fn}, by one regression over all runs "
             f"weighted with the noise of their records. Cycles of oscillating tests were chosen "
-            f"{asked}. {inside}",
+            f"{asked}. {inside}"
         ],
         tables=grids,
     )

@@ -69,7 +69,7 @@ def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
         found = session.diagnose()
     return Loop(
         base=base, diagnosis=first, fall=session.fall(), end=None if found is first else found
-    )  # fmt: skip
+    )
 
 
 def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> Path:
@@ -99,9 +99,11 @@ def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> P
         target,
         page(
             title or "Captive tests",
-            f"What {loop.base} lacks, by pmmkit {__version__}.", tiles, loop_sections(loop),
+            f"What {loop.base} lacks, by pmmkit {__version__}.",
+            tiles,
+            loop_sections(loop),
         ),
-    )  # fmt: skip
+    )
     return target
 
 
@@ -117,9 +119,7 @@ def loop_sections(loop: Loop) -> list[Section]:
     return [
         Section(
             title="What is missing",
-            paragraphs=[
-                f"Asked of {loop.base}: {VERDICTS[found.verdict]}", *_together(found),
-            ],
+            paragraphs=[f"Asked of {loop.base}: {VERDICTS[found.verdict]}", *_together(found)],
             tables=[_findings(found.findings)] if found.findings else [],
             figures=[
                 Picture(
@@ -142,7 +142,7 @@ def loop_sections(loop: Loop) -> list[Section]:
                 )
             ],
         ),
-    ]  # fmt: skip
+    ]
 
 
 def _together(found: Diagnosis) -> list[str]:
@@ -164,10 +164,14 @@ def _findings(findings: Sequence[Finding]) -> Grid:
     groups = []
     for item in findings:
         rows: list[list[Cell]] = [
-            [name, number(value, 3), f"± {number(WIDE * item.std[name], 2)}",
-             number(item.typical[name], 2)]
+            [
+                name,
+                number(value, 3),
+                f"± {number(WIDE * item.std[name], 2)}",
+                number(item.typical[name], 2),
+            ]
             for name, value in item.coefficients.items()
-        ]  # fmt: skip
+        ]
         if item.parameter:
             rows.append([item.parameter, number(item.value, 3), "", ""])
         groups.append(Group(rows=rows, title=f"{item.effect}: {item.summary} {_said(item)}"))
@@ -194,9 +198,13 @@ def _fall(loop: Loop) -> Section:
     for name, item in zip(fall.steps, fall.errors, strict=True):
         own = item.of_channel()
         rows.append(
-            [name, number(100 * item.share(), 3), *(number(own[x], 3) for x in channels),
-             *(number(100 * item.share(test), 3) for test in tests)]
-        )  # fmt: skip
+            [
+                name,
+                number(100 * item.share(), 3),
+                *(number(own[x], 3) for x in channels),
+                *(number(100 * item.share(test), 3) for test in tests),
+            ]
+        )
     units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
     head = ["after", "all [%]", *units, *(f"{TESTS.get(name, name)} [%]" for name in tests)]
     points = [f"{name} does not lower the error of left-out conditions." for name in fall.useless]

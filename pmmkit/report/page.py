@@ -34,6 +34,10 @@ def page(
         lstrip_blocks=True,
     )
     return environment.get_template("template.html.j2").render(
-        title=title, subtitle=subtitle, tiles=tiles, sections=sections, version=__version__,
+        title=title,
+        subtitle=subtitle,
+        tiles=tiles,
+        sections=sections,
+        version=__version__,
         css=(folder / "style.css").read_text(encoding="utf-8"),
-    )  # fmt: skip
+    )

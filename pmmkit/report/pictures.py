@@ -16,7 +16,7 @@ from pmmkit.figures import (
     forces_over_drift,
     over_a_cycle,
     svg,
-)  # fmt: skip
+)
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.words import TESTS, Picture, Reference
 from pmmkit.signals import whole_cycles
@@ -123,9 +123,8 @@ def typical_cycles(reduction: Reduction) -> list[Cycle]:
     cycles = []
     for test in _OSCILLATING:
         results = [
-            item for item in reduction.runs
-            if item.run.test == test and item.run.kind == "history"
-        ]  # fmt: skip
+            item for item in reduction.runs if item.run.test == test and item.run.kind == "history"
+        ]
         if results:
             cycles.append(_cycle(_typical(results), reduction))
     return cycles

@@ -9,15 +9,18 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pmmkit.conventions import CHANNELS
-from pmmkit.effects.state import Array
+from pmmkit.numerics import Array
 from pmmkit.reduction import Reduction
 from pmmkit.report.words import TESTS, Cell, Grid, Group, Reference, number, plus_minus, symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 
 _CHANNEL: Mapping[str, str] = {
-    "X": "Surge force X", "Y": "Sway force Y", "N": "Yaw moment N", "K": "Roll moment K",
-}  # fmt: skip
+    "X": "Surge force X",
+    "Y": "Sway force Y",
+    "N": "Yaw moment N",
+    "K": "Roll moment K",
+}
 
 
 def speeds(table: DerivativeTable) -> list[str]:
@@ -233,10 +236,13 @@ def settings(reduction: Reduction) -> Grid:
         ]
         rows.append(
             [
-                item.run.id, TESTS.get(item.run.test, item.run.test), f"{item.froude:.3f}",
-                ", ".join(part for part in motion if part) or "straight", item.window,
+                item.run.id,
+                TESTS.get(item.run.test, item.run.test),
+                f"{item.froude:.3f}",
+                ", ".join(part for part in motion if part) or "straight",
+                item.window,
             ]
-        )  # fmt: skip
+        )
     return Grid(
         head=["Run", "Test", "Fn", "Setting", "What counts"],
         groups=[Group(rows=rows)],

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from pmmkit.signals.cycles import Cycles, whole_cycles
 from pmmkit.signals.frequency import estimate_frequency
-from pmmkit.signals.harmonics import (
-    Harmonics,
-    design_matrix,
-    harmonics,
-    trapezoid_harmonics,
-)
+from pmmkit.signals.harmonics import Harmonics, design_matrix, harmonics, trapezoid_harmonics
 from pmmkit.signals.noise import Mean, steady_mean
 from pmmkit.signals.steady import Window, steady_window
 

@@ -7,9 +7,8 @@ k1 … kp, all within ±1, so that it is always stationary. Lower orders have ze
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 
 def burg(x: Array, order: int) -> tuple[Array, Array]:

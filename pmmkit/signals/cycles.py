@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.signals.harmonics import cycle_count, cycle_edges, design_matrix, per_cycle
 from pmmkit.signals.periodic import TURN, fit_noise, phase_cells, weighted_covariance
 from pmmkit.signals.record import as_record
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 COMPARED: Final = 3

@@ -6,15 +6,14 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.signals.harmonics import design_matrix
 from pmmkit.signals.noise import mean_noise
 from pmmkit.signals.periodic import TURN
 from pmmkit.signals.record import as_record
-
-Array = NDArray[np.float64]
 
 ORDER: Final = 3
 A_CYCLE: Final = 64

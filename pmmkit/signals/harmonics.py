@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.signals.periodic import (
     TURN,
     between_harmonics,
@@ -18,7 +19,6 @@ from pmmkit.signals.periodic import (
 )
 from pmmkit.signals.record import as_record
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 

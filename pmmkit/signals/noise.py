@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from pmmkit.numerics import Array
 from pmmkit.signals import autoregression as ar
 from pmmkit.signals.record import as_record, cell_means, time_weights
-
-Array = NDArray[np.float64]
 
 CELLS: Final = 256
 MAX_ORDER: Final = 16

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.numerics import Array
 from pmmkit.signals import autoregression as ar
 
-Array = NDArray[np.float64]
 Ints = NDArray[np.intp]
 
 TURN: Final = 2.0 * np.pi

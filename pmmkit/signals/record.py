@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmmkit.errors import DataError, Problem
-
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 
 def as_record(

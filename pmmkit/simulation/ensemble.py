@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions
@@ -17,6 +16,7 @@ from pmmkit.equations.program import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 from pmmkit.progress import Progress
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for
@@ -32,7 +32,6 @@ from pmmkit.simulation.simulate import (
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 CHUNK: Final = 10_000
 """Ships whose constants are held at a time."""
 
@@ -98,12 +97,15 @@ class Ensemble:
             low, high = self.interval(name, level)
             rows.append(
                 {
-                    "metric": name, "nominal": self.nominal[name],
+                    "metric": name,
+                    "nominal": self.nominal[name],
                     "mean": float(there.mean()) if len(there) else np.nan,
                     "std": float(there.std(ddof=1)) if len(there) > 1 else np.nan,
-                    "low": low, "high": high, "ships": len(there),
+                    "low": low,
+                    "high": high,
+                    "ships": len(there),
                 }
-            )  # fmt: skip
+            )
         return pd.DataFrame(rows).set_index("metric")
 
     def to_pandas(self) -> pd.DataFrame:
@@ -191,9 +193,11 @@ def spread_of(
         names = tuple(given)
         mean = np.array([given[name] for name in names])
         return Spread(
-            names=names, mean=mean, root=np.diag(spread * np.abs(mean)),
+            names=names,
+            mean=mean,
+            root=np.diag(spread * np.abs(mean)),
             origin=f"{100 * spread:g} % of each derivative, independent",
-        )  # fmt: skip
+        )
     if model.covariance is None:
         raise ModelError(
             f"Model {model.name!r} carries no covariance: give spread, the relative standard "
@@ -212,10 +216,12 @@ def spread_of(
     root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
     unknown = size - len(names)
     return Spread(
-        names=names, mean=np.array([given[name] for name in names]), root=root,
+        names=names,
+        mean=np.array([given[name] for name in names]),
+        root=root,
         origin="the covariance of the tests"
         + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -250,9 +256,13 @@ class Batch:
     extrapolate: bool = False
 
     def run(
-        self, names: Sequence[str], values: Array, *, jobs: int | None = None,
+        self,
+        names: Sequence[str],
+        values: Array,
+        *,
+        jobs: int | None = None,
         advance: Callable[[int], object] | None = None,
-    ) -> tuple[dict[str, Array], Array]:  # fmt: skip
+    ) -> tuple[dict[str, Array], Array]:
         """Metrics (n,) by name, and the status of each ship, for values (n, len(names))."""
         given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
         for column, name in enumerate(names):
@@ -273,29 +283,48 @@ class Batch:
 
 
 def batch_of(
-    model: Model | str | Path, manoeuvre: str, *, speed: float, rtol: float = RTOL,
-    rudder_rate_deg: float | None = None, rudder_law: RudderLaw = "ramp", rudder_lag: float = 1.0,
-    revolutions: float | None = None, extrapolate: bool = False, **settings: Any,
-) -> Batch:  # fmt: skip
+    model: Model | str | Path,
+    manoeuvre: str,
+    *,
+    speed: float,
+    rtol: float = RTOL,
+    rudder_rate_deg: float | None = None,
+    rudder_law: RudderLaw = "ramp",
+    rudder_lag: float = 1.0,
+    revolutions: float | None = None,
+    extrapolate: bool = False,
+    **settings: Any,
+) -> Batch:
     """A batch of a manoeuvre; arguments as for `simulate`."""
     loaded = model if isinstance(model, Model) else load_model(model)
     around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
     settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
     check_request(
-        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg, rtol=rtol,
-        rudder_law=rudder_law, rudder_lag=rudder_lag, revolutions=revolutions,
-    )  # fmt: skip
+        manoeuvre,
+        settings,
+        around,
+        speed=speed,
+        rudder_rate_deg=rudder_rate_deg,
+        rtol=rtol,
+        rudder_law=rudder_law,
+        rudder_lag=rudder_lag,
+        revolutions=revolutions,
+    )
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
     plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
     return Batch(
-        model=loaded, plan=plan,
+        model=loaded,
+        plan=plan,
         gear=gear_of(
             loaded, plan, pace, rudder_rate_deg, rudder_lag if rudder_law == "lag" else 0.0
         ),
-        speed=speed, rtol=rtol, conditions=conditions, revolutions=revolutions,
+        speed=speed,
+        rtol=rtol,
+        conditions=conditions,
+        revolutions=revolutions,
         extrapolate=extrapolate,
-    )  # fmt: skip
+    )
 
 
 def monte_carlo(
@@ -378,7 +407,13 @@ def monte_carlo(
     return Ensemble(
         metrics=MappingProxyType(found),
         nominal=MappingProxyType({name: float(x[0]) for name, x in nominal.items()}),
-        names=drawn.names, failed=failed, speed=speed,
-        Fn=loaded.ship.froude(speed, loaded.water.g), seed=seed, origin=drawn.origin,
-        name=loaded.name, manoeuvre=manoeuvre, scale=loaded.scale,
-    )  # fmt: skip
+        names=drawn.names,
+        failed=failed,
+        speed=speed,
+        Fn=loaded.ship.froude(speed, loaded.water.g),
+        seed=seed,
+        origin=drawn.origin,
+        name=loaded.name,
+        manoeuvre=manoeuvre,
+        scale=loaded.scale,
+    )

@@ -177,20 +177,30 @@ def imo_verdicts(
     found: list[Verdict] = []
     for side in (1.0, -1.0):
         asked: list[tuple[str, dict[str, Any], list[tuple[str, float, str, str]]]] = [
-            ("turning", {"rudder_deg": side * hard}, [
-                (name, limit, f"{name}_L", "L") for name, limit in TURNING_LIMITS
-            ]),
-            ("initial_turning", {"rudder_deg": side * 10.0}, [
-                ("initial_turning", INITIAL_LIMIT, "initial_turning_distance_L", "L")
-            ]),
-            ("zigzag", {"rudder_deg": side * 10.0, "switch_deg": 10.0, "executes": 3}, [
-                ("first_overshoot_10_10", first, "overshoot_1_deg", "deg"),
-                ("second_overshoot_10_10", second, "overshoot_2_deg", "deg"),
-            ]),
-            ("zigzag", {"rudder_deg": side * 20.0, "switch_deg": 20.0, "executes": 2}, [
-                ("first_overshoot_20_20", OVERSHOOT_20, "overshoot_1_deg", "deg")
-            ]),
-        ]  # fmt: skip
+            (
+                "turning",
+                {"rudder_deg": side * hard},
+                [(name, limit, f"{name}_L", "L") for name, limit in TURNING_LIMITS],
+            ),
+            (
+                "initial_turning",
+                {"rudder_deg": side * 10.0},
+                [("initial_turning", INITIAL_LIMIT, "initial_turning_distance_L", "L")],
+            ),
+            (
+                "zigzag",
+                {"rudder_deg": side * 10.0, "switch_deg": 10.0, "executes": 3},
+                [
+                    ("first_overshoot_10_10", first, "overshoot_1_deg", "deg"),
+                    ("second_overshoot_10_10", second, "overshoot_2_deg", "deg"),
+                ],
+            ),
+            (
+                "zigzag",
+                {"rudder_deg": side * 20.0, "switch_deg": 20.0, "executes": 2},
+                [("first_overshoot_20_20", OVERSHOOT_20, "overshoot_1_deg", "deg")],
+            ),
+        ]
         for manoeuvre, given, criteria in asked:
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
@@ -202,9 +212,15 @@ def imo_verdicts(
 
 
 def _many(
-    model: Model, manoeuvre: str, speed: float, n: int, spread: float | None, seed: int,
-    settings: Mapping[str, Any], given: Mapping[str, Any],
-) -> Ensemble | None:  # fmt: skip
+    model: Model,
+    manoeuvre: str,
+    speed: float,
+    n: int,
+    spread: float | None,
+    seed: int,
+    settings: Mapping[str, Any],
+    given: Mapping[str, Any],
+) -> Ensemble | None:
     if not n:
         return None
     from pmmkit.simulation.ensemble import monte_carlo
@@ -219,13 +235,18 @@ def _stopping(model: Model, speed: float, settings: Mapping[str, Any]) -> Verdic
     """Track reach of a full astern stop, if the model knows what happens astern."""
     if not any(catalogue()[part].astern for part in model.parts):
         return Verdict(
-            criterion="track_reach", limit=STOPPING_LIMIT, value=math.nan, margin=math.nan,
-            passed=None, scale=model.scale, manoeuvre="stopping, full astern",
+            criterion="track_reach",
+            limit=STOPPING_LIMIT,
+            value=math.nan,
+            margin=math.nan,
+            passed=None,
+            scale=model.scale,
+            manoeuvre="stopping, full astern",
             conditions=(
                 "Not judged: the model does not say what its propulsion does astern; the effects "
                 f"{', '.join(x.name for x in catalogue().values() if x.astern)} do.",
             ),
-        )  # fmt: skip
+        )
     track = simulate(model, "stopping", speed=speed, **settings)
     conditions = (
         *_conditions(track),
@@ -235,9 +256,14 @@ def _stopping(model: Model, speed: float, settings: Mapping[str, Any]) -> Verdic
 
 
 def _verdict(
-    criterion: str, limit: float, metric: str, track: Track, conditions: tuple[str, ...],
-    unit: str = "L", many: Ensemble | None = None,
-) -> Verdict:  # fmt: skip
+    criterion: str,
+    limit: float,
+    metric: str,
+    track: Track,
+    conditions: tuple[str, ...],
+    unit: str = "L",
+    many: Ensemble | None = None,
+) -> Verdict:
     value = track.metrics.get(metric, math.nan)
     to = "port" if track.rudder_deg < 0 else "starboard"
     side = f", to {to}" if track.rudder_deg else ""
@@ -245,12 +271,17 @@ def _verdict(
     if many is not None:
         probability = many.probability(metric, limit)
     return Verdict(
-        criterion=criterion, limit=limit, value=value, margin=limit - value,
-        passed=None if math.isnan(value) else value <= limit, conditions=conditions,
-        scale=track.scale, unit=unit,
+        criterion=criterion,
+        limit=limit,
+        value=value,
+        margin=limit - value,
+        passed=None if math.isnan(value) else value <= limit,
+        conditions=conditions,
+        scale=track.scale,
+        unit=unit,
         manoeuvre=f"{track.manoeuvre.replace('_', ' ')} {abs(track.rudder_deg):g}°{side}",
         probability=probability,
-    )  # fmt: skip
+    )
 
 
 def _conditions(track: Track) -> tuple[str, ...]:

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from pmmkit.equations import Conditions, Prepared, prepare
 from pmmkit.models import Model, load_model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 STEP: Final = 1e-5
 """Step of the central differences over the size of each velocity."""
@@ -68,9 +68,12 @@ class Stability:
 
 
 def stability(
-    model: Model | str | Path, speed: float, *, depth: float | None = None,
+    model: Model | str | Path,
+    speed: float,
+    *,
+    depth: float | None = None,
     extrapolate: bool = False,
-) -> Stability:  # fmt: skip
+) -> Stability:
     """Straight-line stability of a model at a speed.
 
     Parameters
@@ -138,12 +141,21 @@ def stability(
     times = sorted((float((-1.0 / root).real) for root in roots), key=abs, reverse=True)
     K, T3 = top / b, force[1] / top
     return Stability(
-        speed=speed, eigenvalues=eigenvalues, C=float(Y[0, 0] * Y[1, 1] - Y[1, 0] * Y[0, 1]),
-        lever_sway=float(Y[1, 0] / Y[0, 0]), lever_yaw=float(Y[1, 1] / Y[0, 1]), K=float(K),
-        T=float(a / b - T3), T1=times[0], T2=times[1], T3=float(T3),
+        speed=speed,
+        eigenvalues=eigenvalues,
+        C=float(Y[0, 0] * Y[1, 1] - Y[1, 0] * Y[0, 1]),
+        lever_sway=float(Y[1, 0] / Y[0, 0]),
+        lever_yaw=float(Y[1, 1] / Y[0, 1]),
+        K=float(K),
+        T=float(a / b - T3),
+        T1=times[0],
+        T2=times[1],
+        T3=float(T3),
         rudder=(float(forces[0, 4]), float(forces[1, 4])),
-        stable=bool(np.all(eigenvalues.real < 0.0)), side=side, name=loaded.name,
-    )  # fmt: skip
+        stable=bool(np.all(eigenvalues.real < 0.0)),
+        side=side,
+        name=loaded.name,
+    )
 
 
 def _least_stable(sides: Mapping[float, Array], both: Array, rolls: bool) -> tuple[Array, str]:

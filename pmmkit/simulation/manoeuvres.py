@@ -23,17 +23,19 @@ STEADY: Final = 2e-5
 
 
 def turning(
-    pace: float, *, rudder_deg: float = 35.0, duration: float | None = None,
-    wind: bool = False,
-) -> Plan:  # fmt: skip
+    pace: float, *, rudder_deg: float = 35.0, duration: float | None = None, wind: bool = False
+) -> Plan:
     """Turning circle: one order, until 540° of heading and the turn is steady."""
     rudder = math.radians(rudder_deg)
     side = math.copysign(1.0, rudder)
     longest = LONGEST / pace if duration is None else duration
     phase = Phase(
-        rudder=rudder, until="time" if duration else "heading" if wind else "steady turn",
-        level=side * CIRCLES, side=side, longest=longest,
-    )  # fmt: skip
+        rudder=rudder,
+        until="time" if duration else "heading" if wind else "steady turn",
+        level=side * CIRCLES,
+        side=side,
+        longest=longest,
+    )
     probes = {
         "quarter": Probe(ask="crossing", state="psi", level=side * HALF, side=side),
         "half": Probe(ask="crossing", state="psi", level=side * math.pi, side=side),
@@ -69,9 +71,13 @@ def turning(
         return found
 
     return Plan(
-        name="turning", phases=(phase,), probes=probes, measure=measure, rudder=rudder,
+        name="turning",
+        phases=(phase,),
+        probes=probes,
+        measure=measure,
+        rudder=rudder,
         settles=duration is None and not wind,
-    )  # fmt: skip
+    )
 
 
 def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float = 10.0) -> Plan:
@@ -79,9 +85,12 @@ def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float
     rudder = math.radians(rudder_deg)
     side = math.copysign(1.0, rudder)
     phase = Phase(
-        rudder=rudder, until="heading", level=side * math.radians(heading_deg), side=side,
+        rudder=rudder,
+        until="heading",
+        level=side * math.radians(heading_deg),
+        side=side,
         longest=100.0 / pace,
-    )  # fmt: skip
+    )
 
     def measure(a: Answers) -> dict[str, Any]:
         reached = a.t("there")
@@ -91,19 +100,15 @@ def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float
             "yaw_rate_deg_s": side * degrees(a.at("there", "r")),
         }
 
-    probes = {
-        "there": Probe(ask="reached"),
-        "path": Probe(ask="path"),
-    }  # fmt: skip
+    probes = {"there": Probe(ask="reached"), "path": Probe(ask="path")}
     return Plan(
         name="initial_turning", phases=(phase,), probes=probes, measure=measure, rudder=rudder
     )
 
 
 def zigzag(
-    pace: float, *, rudder_deg: float = 10.0, switch_deg: float = 10.0,
-    executes: int = 5,
-) -> Plan:  # fmt: skip
+    pace: float, *, rudder_deg: float = 10.0, switch_deg: float = 10.0, executes: int = 5
+) -> Plan:
     """Zigzag δ/ψ: the rudder is laid over each time the heading passes ±ψ."""
     if executes < 2:
         raise DataError(f"A zigzag has at least two executes; {executes} were asked for.")
@@ -113,17 +118,23 @@ def zigzag(
     longest = 200.0 / pace
     phases = [
         Phase(
-            rudder=side * abs(rudder), until="heading", level=side * switch, side=side,
+            rudder=side * abs(rudder),
+            until="heading",
+            level=side * switch,
+            side=side,
             longest=longest,
         )
         for side in sides[:-1]
-    ]  # fmt: skip
+    ]
     phases.append(
         Phase(
-            rudder=sides[-1] * abs(rudder), until="yaw rate", level=0.0, side=sides[-1],
+            rudder=sides[-1] * abs(rudder),
+            until="yaw rate",
+            level=0.0,
+            side=sides[-1],
             longest=longest,
         )
-    )  # fmt: skip
+    )
     probes: dict[str, Probe] = {}
     for i in range(1, executes):
         probes[f"execute_{i + 1}"] = Probe(ask="begin", first=i, last=i)
@@ -162,10 +173,7 @@ def pull_out(pace: float, *, rudder_deg: float = 15.0) -> Plan:
         ),
         Phase(rudder=0.0, until="steady", level=STEADY, shortest=10.0 / pace, longest=150.0 / pace),
     )
-    probes = {
-        "turn": Probe(ask="end", first=0, last=0),
-        "end": Probe(ask="end", first=1, last=1),
-    }
+    probes = {"turn": Probe(ask="end", first=0, last=0), "end": Probe(ask="end", first=1, last=1)}
 
     def measure(a: Answers) -> dict[str, Any]:
         return {
@@ -189,11 +197,14 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
     angles = [*down, *reversed(down[:-1])]
     phases = tuple(
         Phase(
-            rudder=math.radians(angle), until="steady", level=STEADY, shortest=5.0 / pace,
+            rudder=math.radians(angle),
+            until="steady",
+            level=STEADY,
+            shortest=5.0 / pace,
             longest=200.0 / pace,
         )
         for angle in angles
-    )  # fmt: skip
+    )
     probes = {f"end_{i}": Probe(ask="end", first=i, last=i) for i in range(len(angles))}
     back = {angle: len(angles) - 1 - i for i, angle in enumerate(down)}
 
@@ -214,9 +225,12 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
         return loop | found
 
     return Plan(
-        name="spiral", phases=phases, probes=probes, measure=measure,
+        name="spiral",
+        phases=phases,
+        probes=probes,
+        measure=measure,
         rudder=math.radians(rudder_deg),
-    )  # fmt: skip
+    )
 
 
 def accelerating(pace: float, *, turns: float = 1.5) -> Plan:
@@ -242,14 +256,16 @@ def stopping(pace: float, *, turns: float = -0.7, rudder_deg: float = 0.0) -> Pl
     """Crash stop: revolutions astern (and the bucket of a waterjet down) until the ship stops."""
     phases = (
         Phase(
-            turns=turns, bucket=1.0, rudder=math.radians(rudder_deg), until="surge", level=0.0,
-            side=-1.0, longest=500.0 / pace,
+            turns=turns,
+            bucket=1.0,
+            rudder=math.radians(rudder_deg),
+            until="surge",
+            level=0.0,
+            side=-1.0,
+            longest=500.0 / pace,
         ),
-    )  # fmt: skip
-    probes = {
-        "stop": Probe(ask="reached"),
-        "path": Probe(ask="path"),
-    }
+    )
+    probes = {"stop": Probe(ask="reached"), "path": Probe(ask="path")}
 
     def measure(a: Answers) -> dict[str, Any]:
         stopped = a.t("stop") > 0.0
@@ -268,9 +284,12 @@ def stopping(pace: float, *, turns: float = -0.7, rudder_deg: float = 0.0) -> Pl
 
 
 def course_change(
-    pace: float, *, rudder_deg: float = 15.0, heading_deg: float = 45.0,
+    pace: float,
+    *,
+    rudder_deg: float = 15.0,
+    heading_deg: float = 45.0,
     counter_deg: float | None = None,
-) -> Plan:  # fmt: skip
+) -> Plan:
     """Course change: rudder until the heading asked for, then as much against it until the turn
     stops."""
     rudder = math.radians(rudder_deg)
@@ -278,13 +297,16 @@ def course_change(
     counter = abs(rudder) if counter_deg is None else math.radians(abs(counter_deg))
     phases = (
         Phase(
-            rudder=rudder, until="heading", level=side * math.radians(abs(heading_deg)),
-            side=side, longest=LONGEST / pace,
+            rudder=rudder,
+            until="heading",
+            level=side * math.radians(abs(heading_deg)),
+            side=side,
+            longest=LONGEST / pace,
         ),
         Phase(
             rudder=-side * counter, until="yaw rate", level=0.0, side=-side, longest=100.0 / pace
         ),
-    )  # fmt: skip
+    )
     probes = {
         "counter": Probe(ask="begin", first=1, last=1),
         "end": Probe(ask="reached", first=1, last=1),
@@ -303,9 +325,8 @@ def course_change(
 
 
 def williamson(
-    pace: float, *, rudder_deg: float = 35.0, shift_deg: float = 60.0,
-    ease_deg: float = 20.0,
-) -> Plan:  # fmt: skip
+    pace: float, *, rudder_deg: float = 35.0, shift_deg: float = 60.0, ease_deg: float = 20.0
+) -> Plan:
     """Williamson turn: hard over to 60°, hard over to the other side, amidships 20° before the
     opposite course."""
     rudder = math.radians(rudder_deg)
@@ -313,15 +334,21 @@ def williamson(
     opposite = math.pi - math.radians(ease_deg)
     phases = (
         Phase(
-            rudder=rudder, until="heading", level=side * math.radians(shift_deg), side=side,
+            rudder=rudder,
+            until="heading",
+            level=side * math.radians(shift_deg),
+            side=side,
             longest=LONGEST / pace,
         ),
         Phase(
-            rudder=-rudder, until="heading", level=-side * opposite, side=-side,
+            rudder=-rudder,
+            until="heading",
+            level=-side * opposite,
+            side=-side,
             longest=LONGEST / pace,
         ),
         Phase(rudder=0.0, until="heading", level=-side * math.pi, side=-side, longest=30.0 / pace),
-    )  # fmt: skip
+    )
     probes = {
         "shift": Probe(ask="begin", first=1, last=1),
         "ease": Probe(ask="begin", first=2, last=2),
@@ -344,11 +371,18 @@ MANOEUVRES: Final[Mapping[str, Callable[..., Plan]]] = MappingProxyType(
     {
         function.__name__: function
         for function in (
-            turning, initial_turning, zigzag, spiral, pull_out, stopping, accelerating,
-            course_change, williamson,
+            turning,
+            initial_turning,
+            zigzag,
+            spiral,
+            pull_out,
+            stopping,
+            accelerating,
+            course_change,
+            williamson,
         )
     }
-)  # fmt: skip
+)
 
 
 def _lengths(L: float, **values: Any) -> dict[str, Any]:

@@ -9,15 +9,13 @@ from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
+
 End = Literal["time", "heading", "yaw rate", "surge", "steady turn", "steady"]
 ENDS: Final[tuple[End, ...]] = ("time", "heading", "yaw rate", "surge", "steady turn", "steady")
 Ask = Literal["crossing", "extreme", "end", "begin", "path", "steady", "reached"]
-ASKS: Final[tuple[Ask, ...]] = (
-    "crossing", "extreme", "end", "begin", "path", "steady", "reached",
-)  # fmt: skip
+ASKS: Final[tuple[Ask, ...]] = ("crossing", "extreme", "end", "begin", "path", "steady", "reached")
 STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
 
 
@@ -56,9 +54,15 @@ class Phase:
     def numbers(self) -> tuple[float, ...]:
         """As the engine takes it."""
         return (
-            self.rudder, self.turns, self.bucket, float(ENDS.index(self.until)), self.level,
-            self.side, self.shortest, self.longest,
-        )  # fmt: skip
+            self.rudder,
+            self.turns,
+            self.bucket,
+            float(ENDS.index(self.until)),
+            self.level,
+            self.side,
+            self.shortest,
+            self.longest,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,9 +96,13 @@ class Probe:
     def numbers(self) -> tuple[float, ...]:
         """As the engine takes it."""
         return (
-            float(ASKS.index(self.ask)), float(STATES.index(self.state)), self.level, self.side,
-            float(self.first), float(self.last),
-        )  # fmt: skip
+            float(ASKS.index(self.ask)),
+            float(STATES.index(self.state)),
+            self.level,
+            self.side,
+            float(self.first),
+            float(self.last),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

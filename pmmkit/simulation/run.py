@@ -11,16 +11,15 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.equations import Prepared
 from pmmkit.equations.constants import PLACE
 from pmmkit.equations.program import mass_problem, propulsion_problem
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
+from pmmkit.numerics import Array
 from pmmkit.simulation.plan import Answers, Plan
 
-Array = NDArray[np.float64]
 LONGEST_STEP: Final = 2.0
 """Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
 alone lets the steps grow to the limit of stability, where the dense output loses digits."""
@@ -110,15 +109,24 @@ class History:
         functions = self.ready.functions(fast=self.fast)
         found = self.room(width * count)
         functions.probe(
-            self.steps, self.events, self._questions, count, self.n0, self.settings,
-            self.constants, found,
-        )  # fmt: skip
+            self.steps,
+            self.events,
+            self._questions,
+            count,
+            self.n0,
+            self.settings,
+            self.constants,
+            found,
+        )
         flat = found.tolist() if self.fast else found
         values = [flat[i * width : (i + 1) * width] for i in range(count)]
         return Answers(
-            places=self.plan.places, states=states, values=values, speed=self.ready.speed,
+            places=self.plan.places,
+            states=states,
+            values=values,
+            speed=self.ready.speed,
             L=self.ready.L,
-        )  # fmt: skip
+        )
 
     def sampled(self, t: Array) -> Array:
         """States and the three controls at ascending instants, a row each."""
@@ -127,9 +135,16 @@ class History:
         times = t if self.fast else t.tolist()
         out = self.room(rows * len(t))
         functions.sample(
-            self.steps, self.kept, self.events, len(self.plan.phases), self.settings, times,
-            len(t), self.n0, out,
-        )  # fmt: skip
+            self.steps,
+            self.kept,
+            self.events,
+            len(self.plan.phases),
+            self.settings,
+            times,
+            len(t),
+            self.n0,
+            out,
+        )
         return np.asarray(out).reshape(rows, len(t))
 
     @property
@@ -142,22 +157,39 @@ class History:
 
 
 def settings_for(
-    structure: Structure, L: float, speed: float, gear: Gear, rtol: float,
+    structure: Structure,
+    L: float,
+    speed: float,
+    gear: Gear,
+    rtol: float,
     revolutions: float | None = None,
-) -> list[float]:  # fmt: skip
+) -> list[float]:
     """Settings of the engine: tolerance, longest step, speed, gears, revolutions, limit."""
     shaft = "n" in structure.states
     return [
-        rtol, LONGEST_STEP * L / speed, speed, gear.rudder_rate, gear.rudder_lag,
-        INSTANT if shaft else gear.turns_rate, 0.0, gear.bucket_rate, 0.0, revolutions or 0.0,
+        rtol,
+        LONGEST_STEP * L / speed,
+        speed,
+        gear.rudder_rate,
+        gear.rudder_lag,
+        INSTANT if shaft else gear.turns_rate,
+        0.0,
+        gear.bucket_rate,
+        0.0,
+        revolutions or 0.0,
         FASTEST * speed,
-    ]  # fmt: skip
+    ]
 
 
 def run_plan(
-    ready: Prepared, plan: Plan, gear: Gear, *, rtol: float, fast: bool,
+    ready: Prepared,
+    plan: Plan,
+    gear: Gear,
+    *,
+    rtol: float,
+    fast: bool,
     revolutions: float | None = None,
-) -> History:  # fmt: skip
+) -> History:
     """Integrate one ship through a plan.
 
     Parameters
@@ -211,10 +243,16 @@ def run_plan(
         last = steps[stride * (kept - 1)] if kept else 0.0
         raise problem(status, ready, float(last))
     return History(
-        ready=ready, plan=plan, steps=steps, events=events, settings=settings, constants=k,
+        ready=ready,
+        plan=plan,
+        steps=steps,
+        events=events,
+        settings=settings,
+        constants=k,
         kept=kept,
-        n0=float(n0), fast=fast,
-    )  # fmt: skip
+        n0=float(n0),
+        fast=fast,
+    )
 
 
 def problem(status: int, ready: Prepared, t: float) -> SimulationError | ModelError:
@@ -236,9 +274,14 @@ BATCH_ROOM: Final = 4000
 
 
 def run_ships(
-    structure: Structure, ships: Array, plan: Plan, settings: list[float], *,
-    jobs: int | None = None, advance: Callable[[int], object] | None = None,
-) -> tuple[Answers, Array]:  # fmt: skip
+    structure: Structure,
+    ships: Array,
+    plan: Plan,
+    settings: list[float],
+    *,
+    jobs: int | None = None,
+    advance: Callable[[int], object] | None = None,
+) -> tuple[Answers, Array]:
     """Run many ships of one structure through a plan.
 
     Parameters
@@ -282,9 +325,19 @@ def run_ships(
     def work(first: int) -> int:
         last: int = min(first + CHUNK, number)
         functions.run_many(
-            flat, first, last, width, orders, len(plan.phases), given, questions, asked, room,
-            results, state,
-        )  # fmt: skip
+            flat,
+            first,
+            last,
+            width,
+            orders,
+            len(plan.phases),
+            given,
+            questions,
+            asked,
+            room,
+            results,
+            state,
+        )
         return last - first
 
     starts = range(0, number, CHUNK)
@@ -296,7 +349,10 @@ def run_ships(
                 advance(size)
     values = results.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
     answers = Answers(
-        places=plan.places, states=states, values=values, speed=settings[2],
+        places=plan.places,
+        states=states,
+        values=values,
+        speed=settings[2],
         L=float(ships[0, PLACE["L"]]),
-    )  # fmt: skip
+    )
     return answers, state.reshape(-1, 2)[:, 0]

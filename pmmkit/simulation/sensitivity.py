@@ -9,18 +9,17 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.equations.program import values_at
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 from pmmkit.simulation.ensemble import batch_of, spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 STEP: Final = 1e-3
 """Step of the differences over the size of a derivative."""
 TIGHT: Final = 1e-11
@@ -83,10 +82,12 @@ class Sensitivities:
 
         frame = pd.DataFrame(
             {
-                "derivative": self.names, "value": self.values, "slope": self._slopes(metric),
+                "derivative": self.names,
+                "value": self.values,
+                "slope": self._slopes(metric),
                 "per_cent_per_per_cent": self.relative(metric),
             }
-        ).set_index("derivative")  # fmt: skip
+        ).set_index("derivative")
         if self.covariance is None:
             return frame.sort_values("per_cent_per_per_cent", key=abs, ascending=False)
         frame["std"] = np.sqrt(np.diagonal(self.covariance))
@@ -178,10 +179,12 @@ def sensitivities(
             ]
         )
     return Sensitivities(
-        names=chosen, values=mean, slopes=MappingProxyType(slopes),
+        names=chosen,
+        values=mean,
+        slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
-    )  # fmt: skip
+    )
 
 
 def _sizes(names: Sequence[str], values: Array) -> Array:
@@ -190,9 +193,10 @@ def _sizes(names: Sequence[str], values: Array) -> Array:
     for i, name in enumerate(names):
         if sizes[i] == 0.0:
             others = [
-                size for size, other in zip(sizes, names, strict=True)
+                size
+                for size, other in zip(sizes, names, strict=True)
                 if other[0] == name[0] and size > 0
-            ]  # fmt: skip
+            ]
             sizes[i] = min(others, default=1e-4)
     return sizes
 
@@ -299,6 +303,8 @@ def sobol(
             first[name] = np.mean((at_b - middle) * (at_mixed - at_a), axis=1) / variance
             total[name] = 0.5 * np.mean((at_a - at_mixed) ** 2, axis=1) / variance
     return SobolIndices(
-        names=drawn.names, first=MappingProxyType(first), total=MappingProxyType(total),
+        names=drawn.names,
+        first=MappingProxyType(first),
+        total=MappingProxyType(total),
         ships=len(values),
-    )  # fmt: skip
+    )

@@ -126,14 +126,24 @@ def simulate(
     """
     loaded = model if isinstance(model, Model) else load_model(model)
     around: dict[str, Any] = {
-        "wind_speed": wind_speed, "wind_direction_deg": wind_direction_deg,
-        "current_speed": current_speed, "current_direction_deg": current_direction_deg,
+        "wind_speed": wind_speed,
+        "wind_direction_deg": wind_direction_deg,
+        "current_speed": current_speed,
+        "current_direction_deg": current_direction_deg,
         "depth": depth,
-    }  # fmt: skip
+    }
     check_request(
-        manoeuvre, settings, around, speed=speed, rudder_rate_deg=rudder_rate_deg,
-        rudder_law=rudder_law, rudder_lag=rudder_lag, dt=dt, rtol=rtol, revolutions=revolutions,
-    )  # fmt: skip
+        manoeuvre,
+        settings,
+        around,
+        speed=speed,
+        rudder_rate_deg=rudder_rate_deg,
+        rudder_law=rudder_law,
+        rudder_lag=rudder_lag,
+        dt=dt,
+        rtol=rtol,
+        revolutions=revolutions,
+    )
     conditions = Conditions(**around) if any(around.values()) else CALM
     ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
     plan = plan_for(manoeuvre, speed / ready.L, wind=wind_speed > 0.0, **settings)
@@ -147,9 +157,14 @@ def simulate(
 
 
 def check_request(
-    manoeuvre: str, settings: Mapping[str, Any], environment: Mapping[str, float | None], *,
-    rudder_law: str = "ramp", rtol: float = RTOL, **positive: float | None,
-) -> None:  # fmt: skip
+    manoeuvre: str,
+    settings: Mapping[str, Any],
+    environment: Mapping[str, float | None],
+    *,
+    rudder_law: str = "ramp",
+    rtol: float = RTOL,
+    **positive: float | None,
+) -> None:
     """Refuse a request that makes no sense.
 
     Raises
@@ -275,14 +290,29 @@ def track_of(
     still = np.zeros(len(t))
     metrics = {name: float(value) for name, value in plan.measure(history.answers).items()}
     return Track(
-        t=t, x=rows[0], y=rows[1], psi=rows[2], u=rows[3], v=rows[4], r=rows[5],
-        p=channels.get("p", still), phi=channels.get("phi", still), delta=rows[len(states)],
-        n=channels.get("n", rows[len(states) + 1]), name=model.name, manoeuvre=plan.name,
-        L=ready.L, speed=ready.speed, Fn=model.ship.froude(ready.speed, model.water.g),
-        rudder_deg=math.degrees(plan.rudder), metrics=MappingProxyType(metrics),
-        scale=model.scale, notes=tuple(_notes(history)), orders=history.begins,
+        t=t,
+        x=rows[0],
+        y=rows[1],
+        psi=rows[2],
+        u=rows[3],
+        v=rows[4],
+        r=rows[5],
+        p=channels.get("p", still),
+        phi=channels.get("phi", still),
+        delta=rows[len(states)],
+        n=channels.get("n", rows[len(states) + 1]),
+        name=model.name,
+        manoeuvre=plan.name,
+        L=ready.L,
+        speed=ready.speed,
+        Fn=model.ship.froude(ready.speed, model.water.g),
+        rudder_deg=math.degrees(plan.rudder),
+        metrics=MappingProxyType(metrics),
+        scale=model.scale,
+        notes=tuple(_notes(history)),
+        orders=history.begins,
         settings=MappingProxyType(dict(settings)),
-    )  # fmt: skip
+    )
 
 
 def _notes(history: History) -> list[str]:

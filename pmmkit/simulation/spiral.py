@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from pmmkit.equations import Conditions, prepare
 from pmmkit.errors import SimulationError
 from pmmkit.models import Model, load_model
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 _SETTLED: Final = 1e-11
 
 
@@ -62,9 +62,14 @@ class SpiralCurve:
 
 
 def spiral_curve(
-    model: Model | str | Path, speed: float, *, most: float = 0.4, points: int = 161,
-    depth: float | None = None, extrapolate: bool = False,
-) -> SpiralCurve:  # fmt: skip
+    model: Model | str | Path,
+    speed: float,
+    *,
+    most: float = 0.4,
+    points: int = 161,
+    depth: float | None = None,
+    extrapolate: bool = False,
+) -> SpiralCurve:
     """The curve of a reverse spiral: the rudder that holds each yaw rate.
 
     Parameters
@@ -155,10 +160,17 @@ def spiral_curve(
 
     width, height, neutral = _loop(r, delta, rudder)
     return SpiralCurve(
-        rudder_deg=delta, yaw_rate_deg_s=np.degrees(r), drift_deg=np.degrees(np.arctan2(-v, u)),
-        speed_ratio=np.hypot(u, v), stable=rising, loop_width_deg=width,
-        loop_height_deg_s=height, neutral_deg=neutral, name=loaded.name, scale=loaded.scale,
-    )  # fmt: skip
+        rudder_deg=delta,
+        yaw_rate_deg_s=np.degrees(r),
+        drift_deg=np.degrees(np.arctan2(-v, u)),
+        speed_ratio=np.hypot(u, v),
+        stable=rising,
+        loop_width_deg=width,
+        loop_height_deg_s=height,
+        neutral_deg=neutral,
+        name=loaded.name,
+        scale=loaded.scale,
+    )
 
 
 def _loop(
@@ -179,9 +191,11 @@ def _loop(
     for i in folds:
         side = change[i - 1]
         found = minimize_scalar(
-            lambda r, i=i, side=side: -side * rudder(r, i), method="bounded",
-            bounds=(rate[i - 1], rate[i + 1]), options={"xatol": 1e-9},
-        )  # fmt: skip
+            lambda r, i=i, side=side: -side * rudder(r, i),
+            method="bounded",
+            bounds=(rate[i - 1], rate[i + 1]),
+            options={"xatol": 1e-9},
+        )
         values.append(-side * found.fun)
     neutral = (max(values) + min(values)) / 2
     above = np.sign(angle - neutral)

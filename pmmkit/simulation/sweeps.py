@@ -18,9 +18,16 @@ if TYPE_CHECKING:
 
 
 _UNITS: Final = {
-    "depth": "m", "rudder_rate_deg": "deg/s", "rudder_lag": "s", "duration": "s", "dt": "s",
-    "revolutions": "1/s", "turns": "-", "executes": "-", "rtol": "-",
-}  # fmt: skip
+    "depth": "m",
+    "rudder_rate_deg": "deg/s",
+    "rudder_lag": "s",
+    "duration": "s",
+    "dt": "s",
+    "revolutions": "1/s",
+    "turns": "-",
+    "executes": "-",
+    "rtol": "-",
+}
 """Units of settings; the others are speeds or angles."""
 
 
@@ -95,10 +102,12 @@ def froude_sweep(
             "speed": ("Fn", np.array([float(speed) for speed in asked]), {"units": "m/s"}),
         },
         attrs={
-            "name": loaded.name, "manoeuvre": manoeuvre, "scale": loaded.scale,
+            "name": loaded.name,
+            "manoeuvre": manoeuvre,
+            "scale": loaded.scale,
             **{name: x for name, x in settings.items() if isinstance(x, (int, float))},
         },
-    )  # fmt: skip
+    )
 
 
 def sweep(

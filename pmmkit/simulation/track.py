@@ -7,14 +7,12 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-Array = NDArray[np.float64]
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
         "x": ("m", "path in the direction of the approach"),
@@ -95,9 +93,15 @@ class Track:
         import xarray as xr
 
         attributes: dict[str, Any] = {
-            "name": self.name, "manoeuvre": self.manoeuvre, "L": self.L, "speed": self.speed,
-            "Fn": self.Fn, "rudder_deg": self.rudder_deg, "scale": self.scale, **self.metrics,
-        }  # fmt: skip
+            "name": self.name,
+            "manoeuvre": self.manoeuvre,
+            "L": self.L,
+            "speed": self.speed,
+            "Fn": self.Fn,
+            "rudder_deg": self.rudder_deg,
+            "scale": self.scale,
+            **self.metrics,
+        }
         return xr.Dataset(
             {
                 name: ("t", getattr(self, name), {"units": unit, "long_name": text})

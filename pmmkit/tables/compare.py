@@ -55,10 +55,7 @@ def identical(first: DerivativeTable, second: DerivativeTable) -> bool:
 
 
 def compare(
-    table: DerivativeTable,
-    reference: Reference,
-    *,
-    names: Sequence[str] | None = None,
+    table: DerivativeTable, reference: Reference, *, names: Sequence[str] | None = None
 ) -> pd.DataFrame:
     """A table beside reference values.
 

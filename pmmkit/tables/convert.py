@@ -15,9 +15,10 @@ import numpy as np
 
 from pmmkit.conventions import Convention, Derivative, System, parse_derivative
 from pmmkit.errors import TableError
+from pmmkit.numerics import Array
 from pmmkit.tables.linear import rewritten
 from pmmkit.tables.points import moved
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 NOT_CONVERTED: Final = "The table is not converted"
 BIS_NOTE: Final = (
@@ -169,10 +170,7 @@ def _refuse(table: DerivativeTable, target: Convention) -> None:
 
 
 def _in_signs(
-    table: DerivativeTable,
-    *,
-    sway: Literal["v", "beta"],
-    rudder: Literal["starboard", "port"],
+    table: DerivativeTable, *, sway: Literal["v", "beta"], rudder: Literal["starboard", "port"]
 ) -> DerivativeTable:
     flips = [
         variable
@@ -247,11 +245,7 @@ def _in_system(table: DerivativeTable, system: System) -> DerivativeTable:
     if source == system:
         return table
     ship = table.ship
-    unit = {
-        "prime": 1.0,
-        "prime-d": ship.L / ship.d,
-        "bis": ship.L**3 / (2 * ship.volume),
-    }
+    unit = {"prime": 1.0, "prime-d": ship.L / ship.d, "bis": ship.L**3 / (2 * ship.volume)}
     unknown = [
         f"The ship's {what} is not known, but {name} needs it."
         for name, what in (("prime-d", "length or draught"), ("bis", "length or volume"))

@@ -8,8 +8,9 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from pmmkit.errors import ExtrapolationError, Problem, TableError
+from pmmkit.numerics import Array
 from pmmkit.tables.linear import mapped
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 Method = Literal["linear", "pchip", "quadratic"]
 SAME: Final = 1e-3

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import Derivative, parse_derivative
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.numerics import Array
+from pmmkit.tables.table import DerivativeTable
 
 Expansion = Callable[[Derivative], Mapping[str, float | Array]]
 

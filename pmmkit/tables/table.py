@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 
 
@@ -71,9 +71,12 @@ class DerivativeTable:
     def __post_init__(self) -> None:
         k, n = len(self.Fn), len(self.names)
         shapes = {
-            "value": (k, n), "covariance": (k, n, k, n), "dof": (k, n),
-            "method": (k, n), "runs": (k, n),
-        }  # fmt: skip
+            "value": (k, n),
+            "covariance": (k, n, k, n),
+            "dof": (k, n),
+            "method": (k, n),
+            "runs": (k, n),
+        }
         wrong = [
             f"{name} has the shape {getattr(self, name).shape}, expected {shape}."
             for name, shape in shapes.items()

@@ -75,11 +75,17 @@ class Ground:
 
 
 def ground_of(
-    model: Asked, campaign: Campaign | None = None, *, limits: Limits | None = None,
-    options: Sequence[Option] | None = None, floor: float = FLOOR, noise: float | None = None,
-    record_noise: float = 0.015, candidates: Sequence[Candidate] | None = None,
+    model: Asked,
+    campaign: Campaign | None = None,
+    *,
+    limits: Limits | None = None,
+    options: Sequence[Option] | None = None,
+    floor: float = FLOOR,
+    noise: float | None = None,
+    record_noise: float = 0.015,
+    candidates: Sequence[Candidate] | None = None,
     given: Sequence[str] = (),
-) -> Ground:  # fmt: skip
+) -> Ground:
     """Measured and possible runs on one footing.
 
     Parameters
@@ -116,9 +122,15 @@ def ground_of(
     have = tuple(dict.fromkeys((*base.effects, *given)))
     if campaign is not None and campaign.runs:
         return _with_tests(
-            structure_of(base.structure), campaign, limits or limits_of(campaign), options,
-            floor=floor, candidates=candidates, given=have, noise=noise,
-        )  # fmt: skip
+            structure_of(base.structure),
+            campaign,
+            limits or limits_of(campaign),
+            options,
+            floor=floor,
+            candidates=candidates,
+            given=have,
+            noise=noise,
+        )
     if limits is None and options:
         limits = Limits(speeds=tuple(sorted({option.settings.speed for option in options})))
     if limits is None:
@@ -133,14 +145,20 @@ def ground_of(
         loaded = loaded.with_(ship=campaign.ship, water=campaign.water)
     return _before_tests(
         loaded, limits, options, floor=floor, noise=record_noise, candidates=candidates, given=have
-    )  # fmt: skip
+    )
 
 
 def _with_tests(
-    structure: Structure, campaign: Campaign, limits: Limits, options: Sequence[Option] | None, *,
-    floor: float, candidates: Sequence[Candidate] | None, given: tuple[str, ...],
+    structure: Structure,
+    campaign: Campaign,
+    limits: Limits,
+    options: Sequence[Option] | None,
+    *,
+    floor: float,
+    candidates: Sequence[Candidate] | None,
+    given: tuple[str, ...],
     noise: float | None,
-) -> Ground:  # fmt: skip
+) -> Ground:
     system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
     views = system.views
     offered = _offered(options, limits, system.base)
@@ -150,18 +168,28 @@ def _with_tests(
     base = _ruddered(system.base, structure, offered, channels)
     planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
     rows = rows_of(
-        [*views, *planned], base, every, floor=floor, scatter=system.scatter,
+        [*views, *planned],
+        base,
+        every,
+        floor=floor,
+        scatter=system.scatter,
         scale={c.name: c.scale for c in system.channels},
-    )  # fmt: skip
+    )
     values = {name: [b.value for b in best_blocks(system, name, 2)] for name in given}
     made = tuple(dict.fromkeys(view.run.id for view in views))
     return _ground(rows.knowing(values), made, offered, every, given, system)
 
 
 def _before_tests(
-    model: Model, limits: Limits, options: Sequence[Option] | None, *, floor: float, noise: float,
-    candidates: Sequence[Candidate] | None, given: tuple[str, ...],
-) -> Ground:  # fmt: skip
+    model: Model,
+    limits: Limits,
+    options: Sequence[Option] | None,
+    *,
+    floor: float,
+    noise: float,
+    candidates: Sequence[Candidate] | None,
+    given: tuple[str, ...],
+) -> Ground:
     base = base_of(model, limits.speeds)
     offered = _offered(options, limits, base)
     structure = structure_of([name for own in base.names.values() for name in own])
@@ -178,14 +206,21 @@ def _before_tests(
 
 
 def _ground(
-    rows: Rows, made: tuple[str, ...], offered: Sequence[Option], every: Sequence[Candidate],
-    given: tuple[str, ...], system: System | None,
-) -> Ground:  # fmt: skip
+    rows: Rows,
+    made: tuple[str, ...],
+    offered: Sequence[Option],
+    every: Sequence[Candidate],
+    given: tuple[str, ...],
+    system: System | None,
+) -> Ground:
     return Ground(
-        rows=rows, made=made, given=given, system=system,
+        rows=rows,
+        made=made,
+        given=given,
+        system=system,
         options=MappingProxyType({option.run().id: option for option in offered}),
         candidates=MappingProxyType({c.name: c for c in every if c.name not in given}),
-    )  # fmt: skip
+    )
 
 
 def _offered(options: Sequence[Option] | None, limits: Limits, base: Base) -> tuple[Option, ...]:
@@ -203,9 +238,7 @@ def _ruddered(
     return with_names(base, columns_of(structure, runs, channels).required)
 
 
-def _views(
-    offered: Sequence[Option], base: Base, noise: NoiseOf, motion_x: float
-) -> list[View]:  # fmt: skip
+def _views(offered: Sequence[Option], base: Base, noise: NoiseOf, motion_x: float) -> list[View]:
     return [
         view for option in offered for view in planned_views(option, base, noise, motion_x=motion_x)
     ]

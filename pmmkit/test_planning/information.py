@@ -14,7 +14,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
@@ -28,11 +27,11 @@ from pmmkit.diagnosis.captive.system import (
     floor_features,
     run_columns,
 )
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places, Scatter
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import whitened
 
-Array = NDArray[np.float64]
 UNKNOWN: Final = 1e-9
 """Prior precision of a base coefficient, over the precision that all runs together give."""
 
@@ -83,9 +82,14 @@ class Rows:
 
 
 def rows_of(
-    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float,
-    scatter: Scatter, scale: Mapping[str, float] | None = None,
-) -> Rows:  # fmt: skip
+    views: Sequence[View],
+    base: Base,
+    candidates: Sequence[Candidate],
+    *,
+    floor: float,
+    scatter: Scatter,
+    scale: Mapping[str, float] | None = None,
+) -> Rows:
     """Whitened rows of measured and of planned runs together.
 
     Parameters
@@ -134,9 +138,14 @@ def rows_of(
         for name, rows in zip(ids, c.runs, strict=True):
             of_run[name][c.name] = white[rows]
     return Rows(
-        base=base, blocks=blocks, centre=centre, given=np.zeros(0, int),
-        null=MappingProxyType(null), of_run=MappingProxyType(of_run), prior=MappingProxyType(prior),
-    )  # fmt: skip
+        base=base,
+        blocks=blocks,
+        centre=centre,
+        given=np.zeros(0, int),
+        null=MappingProxyType(null),
+        of_run=MappingProxyType(of_run),
+        prior=MappingProxyType(prior),
+    )
 
 
 def _blocks(candidates: Sequence[Candidate]) -> tuple[tuple[Block, ...], Array]:
@@ -223,10 +232,13 @@ class Known:
         score = score - gram[:, given] @ centre - across.T @ away
         gram = gram - across.T @ across
         return Reduced(
-            rows=self.rows, gram=(gram + gram.T) / 2, score=score,
+            rows=self.rows,
+            gram=(gram + gram.T) / 2,
+            score=score,
             of_given=np.linalg.solve(root.T, np.column_stack([across, np.linalg.inv(root)])),
-            inverse=MappingProxyType(inverse), solved=MappingProxyType(solved),
-        )  # fmt: skip
+            inverse=MappingProxyType(inverse),
+            solved=MappingProxyType(solved),
+        )
 
 
 def known(rows: Rows, runs: Iterable[str] = ()) -> Known:
@@ -310,7 +322,7 @@ class Reduced:
                 half, root = self._root(name, white)
                 taken = solve_triangular(
                     root, half @ inverse[:, :p], lower=True, check_finite=False
-                )  # fmt: skip
+                )
                 variance -= np.sum(taken**2, axis=0)
             found[name] = 1.0 / np.maximum(variance, 1e-300)
         return found

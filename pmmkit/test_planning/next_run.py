@@ -9,13 +9,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.verdict import RIVALS, answer
 from pmmkit.diagnosis.evidence import SHOWS
 from pmmkit.diagnosis.findings import Diagnosis, odds
+from pmmkit.numerics import Array
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.test_planning.ground import Asked, Ground, ground_of
 from pmmkit.test_planning.information import Reduced
@@ -25,7 +25,6 @@ from pmmkit.test_planning.separation import expected_odds, likely, usual
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 LEAST: Final = 3.0
 """Expected gain in ln odds below which a run is not worth its time."""
 REPEATS: Final = 8
@@ -95,20 +94,33 @@ class Advice:
 
         return pd.DataFrame(
             [
-                {"run": item.option.id, "test": item.option.test,
-                 "speed": item.option.settings.speed, "repeats": item.repeats, "gain": item.gain,
-                 "resolves": item.resolves, "hours": item.hours, "words": item.words}
+                {
+                    "run": item.option.id,
+                    "test": item.option.test,
+                    "speed": item.option.settings.speed,
+                    "repeats": item.repeats,
+                    "gain": item.gain,
+                    "resolves": item.resolves,
+                    "hours": item.hours,
+                    "words": item.words,
+                }
                 for item in self.runs
             ]
-        )  # fmt: skip
+        )
 
 
 def next_runs(
-    model: Asked, campaign: Campaign, found: Diagnosis | None = None, *,
-    effects: Sequence[str] = (), limits: Limits | None = None,
-    options: Sequence[Option] | None = None, most: int = 10, floor: float = FLOOR,
+    model: Asked,
+    campaign: Campaign,
+    found: Diagnosis | None = None,
+    *,
+    effects: Sequence[str] = (),
+    limits: Limits | None = None,
+    options: Sequence[Option] | None = None,
+    most: int = 10,
+    floor: float = FLOOR,
     **settings: Any,
-) -> Advice:  # fmt: skip
+) -> Advice:
     """Which run, or which check, to make next.
 
     Parameters
@@ -170,9 +182,12 @@ def next_runs(
 
 
 def _apart(
-    ground: Ground, reduced: Reduced, rivals: Sequence[Sequence[str]], against: Sequence[float],
+    ground: Ground,
+    reduced: Reduced,
+    rivals: Sequence[Sequence[str]],
+    against: Sequence[float],
     most: int,
-) -> Advice:  # fmt: skip
+) -> Advice:
     """Rivals of a diagnosis, as the data have made them likely."""
     sets = [likely(reduced, names) for names in rivals]
     names = tuple(" and ".join(own) for own in rivals)
@@ -230,12 +245,16 @@ def _ranked(
         gain, gains, resolves = found
         often = f"{times} times " if times > 1 else ""
         return NextRun(
-            option=option, gain=gain, gains=MappingProxyType(gains), resolves=resolves,
-            repeats=times, hours=times * option.hours,
+            option=option,
+            gain=gain,
+            gains=MappingProxyType(gains),
+            resolves=resolves,
+            repeats=times,
+            hours=times * option.hours,
             words=f"{often}{option.words}: expected odds {odds(gain)} between "
             f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}, decided with "
             f"{100 * resolves:.0f} %",
-        )  # fmt: skip
+        )
 
     single = {run: gains_of(run, 1) for run in ground.options}
     worth = [made(run, 1, found) for run, found in single.items() if found[0] >= LEAST]
@@ -245,9 +264,12 @@ def _ranked(
     if not worth:
         worth = _repeated(ground, single, gains_of, made)
     return Advice(
-        rivals=names, wanted=wanted, runs=tuple(worth[:most]), checks=checks,
+        rivals=names,
+        wanted=wanted,
+        runs=tuple(worth[:most]),
+        checks=checks,
         words=_advice(worth, checks, " and ".join(names[:2])),
-    )  # fmt: skip
+    )
 
 
 def _repeated(ground: Ground, single: Mapping[str, Any], gains_of: Any, made: Any) -> list[NextRun]:
@@ -275,9 +297,10 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
     sizes = usual(ground.rows)
     before = sizes.signals(reduced.gram)
     hidden = [
-        i for i, name in enumerate(sizes.names)
+        i
+        for i, name in enumerate(sizes.names)
         if before[i] < SHOWS and (not effects or name in effects)
-    ]  # fmt: skip
+    ]
     wanted = tuple(sizes.names[i] for i in hidden)
     if effects and not hidden:
         words = f"The tests that are made can show {' and '.join(effects)} already."
@@ -307,9 +330,7 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
     words = f"{found[0].words}." if found else "No single run makes more visible."
     if bench:
         words += f" Not shown by a single run ({bench})."
-    return Advice(
-        rivals=(), wanted=wanted, runs=tuple(found[:most]), checks=checks, words=words
-    )  # fmt: skip
+    return Advice(rivals=(), wanted=wanted, runs=tuple(found[:most]), checks=checks, words=words)
 
 
 def _checks(ground: Ground, names: Iterable[str]) -> Mapping[str, str]:

@@ -12,9 +12,14 @@ from pmmkit.errors import CampaignError, Problem
 from pmmkit.ship import Ship, Water
 
 USUAL: Final = (
-    "resistance", "static_drift", "pure_sway", "pure_yaw", "yaw_drift", "static_rudder",
+    "resistance",
+    "static_drift",
+    "pure_sway",
+    "pure_yaw",
+    "yaw_drift",
+    "static_rudder",
     "drift_rudder",
-)  # fmt: skip
+)
 """Tests of every planar motion mechanism."""
 OFFERED: Final = (*USUAL, "static_heel", "sway_yaw")
 BREAKING: Final = 0.25
@@ -26,11 +31,20 @@ FEWEST: Final = 3
 SPEEDS: Final = 5
 """Speeds that are offered of a campaign with more."""
 SHORT: Final = {
-    "resistance": "RE", "static_drift": "SD", "static_heel": "SH", "static_rudder": "RS",
-    "drift_rudder": "DR", "pure_sway": "PS", "pure_yaw": "PY", "yaw_drift": "YD",
-    "sway_yaw": "SY", "yaw_rudder": "YR", "pure_surge": "PU", "circular_motion": "CM",
+    "resistance": "RE",
+    "static_drift": "SD",
+    "static_heel": "SH",
+    "static_rudder": "RS",
+    "drift_rudder": "DR",
+    "pure_sway": "PS",
+    "pure_yaw": "PY",
+    "yaw_drift": "YD",
+    "sway_yaw": "SY",
+    "yaw_rudder": "YR",
+    "pure_surge": "PU",
+    "circular_motion": "CM",
     "propulsion": "PR",
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,14 +110,18 @@ class Option:
         given: dict[str, Any] = {"id": self.id, "test": self.test, "file": f"runs/{self.id}.csv"}
         given["speed"] = round(s.speed, 6)
         for name, angle in (
-            ("drift_deg", s.drift), ("heel_deg", s.heel), ("rudder_deg", s.rudder),
+            ("drift_deg", s.drift),
+            ("heel_deg", s.heel),
+            ("rudder_deg", s.rudder),
             ("yaw_amplitude_deg", s.yaw_amplitude),
-        ):  # fmt: skip
+        ):
             if angle:
                 given[name] = round(math.degrees(angle), 4)
         for name, value in (
-            ("period", s.period), ("amplitude_m", s.amplitude), ("propeller_rps", s.propeller_rps),
-        ):  # fmt: skip
+            ("period", s.period),
+            ("amplitude_m", s.amplitude),
+            ("propeller_rps", s.propeller_rps),
+        ):
             if value is not None:
                 given[name] = round(value, 4)
         return given
@@ -111,9 +129,12 @@ class Option:
     def run(self, number: int = 0) -> Run:
         """The run without data; `number` tells repeats apart."""
         return Run(
-            id=f"planned {self.id} {number}", test=self.test, kind="history",
-            settings=self.settings, loader=_nothing,
-        )  # fmt: skip
+            id=f"planned {self.id} {number}",
+            test=self.test,
+            kind="history",
+            settings=self.settings,
+            loader=_nothing,
+        )
 
 
 def _nothing() -> Any:
@@ -175,13 +196,19 @@ class Limits:
             If a name is not known or a number impossible.
         """
         known = {item.name for item in fields(self)}
-        wrong = [f"{name!r} is no limit: {', '.join(sorted(known))}."
-                 for name in changes if name not in known]  # fmt: skip
+        wrong = [
+            f"{name!r} is no limit: {', '.join(sorted(known))}."
+            for name in changes
+            if name not in known
+        ]
         if wrong:
             raise CampaignError(wrong)
         made = replace(self, **changes)
-        wrong += [f"{name!r} is no test that can be planned: {', '.join(OFFERED)}."
-                  for name in made.tests if name not in OFFERED]  # fmt: skip
+        wrong += [
+            f"{name!r} is no test that can be planned: {', '.join(OFFERED)}."
+            for name in made.tests
+            if name not in OFFERED
+        ]
         if not made.speeds or min(made.speeds) <= 0:
             wrong.append("speeds must be positive, and at least one.")
         if made.cycles < FEWEST:
@@ -228,11 +255,13 @@ def limits_of(campaign: Campaign) -> Limits:
             ((s.amplitude or 0.0) * (s.omega or 0.0) / s.speed for s in every), default=0.0
         ),
         "yaw_rate": max(
-            (abs(s.yaw_amplitude or 0.0) * (s.omega or 0.0) * campaign.ship.L / s.speed
-             for s in every),
+            (
+                abs(s.yaw_amplitude or 0.0) * (s.omega or 0.0) * campaign.ship.L / s.speed
+                for s in every
+            ),
             default=0.0,
         ),
-    }  # fmt: skip
+    }
     tests = {run.test for run in campaign.runs}
     revolutions = {s.propeller_rps for s in every}
     return found.with_(
@@ -370,7 +399,13 @@ def _sway_yaw(limits: Limits, ship: Ship, speed: float) -> Given:
 
 
 _GRIDS: Final = {
-    "resistance": _straight, "static_drift": _drift, "static_rudder": _rudder,
-    "drift_rudder": _drift_rudder, "static_heel": _heel, "pure_sway": _sway, "pure_yaw": _yaw,
-    "yaw_drift": _yaw_drift, "sway_yaw": _sway_yaw,
-}  # fmt: skip
+    "resistance": _straight,
+    "static_drift": _drift,
+    "static_rudder": _rudder,
+    "drift_rudder": _drift_rudder,
+    "static_heel": _heel,
+    "pure_sway": _sway,
+    "pure_yaw": _yaw,
+    "yaw_drift": _yaw_drift,
+    "sway_yaw": _sway_yaw,
+}

@@ -15,20 +15,33 @@ from pmmkit.ship import Ship
 from pmmkit.test_planning.options import Limits, Option, timed
 
 LIMITS: Final = {
-    "speeds": ("speeds", 1.0), "drift_deg": ("drift", math.pi / 180),
-    "rudder_deg": ("rudder", math.pi / 180), "heel_deg": ("heel", math.pi / 180),
-    "sway_m": ("sway", 1.0), "yaw_deg": ("yaw", math.pi / 180),
-    "sway_velocity": ("sway_velocity", 1.0), "yaw_rate": ("yaw_rate", 1.0),
-    "frequencies": ("frequencies", 1.0), "tests": ("tests", None), "cycles": ("cycles", None),
-    "tank_length": ("tank_length", 1.0), "tank_width": ("tank_width", 1.0),
-    "wait_min": ("wait", 60.0), "propeller_rps": ("propeller_rps", 1.0),
-}  # fmt: skip
+    "speeds": ("speeds", 1.0),
+    "drift_deg": ("drift", math.pi / 180),
+    "rudder_deg": ("rudder", math.pi / 180),
+    "heel_deg": ("heel", math.pi / 180),
+    "sway_m": ("sway", 1.0),
+    "yaw_deg": ("yaw", math.pi / 180),
+    "sway_velocity": ("sway_velocity", 1.0),
+    "yaw_rate": ("yaw_rate", 1.0),
+    "frequencies": ("frequencies", 1.0),
+    "tests": ("tests", None),
+    "cycles": ("cycles", None),
+    "tank_length": ("tank_length", 1.0),
+    "tank_width": ("tank_width", 1.0),
+    "wait_min": ("wait", 60.0),
+    "propeller_rps": ("propeller_rps", 1.0),
+}
 """Keys of ``[limits]``: the limit and its unit."""
 _LISTS: Final = ("speeds", "frequencies", "tests")
 _ANGLES: Final = ("drift_deg", "heel_deg", "rudder_deg", "yaw_amplitude_deg")
-_PLAIN: Final = {"speed": "speed", "period": "period", "amplitude_m": "amplitude",
-                 "propeller_rps": "propeller_rps", "yaw_rate": "yaw_rate",
-                 "radius": "radius"}  # fmt: skip
+_PLAIN: Final = {
+    "speed": "speed",
+    "period": "period",
+    "amplitude_m": "amplitude",
+    "propeller_rps": "propeller_rps",
+    "yaw_rate": "yaw_rate",
+    "radius": "radius",
+}
 _NAMES: Final = ("id", "file", "test", "repeat_of")
 
 
@@ -64,10 +77,14 @@ def read_plan_file(
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise CampaignError(Problem(message=f"is not TOML: {error}.", file=str(place))) from error
     wrong = [
-        Problem(message="not known; a plan file has [limits] and [[runs]].", file=str(place),
-                entry=f"[{name}]")
-        for name in raw if name not in ("limits", "runs")
-    ]  # fmt: skip
+        Problem(
+            message="not known; a plan file has [limits] and [[runs]].",
+            file=str(place),
+            entry=f"[{name}]",
+        )
+        for name in raw
+        if name not in ("limits", "runs")
+    ]
     given, entries = raw.get("limits", {}), raw.get("runs", [])
     if not isinstance(given, dict) or not isinstance(entries, list):
         raise CampaignError(
@@ -80,8 +97,10 @@ def read_plan_file(
             raise CampaignError("speeds are missing.")
         start = _limits(given, start)
     except CampaignError as error:
-        wrong += [Problem(message=item.message, file=str(place), entry="[limits]")
-                  for item in error.problems]  # fmt: skip
+        wrong += [
+            Problem(message=item.message, file=str(place), entry="[limits]")
+            for item in error.problems
+        ]
     found = []
     for number, entry in enumerate(entries, start=1):
         try:
@@ -135,18 +154,25 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
         raise CampaignError("is no table.")
     allowed = (*_ANGLES, *_PLAIN, *_NAMES)
     test = entry.get("test")
-    wrong = [f"{name!r} is no setting of a run: {', '.join(allowed)}."
-             for name in entry if name not in allowed]  # fmt: skip
+    wrong = [
+        f"{name!r} is no setting of a run: {', '.join(allowed)}."
+        for name in entry
+        if name not in allowed
+    ]
     if test not in (*STATIC_TESTS, *DYNAMIC_TESTS):
         wrong.append(f"test = {test!r} is no captive test.")
-    wrong += [f"{name} = {entry[name]!r} is no number." for name in (*_ANGLES, *_PLAIN)
-              if name in entry and not _number(entry[name])]  # fmt: skip
+    wrong += [
+        f"{name} = {entry[name]!r} is no number."
+        for name in (*_ANGLES, *_PLAIN)
+        if name in entry and not _number(entry[name])
+    ]
     if not wrong and not entry.get("speed", 0.0) > 0:
         wrong.append("speed must be there, and positive.")
     if wrong:
         raise CampaignError(wrong)
-    given: dict[str, Any] = {name.removesuffix("_deg"): math.radians(entry[name])
-             for name in _ANGLES if name in entry}  # fmt: skip
+    given: dict[str, Any] = {
+        name.removesuffix("_deg"): math.radians(entry[name]) for name in _ANGLES if name in entry
+    }
     given |= {_PLAIN[name]: float(entry[name]) for name in _PLAIN if name in entry}
     settings = Settings(**given)
     known = Option(test=str(test), settings=settings, cycles=0, record=0.0, hours=0.0)
@@ -180,7 +206,8 @@ def entries_text(options: Iterable[Option]) -> str:
         if times > 1:
             first, name = entry["id"], f"{entry['id']}_{times}"
             entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
-        lines = [f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x}"
-                 for key, x in entry.items()]  # fmt: skip
+        lines = [
+            f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x}" for key, x in entry.items()
+        ]
         blocks.append("\n".join(["[[runs]]", *lines]) + "\n")
     return "\n".join(blocks)

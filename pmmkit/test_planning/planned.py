@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.kinematics import move_motion
 from pmmkit.campaigns.motion.nominal import nominal_motion
@@ -18,14 +17,13 @@ from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
-from pmmkit.numerics import projector
+from pmmkit.numerics import Array, projector
 from pmmkit.observations.prepare import ORDER
 from pmmkit.observations.views import View
 from pmmkit.signals import design_matrix
 from pmmkit.tables import converted, from_values
 from pmmkit.test_planning.options import Option
 
-Array = NDArray[np.float64]
 SAMPLES: Final = 32
 """Samples per cycle of a planned history."""
 ROWS: Final = 2 * ORDER + 1
@@ -130,9 +128,12 @@ def piece_of(view: View) -> Piece:
     count = len(view.t)
     duration = float(view.t[-1] - view.t[0]) * count / max(count - 1, 1)
     return Piece(
-        dynamic=view.run.dynamic, early=view.early, speed=view.speed, omega=view.omega,
+        dynamic=view.run.dynamic,
+        early=view.early,
+        speed=view.speed,
+        omega=view.omega,
         duration=duration,
-    )  # fmt: skip
+    )
 
 
 def planned_views(
@@ -177,22 +178,39 @@ def planned_views(
 
 
 def _view(
-    run: Run, base: Base, noise: NoiseOf, t: Array, projection: Array, duration: float,
-    motion_x: float, *, early: bool = False,
-) -> View:  # fmt: skip
+    run: Run,
+    base: Base,
+    noise: NoiseOf,
+    t: Array,
+    projection: Array,
+    duration: float,
+    motion_x: float,
+    *,
+    early: bool = False,
+) -> View:
     motion = move_motion(nominal_motion(run, t), motion_x)
     omega = (run.settings.omega or 0.0) if run.dynamic else 0.0
     covariance = noise(
-        Piece(dynamic=run.dynamic, early=early, speed=run.settings.speed, omega=omega,
-              duration=duration)
-    )  # fmt: skip
+        Piece(
+            dynamic=run.dynamic,
+            early=early,
+            speed=run.settings.speed,
+            omega=omega,
+            duration=duration,
+        )
+    )
     predicted = base.forces(motion, run.settings.speed)
     turned = -motion.rdot / omega**2 if omega else np.zeros_like(motion.u)
     return View(
-        run=run, early=early, projection=projection, motion=motion, t=t,
+        run=run,
+        early=early,
+        projection=projection,
+        motion=motion,
+        t=t,
         force={name: projection @ predicted[name] for name in covariance if name in predicted},
-        covariance=covariance, heading=run.settings.drift + turned,
-    )  # fmt: skip
+        covariance=covariance,
+        heading=run.settings.drift + turned,
+    )
 
 
 def base_of(model: Model, speeds: Sequence[float]) -> Base:
@@ -222,18 +240,25 @@ def base_of(model: Model, speeds: Sequence[float]) -> Base:
             given |= {name: x for name, x in model.parts[effect].values.items() if _named(name)}
     table = converted(
         from_values(
-            given, ship=model.ship, water=model.water, Fn=model.Fn or None,
+            given,
+            ship=model.ship,
+            water=model.water,
+            Fn=model.Fn or None,
             convention=model.convention,
         ),
         Convention(),
-    )  # fmt: skip
+    )
     row = table.value[len(table.value) // 2]
     values = dict(zip(table.names, row.tolist(), strict=True))
     names = {c: tuple(name for name in values if name[0] == c) for c in ("X", "Y", "N")}
     return Base(
-        names=names, values=MappingProxyType(values), ship=model.ship, water=model.water,
-        convention=Convention(), reference=float(np.median(speeds)),
-    )  # fmt: skip
+        names=names,
+        values=MappingProxyType(values),
+        ship=model.ship,
+        water=model.water,
+        convention=Convention(),
+        reference=float(np.median(speeds)),
+    )
 
 
 def _named(name: str) -> bool:

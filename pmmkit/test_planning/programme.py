@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign
@@ -19,6 +18,7 @@ from pmmkit.diagnosis.captive.system import FEATURES
 from pmmkit.diagnosis.captive.verdict import RIVALS
 from pmmkit.diagnosis.evidence import HIDES, SHOWS
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.test_planning.ground import Asked, Ground, ground_of
 from pmmkit.test_planning.information import Known, Reduced, known
 from pmmkit.test_planning.options import Limits, Option
@@ -27,7 +27,6 @@ from pmmkit.test_planning.separation import Usual, usual
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 RUNS: Final = 24
 """Runs of a programme where nobody says how many, or how long."""
 FINE: Final = 100.0
@@ -147,19 +146,32 @@ class Plan:
             entry = step.option.entry
             del entry["file"]
             rows.append(
-                {"number": number, **entry, "cycles": step.option.cycles,
-                 "record_s": step.option.record, "duration_h": step.option.hours,
-                 "hours": step.hours, "shown": " ".join(step.shown), "visible": step.visible,
-                 "separated": step.separated}
-            )  # fmt: skip
+                {
+                    "number": number,
+                    **entry,
+                    "cycles": step.option.cycles,
+                    "record_s": step.option.record,
+                    "duration_h": step.option.hours,
+                    "hours": step.hours,
+                    "shown": " ".join(step.shown),
+                    "visible": step.visible,
+                    "separated": step.separated,
+                }
+            )
         return pd.DataFrame(rows)
 
 
 def plan(
-    model: Asked, campaign: Campaign | None = None, *, runs: int | None = None,
-    hours: float | None = None, effects: Sequence[str] = (), limits: Limits | None = None,
-    options: Sequence[Option] | None = None, **settings: Any,
-) -> Plan:  # fmt: skip
+    model: Asked,
+    campaign: Campaign | None = None,
+    *,
+    runs: int | None = None,
+    hours: float | None = None,
+    effects: Sequence[str] = (),
+    limits: Limits | None = None,
+    options: Sequence[Option] | None = None,
+    **settings: Any,
+) -> Plan:
     """A programme of tests, before any is made or in addition to those of a campaign.
 
     Parameters
@@ -258,9 +270,11 @@ def _goal(ground: Ground, effects: Sequence[str]) -> _Goal:
         size = float(np.linalg.norm(np.concatenate(force)))
         precision[name] = np.full(count - FEATURES, 1.0 / (KNOWN_TO * max(size, 1e-9)) ** 2)
     return _Goal(
-        usual=sizes, visible=can.astype(float), precision=MappingProxyType(precision),
+        usual=sizes,
+        visible=can.astype(float),
+        precision=MappingProxyType(precision),
         apart=apart / np.maximum(apart.sum(axis=1, keepdims=True), 1),
-    )  # fmt: skip
+    )
 
 
 def _planned(ground: Ground, goal: _Goal, most: int, hours: float) -> Plan:
@@ -275,9 +289,10 @@ def _planned(ground: Ground, goal: _Goal, most: int, hours: float) -> Plan:
             promised = dict.fromkeys(ground.options, math.inf)
         made = Counter(step.option.id for step in steps)
         left = {
-            run: promised.get(run, math.inf) for run, option in ground.options.items()
+            run: promised.get(run, math.inf)
+            for run, option in ground.options.items()
             if made[option.id] < TIMES and spent + option.hours <= hours
-        }  # fmt: skip
+        }
         best, promised = _best(ground, goal, reduced, left)
         if best is None:
             break
@@ -287,11 +302,13 @@ def _planned(ground: Ground, goal: _Goal, most: int, hours: float) -> Plan:
         after = _shown(goal, reduced)
         steps.append(
             Step(
-                option=ground.options[best], hours=spent, visible=len(after),
+                option=ground.options[best],
+                hours=spent,
+                visible=len(after),
                 shown=tuple(name for name in after if name not in seen),
                 separated=_separated(goal, reduced),
             )
-        )  # fmt: skip
+        )
         seen |= set(after)
     return Plan(
         steps=tuple(steps), sights=sights(ground, state), before=before, made=len(ground.made)
@@ -358,12 +375,15 @@ def sights(ground: Ground, state: Known | Iterable[str]) -> tuple[Sight, ...]:
         twins = [other for other, yes in zip(sizes.names, apart[i], strict=True) if not yes]
         found.append(
             Sight(
-                name=name, family=candidate.family, signal=signal, shown=shown,
+                name=name,
+                family=candidate.family,
+                signal=signal,
+                shown=shown,
                 hides=math.sqrt(HIDES / signal) if signal > 1e-6 else math.inf,
                 twins=tuple(twins) if shown else (),
                 why="" if shown else _why(possible[i], plain[i], candidate),
             )
-        )  # fmt: skip
+        )
     return tuple(sorted(found, key=lambda item: -item.signal))
 
 

@@ -9,14 +9,13 @@ from itertools import pairwise, product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.test_planning.information import Reduced, Rows, at_usual_size, known
 
-Array = NDArray[np.float64]
 NEAR: Final = 8
 """Choices of grid values of a set that stay in a rivalry."""
 UNLIKELY: Final = 1e-3
@@ -188,10 +187,12 @@ def expected_odds(columns: Array, rivals: Sequence[Sequence[Likely]]) -> Array:
     edges = np.cumsum([0, *(len(own) for own in rivals)])
     share = np.array([item.share for item in every])
     like = np.stack(
-        [np.logaddexp.reduce(np.log(share[a:b]) - apart[:, a:b], axis=1)
-         for a, b in pairwise(edges)],
+        [
+            np.logaddexp.reduce(np.log(share[a:b]) - apart[:, a:b], axis=1)
+            for a, b in pairwise(edges)
+        ],
         axis=1,
-    )  # fmt: skip
+    )
     gained = np.stack(
         [share[a:b] @ (like[a:b, [i]] - like[a:b]) for i, (a, b) in enumerate(pairwise(edges))]
     )

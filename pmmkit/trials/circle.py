@@ -10,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
 from pmmkit.trials.posterior import Posterior, design
-
-Array = NDArray[np.float64]
 
 SHARE: Final = 0.25
 """Share of the change of heading after which the turn is fitted, at most 180°."""

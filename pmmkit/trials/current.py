@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,10 +85,11 @@ def mean_current(found: Sequence[Current]) -> Current | None:
         covariance = covariance + rest.T @ rest / len(found)
     ids = ", ".join(item.origin.rpartition(" ")[2] for item in found)
     return Current(
-        x=float(mean[0]), y=float(mean[1]),
+        x=float(mean[0]),
+        y=float(mean[1]),
         covariance=(float(covariance[0, 0]), float(covariance[1, 1]), float(covariance[0, 1])),
         origin=f"turning circle{'s' if len(found) > 1 else ''} {ids}",
-    )  # fmt: skip
+    )
 
 
 def _matrix(current: Current) -> Array:

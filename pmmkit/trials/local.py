@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 FEWEST: Final = 6
 
@@ -148,8 +147,9 @@ def way_along(
     """
     count = max(round((end - start) / every), 2)
     at = np.linspace(start, end, count + 1)
-    path = np.array([[local(t, part, float(one), 0.5 * every).value for one in at]
-                     for part in (x, y)])  # fmt: skip
+    path = np.array(
+        [[local(t, part, float(one), 0.5 * every).value for one in at] for part in (x, y)]
+    )
     kept = [0]
     for place in range(1, count):
         if float(np.hypot(*(path[:, place] - path[:, kept[-1]]))) >= shortest:

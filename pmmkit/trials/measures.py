@@ -63,9 +63,11 @@ def of_turning(path: Path, order: Order, circle: Circle | None, notes: list[str]
         turned = place[0] if across else place[1]
         begun = 0.0 if across else order.std * approach.speed
         parts = (
-            pace[across] * at_std, turned * approach.heading_std, begun,
+            pace[across] * at_std,
+            turned * approach.heading_std,
+            begun,
             math.sqrt(path.variance(at, across)),
-        )  # fmt: skip
+        )
         return (side if across else 1.0) * place[across], math.hypot(*parts)
 
     found.length("advance", *reach(90, across=False))
@@ -126,9 +128,11 @@ def of_zigzag(
         peak = math.nan
         if len(inside) > 3:
             smooth = np.array(
-                [side * local(path.t, path.psi, float(path.t[one]), path.half).value
-                 for one in inside]
-            )  # fmt: skip
+                [
+                    side * local(path.t, path.psi, float(path.t[one]), path.half).value
+                    for one in inside
+                ]
+            )
             top = int(np.argmax(smooth))
             if top < len(smooth) - 2 or number < len(ends) - 1:
                 peak = float(smooth[top])

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.trials.local import white_noise
-
-Array = NDArray[np.float64]
 
 LOW: Final = 0.2
 HIGH: Final = 0.7

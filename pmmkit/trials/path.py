@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.trials.current import Current
 from pmmkit.trials.local import local, white_noise
 from pmmkit.trials.noise import PositionNoise, straight_line
 from pmmkit.trials.orders import Order
 from pmmkit.trials.record import GAP, Record
-
-Array = NDArray[np.float64]
 
 APPROACH: Final = 2.0
 """Ship lengths of the approach that its heading and speed are taken from, at least 60 s."""

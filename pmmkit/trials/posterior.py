@@ -9,9 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.numerics import Array
 from pmmkit.trials.noise import PositionNoise
-
-Array = NDArray[np.float64]
 
 CELLS: Final = 100
 RELAXATIONS: Final = (0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0)
@@ -101,8 +100,10 @@ class Posterior:
             np.add.reduceat(rows[..., kept], edges, axis=-1) / size
             for rows in (t, np.stack([x, y]))
         )
-        bases = [_Basis.of(design(t, psi, pace * share)[..., kept], edges, size, values)
-                 for share in RELAXATIONS]  # fmt: skip
+        bases = [
+            _Basis.of(design(t, psi, pace * share)[..., kept], edges, size, values)
+            for share in RELAXATIONS
+        ]
         apart = np.abs(when[:, None] - when)
         cell = float(np.median(np.diff(when)))
         results = []
@@ -131,7 +132,9 @@ class Posterior:
         path = np.tensordot(best[1], design(t, psi, pace * best[6]), axes=1)
         rms = math.sqrt(0.5 * float(np.mean((x - path[0])[kept] ** 2 + (y - path[1])[kept] ** 2)))
         noise = PositionNoise(
-            fast=math.sqrt(fast), slow=math.sqrt(slow), time=slow_time,
+            fast=math.sqrt(fast),
+            slow=math.sqrt(slow),
+            time=slow_time,
             origin="what the fitted circle leaves",
-        )  # fmt: skip
+        )
         return cls(beta, spread, noise, settle, rms)

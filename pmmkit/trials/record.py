@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from pmmkit.checks.positions import digits, position_jumps
 from pmmkit.errors import DataError, Problem
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Run
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 FEWEST: Final = 30
@@ -125,9 +125,16 @@ def read_record(run: Run) -> Record:
     x, y = columns.pop("x"), columns.pop("y")
     north = {"lat", "lon"} <= set(columns)
     return Record(
-        t=t, x=x, y=y, psi=psi, others=columns, north=north, step=step, grid=grid,
+        t=t,
+        x=x,
+        y=y,
+        psi=psi,
+        others=columns,
+        north=north,
+        step=step,
+        grid=grid,
         notes=tuple(notes),
-    )  # fmt: skip
+    )
 
 
 def _without_spikes(columns: dict[str, Array], notes: list[str]) -> dict[str, Array]:
@@ -137,9 +144,11 @@ def _without_spikes(columns: dict[str, Array], notes: list[str]) -> dict[str, Ar
     after = np.angle(np.exp(1j * (psi[2:] - psi[1:-1])))
     away = np.minimum(np.abs(before), np.abs(after))
     turning = np.zeros(len(t), bool)
-    turning[1:-1] = (away > SPIKE) & (np.sign(before) != np.sign(after)) & (
-        np.abs(np.angle(np.exp(1j * (psi[2:] - psi[:-2])))) < 0.5 * away
-    )  # fmt: skip
+    turning[1:-1] = (
+        (away > SPIKE)
+        & (np.sign(before) != np.sign(after))
+        & (np.abs(np.angle(np.exp(1j * (psi[2:] - psi[:-2])))) < 0.5 * away)
+    )
     if turning.any():
         notes.append(f"{turning.sum()} single headings far from their neighbours are left out.")
     spikes, steps = position_jumps(t, x, y)

@@ -8,9 +8,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pmmkit.numerics import Array
 from pmmkit.simulation.imo import Verdict
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
@@ -18,7 +16,6 @@ from pmmkit.trials.noise import PositionNoise
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 
 UNITS: Final = {"_deg": "deg", "_L": "L", "_deg_s": "deg/s"}
 
@@ -122,13 +119,17 @@ class Trial:
             verdict = limits.get(name)
             found.append(
                 {
-                    "run": self.run, "test": self.test, "measure": name, "value": value,
-                    "std": self.std.get(name, math.nan), "unit": unit_of(name),
+                    "run": self.run,
+                    "test": self.test,
+                    "measure": name,
+                    "value": value,
+                    "std": self.std.get(name, math.nan),
+                    "unit": unit_of(name),
                     "limit": math.nan if verdict is None else verdict.limit,
                     "passed": None if verdict is None else verdict.passed,
                     "probability": None if verdict is None else verdict.probability,
                 }
-            )  # fmt: skip
+            )
         return found
 
     def to_pandas(self) -> pd.DataFrame:

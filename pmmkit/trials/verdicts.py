@@ -95,12 +95,18 @@ def verdicts_of(
             probability = 0.5 * (1.0 + math.erf((limit - value) / spread / math.sqrt(2.0)))
         found.append(
             Verdict(
-                criterion=criterion, limit=limit, value=value, margin=limit - value,
-                passed=None if math.isnan(value) else value <= limit, conditions=conditions,
-                scale=f"as measured, L = {L:.4g} m", unit=unit,
-                manoeuvre=words.get(test, test) + to, probability=probability,
+                criterion=criterion,
+                limit=limit,
+                value=value,
+                margin=limit - value,
+                passed=None if math.isnan(value) else value <= limit,
+                conditions=conditions,
+                scale=f"as measured, L = {L:.4g} m",
+                unit=unit,
+                manoeuvre=words.get(test, test) + to,
+                probability=probability,
             )
-        )  # fmt: skip
+        )
     return tuple(found)
 
 

@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 from pmmkit.observations.inertia import Rig, at_midship, inertia_force, rig_of
 from pmmkit.observations.views import View, repeat_scatter, views_of
 from pmmkit.progress import Progress
@@ -25,8 +25,6 @@ from pmmkit.validation.uncertainty import (
     sources_of,
     stated_share,
 )
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,9 +92,10 @@ class CaptiveRun:
             key: values
             for name in self.channels
             for key, values in (
-                (f"{name}_measured", force[name]), (f"{name}_predicted", self.history[name])
+                (f"{name}_measured", force[name]),
+                (f"{name}_predicted", self.history[name]),
             )
-        }  # fmt: skip
+        }
 
 
 def compare_captive(
@@ -167,9 +166,15 @@ def compare_captive(
 
 
 def _compared(
-    view: View, forces: Forces, predictor: Predictor, campaign: Campaign, rig: Rig,
-    scatter: Mapping[str, float], scale: Mapping[str, float], floor: float,
-) -> CaptiveRun:  # fmt: skip
+    view: View,
+    forces: Forces,
+    predictor: Predictor,
+    campaign: Campaign,
+    rig: Rig,
+    scatter: Mapping[str, float],
+    scale: Mapping[str, float],
+    floor: float,
+) -> CaptiveRun:
     Fn = campaign.froude(view.run)
     history = {
         name: x for name, x in forces(view.motion, view.instants).items() if name in view.force
@@ -185,10 +190,13 @@ def _compared(
     sources = sources_of(campaign, repeated=bool(scatter))
     told = {name for name in predicted if view.noise.get(name) == "stated"}
     stated = stated_share(
-        view, rig, forces,
+        view,
+        rig,
+        forces,
         [item for item in sources if not (item.name.endswith("_gauge") and item.name[0] in told)],
-        campaign.water.rho, predicted,
-    )  # fmt: skip
+        campaign.water.rho,
+        predicted,
+    )
     numerical = {
         name: np.full(
             view.rows,
@@ -198,12 +206,19 @@ def _compared(
     }
     least = {name: np.full(view.rows, floor * scale[name] * view.speed**2) for name in predicted}
     return CaptiveRun(
-        view=view, Fn=Fn, predicted=predicted, history=history,
+        view=view,
+        Fn=Fn,
+        predicted=predicted,
+        history=history,
         shares={
-            "noise": noise, "scatter": again, "stated": stated,
-            "model": model_share(view, predictor, Fn), "numerical": numerical, "floor": least,
+            "noise": noise,
+            "scatter": again,
+            "stated": stated,
+            "model": model_share(view, predictor, Fn),
+            "numerical": numerical,
+            "floor": least,
         },
-    )  # fmt: skip
+    )
 
 
 def _beyond(scatter: float, noise: Array) -> float:

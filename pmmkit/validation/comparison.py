@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError, UnknownNameError
@@ -19,13 +18,7 @@ from pmmkit.observations.whitening import FLOOR
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
 from pmmkit.validation.captive import CaptiveRun, compare_captive
-from pmmkit.validation.free_running import (
-    FORCE_UNITS,
-    MOTIONS,
-    FreeRun,
-    Manoeuvre,
-    compare_free,
-)
+from pmmkit.validation.free_running import FORCE_UNITS, MOTIONS, FreeRun, Manoeuvre, compare_free
 from pmmkit.validation.misfit import (
     STANDS_OUT,
     Cell,
@@ -41,11 +34,18 @@ from pmmkit.validation.uncertainty import SHARES, rms_of
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 TOLD: Final = (
-    "advance", "transfer", "tactical_diameter", "steady_diameter", "steady_drift_deg",
-    "speed_ratio", "overshoot_1_deg", "overshoot_2_deg", "head_reach", "track_reach",
-)  # fmt: skip
+    "advance",
+    "transfer",
+    "tactical_diameter",
+    "steady_diameter",
+    "steady_drift_deg",
+    "speed_ratio",
+    "overshoot_1_deg",
+    "overshoot_2_deg",
+    "head_reach",
+    "track_reach",
+)
 """Measures of manoeuvres that get a sentence."""
 
 
@@ -115,20 +115,31 @@ class Comparison:
         return pd.DataFrame(
             [
                 {
-                    "run": run.view.run.id, "test": run.view.run.test, "speed": run.view.speed,
-                    "Fn": run.Fn, "channel": channel, "harmonic": label, "measured": measured,
-                    "predicted": predicted, "error": predicted - measured, "uncertainty": doubt,
-                    "ratio": abs(predicted - measured) / doubt, "known": run.view.known(channel),
+                    "run": run.view.run.id,
+                    "test": run.view.run.test,
+                    "speed": run.view.speed,
+                    "Fn": run.Fn,
+                    "channel": channel,
+                    "harmonic": label,
+                    "measured": measured,
+                    "predicted": predicted,
+                    "error": predicted - measured,
+                    "uncertainty": doubt,
+                    "ratio": abs(predicted - measured) / doubt,
+                    "known": run.view.known(channel),
                     **conditions(run, self.ship.L),
                 }
                 for run in self.captive
                 for channel in run.channels
                 for label, measured, predicted, doubt in zip(
-                    run.view.labels, run.view.force[channel].tolist(),
-                    run.predicted[channel].tolist(), run.uncertainty(channel).tolist(), strict=True,
+                    run.view.labels,
+                    run.view.force[channel].tolist(),
+                    run.predicted[channel].tolist(),
+                    run.uncertainty(channel).tolist(),
+                    strict=True,
                 )
             ]
-        )  # fmt: skip
+        )
 
     def cells(self) -> tuple[Cell, ...]:
         """The cells of the map of misfit of captive tests."""
@@ -221,7 +232,7 @@ class Comparison:
                         f"{name}_error": record.force_predicted[name] - x
                         for name, x in record.force.items()
                     }
-                )  # fmt: skip
+                )
         raise UnknownNameError(f"No run {run!r} was compared.")
 
 
@@ -287,31 +298,53 @@ def compare(
             known, campaign, window=window, extrapolate=extrapolate, progress=progress
         )
     return Comparison(
-        model=known.name, campaign=campaign.title, kind=campaign.kind, ship=campaign.ship,
-        water=campaign.water, floor=floor, captive=captive, free=free, manoeuvres=manoeuvres,
-        rig=rig_of(campaign), notes=notes,
-    )  # fmt: skip
+        model=known.name,
+        campaign=campaign.title,
+        kind=campaign.kind,
+        ship=campaign.ship,
+        water=campaign.water,
+        floor=floor,
+        captive=captive,
+        free=free,
+        manoeuvres=manoeuvres,
+        rig=rig_of(campaign),
+        notes=notes,
+    )
 
 
 def _row(
-    run: str, test: str, speed: float, Fn: float, channel: str, unit: str,
+    run: str,
+    test: str,
+    speed: float,
+    Fn: float,
+    channel: str,
+    unit: str,
     numbers: tuple[float, float, float],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     error, measured, doubt = numbers
     return {
-        "run": run, "test": test, "speed": speed, "Fn": Fn, "channel": channel, "unit": unit,
-        "error": error, "measured": measured,
-        "relative": error / measured if measured else np.nan, "uncertainty": doubt,
-        "ratio": error / doubt if doubt else np.nan, "within": bool(error < doubt),
-    }  # fmt: skip
+        "run": run,
+        "test": test,
+        "speed": speed,
+        "Fn": Fn,
+        "channel": channel,
+        "unit": unit,
+        "error": error,
+        "measured": measured,
+        "relative": error / measured if measured else np.nan,
+        "uncertainty": doubt,
+        "ratio": error / doubt if doubt else np.nan,
+        "within": bool(error < doubt),
+    }
 
 
 def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
     labels, own = run.view.labels, run.view.run
     numbers = (
-        rms_of(run.error(channel), labels), rms_of(run.view.force[channel], labels),
+        rms_of(run.error(channel), labels),
+        rms_of(run.view.force[channel], labels),
         rms_of(run.uncertainty(channel), labels),
-    )  # fmt: skip
+    )
     return {
         **_row(own.id, own.test, run.view.speed, run.Fn, channel, FORCE_UNITS[channel], numbers),
         "known": run.view.known(channel),
@@ -322,11 +355,17 @@ def _captive_row(run: CaptiveRun, channel: str) -> dict[str, Any]:
 def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
     own = (run.name, run.run.test, run.run.settings.speed, run.Fn)
     for name, numbers in run.force_errors(floor).items():
-        yield {**_row(*own, name, FORCE_UNITS[name], numbers), "window": np.nan,
-               "window_error": np.nan}  # fmt: skip
+        yield {
+            **_row(*own, name, FORCE_UNITS[name], numbers),
+            "window": np.nan,
+            "window_error": np.nan,
+        }
     for name, numbers in run.motion_errors().items():
-        yield {**_row(*own, name, MOTIONS[name], numbers), "window": run.window,
-               "window_error": run.window_errors.get(name, np.nan)}  # fmt: skip
+        yield {
+            **_row(*own, name, MOTIONS[name], numbers),
+            "window": run.window,
+            "window_error": run.window_errors.get(name, np.nan),
+        }
 
 
 def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:

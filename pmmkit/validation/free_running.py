@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.channels import CHANNEL_UNITS
@@ -24,7 +23,7 @@ from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
 from pmmkit.models import Model
-from pmmkit.numerics import rms
+from pmmkit.numerics import Array, rms
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
 from pmmkit.simulation.simulate import simulate
@@ -34,12 +33,14 @@ from pmmkit.trials.table import unit_of
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.uncertainty import COVERAGE
 
-Array = NDArray[np.float64]
 WINDOW: Final = 15.0
 """Length of the windows that are predicted, in ship lengths over the speed of the approach."""
 MOTIONS: Final[Mapping[str, str]] = {
-    "position": "m", "heading": "deg", "speed": "m/s", "yaw_rate": "deg/s",
-}  # fmt: skip
+    "position": "m",
+    "heading": "deg",
+    "speed": "m/s",
+    "yaw_rate": "deg/s",
+}
 """Errors of the motion and their units."""
 FORCE_UNITS: Final[Mapping[str, str]] = {name: CHANNEL_UNITS[name] for name in CHANNELS}
 
@@ -99,17 +100,17 @@ class FreeRun:
                 COVERAGE * rms(np.hypot(s["x"], s["y"])),
             ),
             "heading": (
-                degrees * rms(p["psi"] - m["psi"]), degrees * rms(m["psi"] - m["psi"][0]),
+                degrees * rms(p["psi"] - m["psi"]),
+                degrees * rms(m["psi"] - m["psi"][0]),
                 degrees * COVERAGE * rms(s["psi"]),
             ),
-            "speed": (
-                rms(simulated - speed), rms(speed), COVERAGE * rms(np.hypot(s["u"], s["v"])),
-            ),
+            "speed": (rms(simulated - speed), rms(speed), COVERAGE * rms(np.hypot(s["u"], s["v"]))),
             "yaw_rate": (
-                degrees * rms(p["r"] - m["r"]), degrees * rms(m["r"]),
+                degrees * rms(p["r"] - m["r"]),
+                degrees * rms(m["r"]),
                 degrees * COVERAGE * rms(s["r"]),
             ),
-        }  # fmt: skip
+        }
 
     def force_errors(self, floor: float = 0.0) -> dict[str, tuple[float, float, float]]:
         """By channel: rms error [N, N m], rms of the measured, expanded U.
@@ -121,11 +122,12 @@ class FreeRun:
         """
         return {
             name: (
-                rms(self.force_predicted[name] - force), rms(force),
+                rms(self.force_predicted[name] - force),
+                rms(force),
                 COVERAGE * math.hypot(rms(self.force_std[name]), floor * rms(force)),
             )
             for name, force in self.force.items()
-        }  # fmt: skip
+        }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -156,12 +158,20 @@ class Manoeuvre:
             doubt = COVERAGE * self.trial.std.get(name, math.nan)
             error = simulated - measured
             found.append(
-                {"run": self.run.id, "test": self.run.test, "speed": self.run.settings.speed,
-                 "measure": name, "unit": unit_of(name), "measured": measured,
-                 "simulated": simulated, "error": error,
-                 "relative": error / measured if measured else math.nan, "uncertainty": doubt,
-                 "ratio": abs(error) / doubt if doubt else math.nan}
-            )  # fmt: skip
+                {
+                    "run": self.run.id,
+                    "test": self.run.test,
+                    "speed": self.run.settings.speed,
+                    "measure": name,
+                    "unit": unit_of(name),
+                    "measured": measured,
+                    "simulated": simulated,
+                    "error": error,
+                    "relative": error / measured if measured else math.nan,
+                    "uncertainty": doubt,
+                    "ratio": abs(error) / doubt if doubt else math.nan,
+                }
+            )
         return found
 
 
@@ -250,9 +260,11 @@ def _compared(
     record = smoothed.record
     length = window or WINDOW * model.ship.L / record.speed
     whole = predicted_window(
-        {"model": model}, [smoothed], window=float(record.t[-1] - record.t[0]),
+        {"model": model},
+        [smoothed],
+        window=float(record.t[-1] - record.t[0]),
         extrapolate=extrapolate,
-    )  # fmt: skip
+    )
     errors: Mapping[str, float] = {}
     if record.t[-1] - record.t[0] >= length:
         errors = predict(model, [smoothed], window=length, extrapolate=extrapolate).errors[
@@ -265,14 +277,20 @@ def _compared(
     said = water_forces(structure, k, implied.motion)
     names = tuple(whole.measured)
     return FreeRun(
-        run=run, name=record.name, Fn=model.ship.froude(record.speed, model.water.g), t=whole.t,
-        delta=whole.delta, measured=whole.measured, predicted=whole.predicted["model"],
+        run=run,
+        name=record.name,
+        Fn=model.ship.froude(record.speed, model.water.g),
+        t=whole.t,
+        delta=whole.delta,
+        measured=whole.measured,
+        predicted=whole.predicted["model"],
         std=MappingProxyType({name: smoothed.motion_std[name] for name in names}),
         force=implied.forces,
         force_std=MappingProxyType({name: np.asarray(x, float) for name, x in implied.std.items()}),
         force_predicted=MappingProxyType({name: said[name] for name in implied.forces}),
-        window=length if errors else math.nan, window_errors=errors,
-    )  # fmt: skip
+        window=length if errors else math.nan,
+        window_errors=errors,
+    )
 
 
 def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Manoeuvre:
@@ -287,7 +305,11 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
         asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
     rate = campaign.rudder.get("rate_deg_s")
     track = simulate(
-        model, run.test, speed=settings.speed, extrapolate=extrapolate,
-        rudder_rate_deg=None if rate is None else float(rate), **asked,
-    )  # fmt: skip
+        model,
+        run.test,
+        speed=settings.speed,
+        extrapolate=extrapolate,
+        rudder_rate_deg=None if rate is None else float(rate),
+        **asked,
+    )
     return Manoeuvre(run=run, trial=trial, track=track)

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from pmmkit.numerics import rms
+from pmmkit.numerics import Array, rms
 from pmmkit.validation.captive import CaptiveRun
 
-Array = NDArray[np.float64]
 STANDS_OUT: Final = 2.0
 """A cell stands out whose error is so many times its expanded uncertainty."""
 LEAST_RANGE: Final = 1.3
@@ -30,9 +28,11 @@ MOST_LISTED: Final = 3
 THREE: Final = 3
 """Speeds that it takes to tell a power of the speed; of two no more is said than that it grows."""
 TESTS: Final[Mapping[str, str]] = {
-    "yaw_drift": "yaw with drift", "yaw_rudder": "yaw with rudder", "sway_yaw": "sway with yaw",
+    "yaw_drift": "yaw with drift",
+    "yaw_rudder": "yaw with rudder",
+    "sway_yaw": "sway with yaw",
     "drift_rudder": "drift with rudder",
-}  # fmt: skip
+}
 ORDERS: Final = ("mean", "first", "second", "third", "fourth", "fifth", "sixth", "seventh")
 POWERS: Final = {1: "", 2: " squared", 3: " cubed"}
 
@@ -213,10 +213,14 @@ def cells(runs: Sequence[CaptiveRun]) -> tuple[Cell, ...]:
         From `compare_captive`.
     """
     grouped = _grouped(
-        runs, lambda part: (
-            part.channel, part.run.view.run.test, round(part.run.view.speed, 4), part.harmonic
+        runs,
+        lambda part: (
+            part.channel,
+            part.run.view.run.test,
+            round(part.run.view.speed, 4),
+            part.harmonic,
         ),
-    )  # fmt: skip
+    )
     return tuple(_cell(parts) for parts in grouped.values())
 
 
@@ -246,13 +250,20 @@ def _cell(parts: Sequence[_Part]) -> Cell:
     error = rms([part.size for part in parts])
     measured = [float(np.linalg.norm(part.run.view.force[part.channel])) for part in parts]
     return Cell(
-        channel=first.channel, test=first.run.view.run.test, speed=first.run.view.speed,
-        Fn=first.run.Fn, harmonic=first.harmonic, runs=len(parts), error=error,
+        channel=first.channel,
+        test=first.run.view.run.test,
+        speed=first.run.view.speed,
+        Fn=first.run.Fn,
+        harmonic=first.harmonic,
+        runs=len(parts),
+        error=error,
         uncertainty=rms([part.doubt for part in parts]),
-        ratio=rms([part.ratio for part in parts]), with_velocity=phases[0],
-        with_displacement=phases[1], relative=error / max(rms(measured), 1e-300),
+        ratio=rms([part.ratio for part in parts]),
+        with_velocity=phases[0],
+        with_displacement=phases[1],
+        relative=error / max(rms(measured), 1e-300),
         known=all(part.run.view.known(part.channel) for part in parts),
-    )  # fmt: skip
+    )
 
 
 def standouts_of(
@@ -290,12 +301,16 @@ def standouts_of(
         first = own[0]
         found.append(
             Standout(
-                channel=first.channel, test=first.run.view.run.test, harmonic=first.harmonic,
-                speeds=tuple(loud), tested=tuple(speeds),
-                ratio=rms([part.ratio for part in own]), growth=_growth(own, lengths),
+                channel=first.channel,
+                test=first.run.view.run.test,
+                harmonic=first.harmonic,
+                speeds=tuple(loud),
+                tested=tuple(speeds),
+                ratio=rms([part.ratio for part in own]),
+                growth=_growth(own, lengths),
                 known=all(part.run.view.known(part.channel) for part in own),
             )
-        )  # fmt: skip
+        )
     return tuple(sorted(found, key=lambda item: -item.ratio))
 
 
@@ -334,10 +349,11 @@ def _growth(parts: Sequence[_Part], length: float) -> dict[str, int]:
         return {}
     settings = [conditions(part.run, length) for part in loud]
     varied = [
-        name for name in settings[0]
+        name
+        for name in settings[0]
         if (least := min(s[name] for s in settings)) > 1e-9
         and max(s[name] for s in settings) > LEAST_RANGE * least
-    ]  # fmt: skip
+    ]
     if not varied or len(loud) < len(varied) + 2:
         return {}
     size = np.array([part.size / part.run.view.speed**2 for part in loud])

@@ -7,9 +7,6 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.state import State
@@ -19,9 +16,9 @@ from pmmkit.equations.program import packed, values_at
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, scaled
 from pmmkit.models.model import Part
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
-Array = NDArray[np.float64]
 Forces = Callable[[State, Array], dict[str, Array]]
 """From the motion of midship and its instants [s] to forces of the water by channel [N, N m]."""
 PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
@@ -163,11 +160,14 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
     kept = {name: part for name, part in made.parts.items() if name not in left}
     return Predictor(
         model=replace(
-            _without_stale_covariance(made, kept), parts=MappingProxyType(kept),
+            _without_stale_covariance(made, kept),
+            parts=MappingProxyType(kept),
             water=campaign.water,
         ),
-        turning=turning, extrapolate=extrapolate, notes=tuple(notes),
-    )  # fmt: skip
+        turning=turning,
+        extrapolate=extrapolate,
+        notes=tuple(notes),
+    )
 
 
 def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
@@ -186,8 +186,11 @@ def at_the_scale_of(model: Model, ship: Ship) -> tuple[Model, list[str]]:
     ModelError
         If the proportions of the two hulls differ.
     """
-    own = {"B/L": model.ship.B / model.ship.L, "d/L": model.ship.d / model.ship.L,
-           "block coefficient": model.ship.block}  # fmt: skip
+    own = {
+        "B/L": model.ship.B / model.ship.L,
+        "d/L": model.ship.d / model.ship.L,
+        "block coefficient": model.ship.block,
+    }
     theirs = {"B/L": ship.B / ship.L, "d/L": ship.d / ship.L, "block coefficient": ship.block}
     apart = [
         f"{name} {own[name]:.4f} against {theirs[name]:.4f}"

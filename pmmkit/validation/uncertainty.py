@@ -8,18 +8,16 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.kinematics import move_motion, nominal_motion
 from pmmkit.campaigns.run import Campaign, TypeB
 from pmmkit.effects.hull import regressors
-from pmmkit.numerics import projector
+from pmmkit.numerics import Array, projector
 from pmmkit.observations.inertia import Rig, inertia_force
 from pmmkit.observations.views import View
 from pmmkit.signals import design_matrix
 from pmmkit.validation.prediction import Forces, Predictor
 
-Array = NDArray[np.float64]
 Share = Mapping[str, Array]
 """Standard uncertainty of each harmonic by channel [N, N m]."""
 COVERAGE: Final = 2.0
@@ -30,15 +28,28 @@ GRID: Final = 120
 """Instants of a cycle at which a changed setting is felt."""
 _RIG: Final = {"mass": "mass", "Izz": "Izz", "xG": "xG"}
 _SETTINGS: Final = (
-    "speed", "drift", "heel", "rudder", "propeller_rps", "period", "amplitude", "yaw_amplitude",
-    "phase", "yaw_rate", "radius",
-)  # fmt: skip
+    "speed",
+    "drift",
+    "heel",
+    "rudder",
+    "propeller_rps",
+    "period",
+    "amplitude",
+    "yaw_amplitude",
+    "phase",
+    "yaw_rate",
+    "radius",
+)
 
 
 def stated_share(
-    view: View, rig: Rig, forces: Forces, sources: Iterable[TypeB], water_rho: float,
+    view: View,
+    rig: Rig,
+    forces: Forces,
+    sources: Iterable[TypeB],
+    water_rho: float,
     predicted: Share,
-) -> dict[str, Array]:  # fmt: skip
+) -> dict[str, Array]:
     """What the stated uncertainties do to the difference of prediction and measurement.
 
     Parameters
@@ -178,10 +189,14 @@ def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]
         if own:
             design = view.project(
                 regressors(
-                    [model.covariance_names[i] for i in own], view.motion, ship=model.ship,
-                    water=model.water, convention=model.convention, approach_speed=view.speed,
+                    [model.covariance_names[i] for i in own],
+                    view.motion,
+                    ship=model.ship,
+                    water=model.water,
+                    convention=model.convention,
+                    approach_speed=view.speed,
                 )
-            )  # fmt: skip
+            )
             variance = np.einsum("ij,jk,ik->i", design, known[np.ix_(own, own)], design)
             zero[channel] = np.sqrt(np.maximum(variance, 0.0))
     return zero

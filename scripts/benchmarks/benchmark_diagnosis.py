@@ -30,8 +30,24 @@ from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.observations.views import views_of
 
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 
 
 def campaign(runs: int) -> Campaign:
@@ -40,11 +56,16 @@ def campaign(runs: int) -> Campaign:
     tank: Any = importlib.import_module("hidden_effects")
     plans: Any = importlib.import_module("hidden_effects.programmes").plans("full")
     copies = [
-        replace(plan, id=f"{plan.id}_{number}", speed=plan.speed * (1 + 0.01 * number),
-                omega=plan.omega * (1 + 0.01 * number), repeat_of=None)
+        replace(
+            plan,
+            id=f"{plan.id}_{number}",
+            speed=plan.speed * (1 + 0.01 * number),
+            omega=plan.omega * (1 + 0.01 * number),
+            repeat_of=None,
+        )
         for number in range(-(-runs // len(plans)))
         for plan in plans
-    ]  # fmt: skip
+    ]
     hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
     made: Campaign = tank.hidden_campaign(copies[:runs], hidden, seed=1)
     return made
@@ -87,12 +108,16 @@ def main() -> None:
                 system = captive_system(made, BASE, candidates=candidates)
                 built = time.process_time()
                 answer(system, floor=0.005)
-                times.append((viewed - start, built - viewed - (viewed - start),
-                              time.process_time() - built))  # fmt: skip
+                times.append(
+                    (viewed - start, built - viewed - (viewed - start), time.process_time() - built)
+                )
             views, system_time, answered = (statistics.median(x) for x in zip(*times, strict=True))
             used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-            print(f"{runs:4}  {effects:7}  {views:9.2f}  {system_time:10.2f}  {answered:10.2f}  "
-                  f"{views + system_time + answered:7.2f}  {used:11.0f}", flush=True)  # fmt: skip
+            print(
+                f"{runs:4}  {effects:7}  {views:9.2f}  {system_time:10.2f}  {answered:10.2f}  "
+                f"{views + system_time + answered:7.2f}  {used:11.0f}",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

@@ -34,12 +34,33 @@ SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")
 SIZE = 200_000
 _PARAMETERS = {
-    "propeller": {"D": "D", "t": "T", "kt0": "KT0", "kt1": "KT1", "kt2": "KT2", "wp": "WP",
-                  "xp": "XP", "C1": "C1", "C2_positive": "C2P", "C2_negative": "C2N"},
-    "rudder_mmg": {"area": "AREA", "lift_slope": "FA", "epsilon": "EPS", "kappa": "KAPPA",
-                   "eta": "ETA", "gamma_positive": "GP", "gamma_negative": "GN", "lR": "LR",
-                   "tR": "TR", "aH": "AH", "xH": "XH", "xR": "XR"},
-}  # fmt: skip
+    "propeller": {
+        "D": "D",
+        "t": "T",
+        "kt0": "KT0",
+        "kt1": "KT1",
+        "kt2": "KT2",
+        "wp": "WP",
+        "xp": "XP",
+        "C1": "C1",
+        "C2_positive": "C2P",
+        "C2_negative": "C2N",
+    },
+    "rudder_mmg": {
+        "area": "AREA",
+        "lift_slope": "FA",
+        "epsilon": "EPS",
+        "kappa": "KAPPA",
+        "eta": "ETA",
+        "gamma_positive": "GP",
+        "gamma_negative": "GN",
+        "lR": "LR",
+        "tR": "TR",
+        "aH": "AH",
+        "xH": "XH",
+        "xR": "XR",
+    },
+}
 
 
 def macros(ready: Prepared) -> list[str]:
@@ -64,10 +85,21 @@ def c_library(ready: Prepared, folder: Path) -> ctypes.CDLL | None:
         return None
     target = folder / "turn.so"
     subprocess.run(
-        ["gcc", "-O3", "-march=native", "-ffast-math", "-shared", "-fPIC", *macros(ready),
-         str(SOURCE), "-o", str(target), "-lm"],
+        [
+            "gcc",
+            "-O3",
+            "-march=native",
+            "-ffast-math",
+            "-shared",
+            "-fPIC",
+            *macros(ready),
+            str(SOURCE),
+            "-o",
+            str(target),
+            "-lm",
+        ],
         check=True,
-    )  # fmt: skip
+    )
     library = ctypes.CDLL(str(target))
     pointer, real = ctypes.POINTER(ctypes.c_double), ctypes.c_double
     library.one.argtypes = [pointer, real, real, pointer, pointer]
@@ -87,8 +119,16 @@ def check(library: ctypes.CDLL, ready: Prepared) -> float:
     rng = np.random.default_rng(0)
     k, worst = np.array(ready.constants), 0.0
     for _ in range(100):
-        y = np.array([0.0, 0.0, rng.uniform(-3, 3), rng.uniform(0.3, 1.2),
-                      rng.uniform(-0.4, 0.4), rng.uniform(-0.1, 0.1)])  # fmt: skip
+        y = np.array(
+            [
+                0.0,
+                0.0,
+                rng.uniform(-3, 3),
+                rng.uniform(0.3, 1.2),
+                rng.uniform(-0.4, 0.4),
+                rng.uniform(-0.1, 0.1),
+            ]
+        )
         delta, n, out = rng.uniform(-0.6, 0.6), rng.uniform(5, 12), np.zeros(6)
         library.one(pointer(y), delta, n, pointer(k), pointer(out))
         ours = np.array(ready.rates(y.tolist(), delta, n))
@@ -99,11 +139,7 @@ def check(library: ctypes.CDLL, ready: Prepared) -> float:
 def shipmmg_turn(model: pk.Model, duration: float, n: float) -> Callable[[], object] | None:
     """The same turn by shipmmg, or None if it is not installed."""
     try:
-        from shipmmg.mmg_3dof import (
-            Mmg3DofBasicParams,
-            Mmg3DofManeuveringParams,
-            simulate_mmg_3dof,
-        )
+        from shipmmg.mmg_3dof import Mmg3DofBasicParams, Mmg3DofManeuveringParams, simulate_mmg_3dof
     except ImportError:
         return None
     ship, rho = model.ship, model.water.rho
@@ -111,14 +147,32 @@ def shipmmg_turn(model: pk.Model, duration: float, n: float) -> Callable[[], obj
     added = model.values("added_mass")
     unit = 0.5 * rho * ship.L**2 * ship.d
     basic = Mmg3DofBasicParams(
-        L_pp=ship.L, B=ship.B, d=ship.d, x_G=ship.xG, D_p=screw["D"], m=ship.mass,
-        I_zG=ship.Izz - ship.mass * ship.xG**2, A_R=blade["area"], η=blade["eta"],
-        m_x=-added["Xudot"] * unit, m_y=-added["Yvdot"] * unit,
-        J_z=-added["Nrdot"] * unit * ship.L**2, f_α=blade["lift_slope"], ϵ=blade["epsilon"],
-        t_R=blade["tR"], x_R=blade["xR"] * ship.L, a_H=blade["aH"], x_H=blade["xH"] * ship.L,
-        γ_R_minus=blade["gamma_negative"], γ_R_plus=blade["gamma_positive"], l_R=blade["lR"],
-        κ=blade["kappa"], t_P=screw["t"], w_P0=screw["wp"], x_P=screw["xp"],
-    )  # fmt: skip
+        L_pp=ship.L,
+        B=ship.B,
+        d=ship.d,
+        x_G=ship.xG,
+        D_p=screw["D"],
+        m=ship.mass,
+        I_zG=ship.Izz - ship.mass * ship.xG**2,
+        A_R=blade["area"],
+        η=blade["eta"],
+        m_x=-added["Xudot"] * unit,
+        m_y=-added["Yvdot"] * unit,
+        J_z=-added["Nrdot"] * unit * ship.L**2,
+        f_α=blade["lift_slope"],
+        ϵ=blade["epsilon"],
+        t_R=blade["tR"],
+        x_R=blade["xR"] * ship.L,
+        a_H=blade["aH"],
+        x_H=blade["xH"] * ship.L,
+        γ_R_minus=blade["gamma_negative"],
+        γ_R_plus=blade["gamma_positive"],
+        l_R=blade["lR"],
+        κ=blade["kappa"],
+        t_P=screw["t"],
+        w_P0=screw["wp"],
+        x_P=screw["xp"],
+    )
     manoeuvring = Mmg3DofManeuveringParams(
         k_0=screw["kt0"],
         k_1=screw["kt1"],
@@ -132,9 +186,16 @@ def shipmmg_turn(model: pk.Model, duration: float, n: float) -> Callable[[], obj
 
     def run() -> object:
         return simulate_mmg_3dof(
-            basic, manoeuvring, t, delta, np.full(len(t), n), u0=SPEED, ρ=rho, method="RK45",
+            basic,
+            manoeuvring,
+            t,
+            delta,
+            np.full(len(t), n),
+            u0=SPEED,
+            ρ=rho,
+            method="RK45",
             rtol=RTOL,
-        )  # fmt: skip
+        )
 
     return run
 

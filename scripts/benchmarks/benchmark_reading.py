@@ -62,8 +62,11 @@ def by_foamlib(folder: Path) -> Read:
 
 
 WAYS: Mapping[str, Callable[[Path], Read]] = {
-    "pmmkit": ours, "pandas": by_pandas, "fluidfoam": by_fluidfoam, "foamlib": by_foamlib,
-}  # fmt: skip
+    "pmmkit": ours,
+    "pandas": by_pandas,
+    "fluidfoam": by_fluidfoam,
+    "foamlib": by_foamlib,
+}
 CASES: Mapping[str, tuple[str, int, tuple[str, ...]]] = {
     "csv, 9 columns, 7 used": ("csv", 9, ("pandas", "pmmkit")),
     "csv, 40 columns, 7 used": ("csv", 40, ("pandas", "pmmkit")),

@@ -117,7 +117,7 @@ def write_openfoam(folder: Path, plan: Plan, run: History) -> None:
             ]
             text = head + "\n".join(lines) + "\n"
             _write(results / "forces" / f"{start:g}" / f"{kind}.dat", text[:-31] if not number
-                   else text)  # fmt: skip
+                   else text)
         head = (
             "# Motion State\n# Angle Units : degrees\n"
             "# Time\tcentreOfRotation\tcentreOfMass\trotation\tvelocity\tomega\n"
@@ -129,13 +129,13 @@ def write_openfoam(folder: Path, plan: Plan, run: History) -> None:
             for t, place, turn in zip(run.t[rows], where, angle, strict=True)
         ]
         _write(results / "sixDoFRigidBodyState" / f"{start:g}" / "sixDoFRigidBodyState.dat",
-               head + "\n".join(lines) + "\n")  # fmt: skip
+               head + "\n".join(lines) + "\n")
 
 
 def write_star(folder: Path, plan: Plan, run: History) -> None:
     """Two exports of a plot of three reports: before and after the restart."""
     head = ('"Physical Time: Physical Time (s)","Fx Monitor: Force (N)","Fy Monitor: Force (N)",'
-            '"Mz Monitor: Moment (N-m)"\n')  # fmt: skip
+            '"Mz Monitor: Moment (N-m)"\n')
     X, Y, N = (run.force[name] for name in "XYN")
     table = np.stack([-X, Y, -N], axis=1)
     for number, (_, rows) in enumerate(parts_of(run.t)):

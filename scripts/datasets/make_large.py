@@ -61,7 +61,7 @@ class Test:
         settings = {
             "speed": self.speed, "drift_deg": self.drift_deg, "period": self.period,
             "amplitude_m": self.amplitude_m, "yaw_amplitude_deg": self.yaw_amplitude_deg,
-        }  # fmt: skip
+        }
         lines = [f"{key} = {value}" for key, value in settings.items() if value is not None]
         head = ["[[runs]]", f'id = "{self.id}"', f'test = "{self.test}"', f'file = "{file}"']
         return "\n".join([*head, *lines]) + "\n"
@@ -256,7 +256,7 @@ def main() -> None:
     size = make(
         given.folder, runs=given.runs, mb=given.mb, form=given.format, width=given.columns,
         jobs=given.jobs,
-    )  # fmt: skip
+    )
     print(f"{given.runs} runs, {size / 1e6:.0f} MB in {given.folder}")
 
 

@@ -117,7 +117,7 @@ def text(truth: Truth, ship: Model) -> str:
     kept = (
         "advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L",
         "steady_drift_deg", "speed_ratio",
-    )  # fmt: skip
+    )
     data = {
         "schema": 1,
         "title": "Synthetic truth of the S175 programme",

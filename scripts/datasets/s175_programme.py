@@ -157,7 +157,7 @@ def oscillation(plan: Plan, speed: float, theta: np.ndarray, omega: float, drift
         return (
             speed * along + lateral * y * across, -speed * across + lateral * y * along,
             0 * theta, lateral * ydot * across, lateral * ydot * along, 0 * theta,
-        )  # fmt: skip
+        )
     rate = plan.yaw_amplitude * omega * SHIP.L / speed
     return motion("yaw_drift", speed, theta, omega, drift=drift, r=rate)
 

@@ -24,7 +24,7 @@ SON_NOMOTO = {
     "Yvvr": 0.0214, "Yvrr": -0.0405, "Yvdot": -0.007049, "Yrdot": -0.05 * 0.007049,
     "Nv": -0.0038545, "Nr": -0.00222, "Nvvv": 0.001492, "Nrrr": -0.00229,
     "Nvvr": -0.0424, "Nvrr": 0.00156, "Nvdot": -0.05 * 0.007049, "Nrdot": -0.000419,
-}  # fmt: skip
+}
 
 
 def water_forces(
@@ -39,14 +39,14 @@ def water_forces(
     X = (
         g("Xuu", 0) * up**2 + g("Xvv", 0) * vp**2 + g("Xrr", 0) * rp**2 + g("Xvr", 0) * vp * rp
         + g("Xudot", 0) * ud
-    )  # fmt: skip
+    )
     lateral = [
         g(f"{a}v", 0) * vp + g(f"{a}r", 0) * rp + g(f"{a}vvv", 0) * vp**3 + g(f"{a}rrr", 0) * rp**3
         + g(f"{a}vvr", 0) * vp**2 * rp + g(f"{a}vrr", 0) * vp * rp**2
         + g(f"{a}v|v|", 0) * vp * abs(vp) + g(f"{a}r|r|", 0) * rp * abs(rp)
         + g(f"{a}vdot", 0) * vd + g(f"{a}rdot", 0) * rd
         for a in "YN"
-    ]  # fmt: skip
+    ]
     return {"X": q * X, "Y": q * lateral[0], "N": q * ship.L * lateral[1]}
 
 
@@ -72,7 +72,7 @@ def motion(test: str, speed: float, theta, omega, *, drift=0.0, v=0.0, r=0.0, sh
     return (
         along * math.cos(drift), -along * math.sin(drift), rate,
         gain * math.cos(drift), -gain * math.sin(drift), -psi0 * omega**2 * np.sin(theta),
-    )  # fmt: skip
+    )
 
 
 def balance_reading(force, u, v, r, udot, vdot, rdot, *, ship=SHIP):
@@ -116,7 +116,7 @@ def programme(speeds: Sequence[float]):
                 yield (
                     f"YD_{U}_{beta}_{R}", "yaw_drift", U,
                     {"r": R, "drift": math.radians(beta)},
-                )  # fmt: skip
+                )
 
 
 def captive(
@@ -174,4 +174,4 @@ def captive(
     return Campaign(
         title="virtual tank", ship=SHIP, water=WATER, runs=tuple(made),
         forces="balance" if balance else "hydrodynamic", **campaign,
-    )  # fmt: skip
+    )

@@ -148,10 +148,7 @@ def effects_page() -> str:
 
 def pages() -> dict[str, str]:
     checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
-    return {
-        "effects.md": effects_page(),
-        "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
-    }
+    return {"effects.md": effects_page(), "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}"}
 
 
 def pictures() -> None:

@@ -19,10 +19,19 @@ STAMP = FOLDER / "pmmkit-set-up.json"
 PROGRAMS = FOLDER / ("Scripts" if os.name == "nt" else "bin")
 PYTHON = PROGRAMS / ("python.exe" if os.name == "nt" else "python")
 OFFLINE = (
-    "name resolution", "newconnectionerror", "failed to establish", "network is unreachable",
-    "connection refused", "timed out", "proxyerror", "dns error", "could not connect",
-    "error sending request", "connection error", "name or service not known",
-)  # fmt: skip
+    "name resolution",
+    "newconnectionerror",
+    "failed to establish",
+    "network is unreachable",
+    "connection refused",
+    "timed out",
+    "proxyerror",
+    "dns error",
+    "could not connect",
+    "error sending request",
+    "connection error",
+    "name or service not known",
+)
 
 
 class SetUpError(Exception):
@@ -137,9 +146,13 @@ def _run(command):
     shown = sys.stderr.isatty()
     said = []
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=str(ROOT),
-        encoding="utf-8", errors="replace",
-    ) as process:  # fmt: skip
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        cwd=str(ROOT),
+        encoding="utf-8",
+        errors="replace",
+    ) as process:
         for line in process.stdout:
             said.append(line.rstrip())
             if shown:

@@ -30,9 +30,16 @@ POWER, RATED = 6.5e6, 127 / 60
 PAPER = "paper: identified from the sea trial"
 ESTIMATE = "estimated: from particulars"
 PRINTED = {
-    "Xudot": -73.7e-5, "Yvdot": -1219.0e-5, "Yrdot": -92.8e-5, "Nvdot": -40.2e-5,
-    "Nrdot": -64.8e-5, "Yv": -1369.8e-5, "Yr": 299.4e-5, "Nv": -725.0e-5, "Nr": -229.0e-5,
-}  # fmt: skip
+    "Xudot": -73.7e-5,
+    "Yvdot": -1219.0e-5,
+    "Yrdot": -92.8e-5,
+    "Nvdot": -40.2e-5,
+    "Nrdot": -64.8e-5,
+    "Yv": -1369.8e-5,
+    "Yr": 299.4e-5,
+    "Nv": -725.0e-5,
+    "Nr": -229.0e-5,
+}
 
 
 def resistance_coefficient(speed: float) -> float:
@@ -45,61 +52,99 @@ def resistance_coefficient(speed: float) -> float:
 def bulk_carrier(**changes: float) -> Model:
     """The model; `changes` replace estimates (t_astern, astern_share, reverse_below, CD)."""
     given = {
-        "t_astern": 0.1, "astern_share": 0.8, "reverse_below": 0.35 * RATED,
+        "t_astern": 0.1,
+        "astern_share": 0.8,
+        "reverse_below": 0.35 * RATED,
         "CD": hoerner_cd(B, D_MEAN),
-    } | changes  # fmt: skip
+    } | changes
     hull = {name: x for name, x in PRINTED.items() if not name.endswith("dot")}
     mass = {name: x for name, x in PRINTED.items() if name.endswith("dot")}
     estimated = {
-        "Xuu": resistance_coefficient(TRIAL), "Xvv": 0.0, "Xrr": 0.0,
+        "Xuu": resistance_coefficient(TRIAL),
+        "Xvv": 0.0,
+        "Xrr": 0.0,
         "Xvr": 0.7 * -PRINTED["Yvdot"],
-    }  # fmt: skip
+    }
     parts = (
         Part(
-            effect="hull_polynomial", values=MappingProxyType(hull | estimated), source=PAPER,
+            effect="hull_polynomial",
+            values=MappingProxyType(hull | estimated),
+            source=PAPER,
             sources=MappingProxyType(dict.fromkeys(estimated, ESTIMATE)),
         ),
         Part(effect="added_mass", values=MappingProxyType(mass), source=PAPER),
         Part(
-            effect="crossflow_drag", source="estimated: Hoerner's curve over B/(2d)",
+            effect="crossflow_drag",
+            source="estimated: Hoerner's curve over B/(2d)",
             values=MappingProxyType({"CD": given["CD"]}),
         ),
         Part(
-            effect="four_quadrant_propeller", source=ESTIMATE,
+            effect="four_quadrant_propeller",
+            source=ESTIMATE,
             options=MappingProxyType({"characteristics": "b4-70"}),
             values=MappingProxyType(
-                {"D": 5.0, "pitch": 0.7, "t": 0.2, "t_astern": given["t_astern"],
-                 "wp": 0.5 * BLOCK - 0.05, "xp": -0.48}
+                {
+                    "D": 5.0,
+                    "pitch": 0.7,
+                    "t": 0.2,
+                    "t_astern": given["t_astern"],
+                    "wp": 0.5 * BLOCK - 0.05,
+                    "xp": -0.48,
+                }
             ),
         ),
         Part(
-            effect="shaft", source=ESTIMATE, options=MappingProxyType({"limit": "constant"}),
+            effect="shaft",
+            source=ESTIMATE,
+            options=MappingProxyType({"limit": "constant"}),
             values=MappingProxyType(
-                {"inertia": 6e4, "torque_max": POWER / (2 * math.pi * RATED),
-                 "astern_share": given["astern_share"], "reverse_below": given["reverse_below"],
-                 "friction": 0.02 * POWER / (2 * math.pi * RATED)}
+                {
+                    "inertia": 6e4,
+                    "torque_max": POWER / (2 * math.pi * RATED),
+                    "astern_share": given["astern_share"],
+                    "reverse_below": given["reverse_below"],
+                    "friction": 0.02 * POWER / (2 * math.pi * RATED),
+                }
             ),
         ),
         Part(
-            effect="rudder_mmg", source=ESTIMATE, options=MappingProxyType({"inflow": "mmg"}),
+            effect="rudder_mmg",
+            source=ESTIMATE,
+            options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(
-                {"area": 27.0, "lift_slope": 6.13 * 1.6 / (1.6 + 2.25), "epsilon": 1.1,
-                 "kappa": 0.5, "eta": 5.0 / math.sqrt(27.0 * 1.6), "gamma_positive": 0.45,
-                 "gamma_negative": 0.45, "lR": -0.9, "tR": 0.45 - 0.28 * BLOCK,
-                 "aH": 0.627 * BLOCK - 0.153, "xH": -0.45, "rate_deg_s": 2.8}
+                {
+                    "area": 27.0,
+                    "lift_slope": 6.13 * 1.6 / (1.6 + 2.25),
+                    "epsilon": 1.1,
+                    "kappa": 0.5,
+                    "eta": 5.0 / math.sqrt(27.0 * 1.6),
+                    "gamma_positive": 0.45,
+                    "gamma_negative": 0.45,
+                    "lR": -0.9,
+                    "tR": 0.45 - 0.28 * BLOCK,
+                    "aH": 0.627 * BLOCK - 0.153,
+                    "xH": -0.45,
+                    "rate_deg_s": 2.8,
+                }
             ),
         ),
-    )  # fmt: skip
+    )
     return Model(
         name="bulk carrier, 170 m, ballast",
         ship=Ship(
-            name="bulk carrier", L=L, B=B, d=D_MEAN, volume=VOLUME, mass=MASS, xG=0.0,
+            name="bulk carrier",
+            L=L,
+            B=B,
+            d=D_MEAN,
+            volume=VOLUME,
+            mass=MASS,
+            xG=0.0,
             Izz=MASS * (0.25 * L) ** 2,
         ),
         water=WATER,
         parts=MappingProxyType({part.effect: part for part in parts}),
         scale="full scale, L = 170 m; propulsion point: self-propulsion of the model's equations",
-    )  # fmt: skip
+    )
 
 
 def main() -> None:

@@ -105,15 +105,24 @@ def _blanks(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
 
 
 def _star(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
-    words = {"t": "Physical Time: Physical Time (s)", "X": "Fx Monitor: Force (N)",
-             "Y": "Fy Monitor: Force (N)", "N": "Mz Monitor: Moment (N-m)"}  # fmt: skip
+    words = {
+        "t": "Physical Time: Physical Time (s)",
+        "X": "Fx Monitor: Force (N)",
+        "Y": "Fy Monitor: Force (N)",
+        "N": "Mz Monitor: Moment (N-m)",
+    }
     _lines(path, ",".join(f'"{words[name]}"' for name in columns), columns, ",")
 
 
 def _lines(
-    path: Path, head: str, columns: dict[str, NDArray[np.float64]], mark: str, *,
-    form: str = "{:.6f}", decimal: str = ".",
-) -> None:  # fmt: skip
+    path: Path,
+    head: str,
+    columns: dict[str, NDArray[np.float64]],
+    mark: str,
+    *,
+    form: str = "{:.6f}",
+    decimal: str = ".",
+) -> None:
     rows = np.stack(list(columns.values()), axis=1)
     body = "".join(mark.join(form.format(x) for x in row) + "\n" for row in rows)
     path.write_text(head + "\n" + body.replace(".", decimal), encoding="utf-8", newline="")
@@ -121,8 +130,10 @@ def _lines(
 
 def _foam_nested(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    head = ("# Forces      \n# CofR        : (0.000000e+00 0.000000e+00 0.000000e+00)\n"
-            "# Time        forces(pressure viscous)\tmoments(pressure viscous)\n")  # fmt: skip
+    head = (
+        "# Forces      \n# CofR        : (0.000000e+00 0.000000e+00 0.000000e+00)\n"
+        "# Time        forces(pressure viscous)\tmoments(pressure viscous)\n"
+    )
     c = columns
     rows = zip(c["t"], c["X"], c["Y"], c["N"], strict=True)
     body = "".join(
@@ -205,23 +216,41 @@ FORMATS = {
         Format(name="csv", file="a.csv", entry="", write=_csv, text=True),
         Format(name="csv, decimal commas", file="a.txt", entry="", write=_german, text=True),
         Format(name="blanks", file="a.dat", entry="", write=_blanks, text=True),
-        Format(name="star-ccm+", file="a.csv", entry='source = { format = "star-ccm+" }',
-               write=_star, text=True),
-        Format(name="openfoam, nested", file="postProcessing/forces", write=_foam_nested,
-               entry='source = { format = "openfoam" }', damaged=FOAM + "forces.dat", text=True),
-        Format(name="openfoam, flat", file="postProcessing/forces", write=_foam_flat,
-               entry='source = { format = "openfoam" }', damaged=FOAM + "force.dat", text=True),
+        Format(
+            name="star-ccm+",
+            file="a.csv",
+            entry='source = { format = "star-ccm+" }',
+            write=_star,
+            text=True,
+        ),
+        Format(
+            name="openfoam, nested",
+            file="postProcessing/forces",
+            write=_foam_nested,
+            entry='source = { format = "openfoam" }',
+            damaged=FOAM + "forces.dat",
+            text=True,
+        ),
+        Format(
+            name="openfoam, flat",
+            file="postProcessing/forces",
+            write=_foam_flat,
+            entry='source = { format = "openfoam" }',
+            damaged=FOAM + "force.dat",
+            text=True,
+        ),
         Format(name="excel", file="a.xlsx", entry="", write=_excel),
-        Format(name="matlab 5", file="a.mat", entry='source = { format = "matlab" }',
-               write=_matlab5),
-        Format(name="matlab 7.3", file="a.mat", entry='source = { format = "matlab" }',
-               write=_matlab73),
+        Format(
+            name="matlab 5", file="a.mat", entry='source = { format = "matlab" }', write=_matlab5
+        ),
+        Format(
+            name="matlab 7.3", file="a.mat", entry='source = { format = "matlab" }', write=_matlab73
+        ),
         Format(name="hdf5", file="a.h5", entry='source = { format = "hdf5" }', write=_hdf5),
-        Format(name="netcdf 3", file="a.nc", entry='source = { format = "hdf5" }',
-               write=_netcdf3),
+        Format(name="netcdf 3", file="a.nc", entry='source = { format = "hdf5" }', write=_netcdf3),
         Format(name="tdms", file="a.tdms", entry='source = { format = "tdms" }', write=_tdms),
     )
-}  # fmt: skip
+}
 
 
 Damage = Callable[[bytes, np.random.Generator], bytes]
@@ -262,9 +291,12 @@ def _encoded(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 BYTES: dict[str, Damage] = {
-    "cut off": _cut, "bytes flipped": _flip, "zeros": _zeros, "blocks moved": _moved,
+    "cut off": _cut,
+    "bytes flipped": _flip,
+    "zeros": _zeros,
+    "blocks moved": _moved,
     "encoding": _encoded,
-}  # fmt: skip
+}
 CELLS = {"missing value": "nan", "text": "broken", "absurd number": "1e35"}
 KINDS = (*BYTES, "columns moved", *CELLS, "empty")
 
@@ -284,8 +316,16 @@ def damaged(form: Format, good: bytes, folder: Path, kind: str, rng: np.random.G
         lines = good.decode().splitlines(keepends=True)
         rows = [i for i, line in enumerate(lines) if line[:1] in "-0123456789 " and line.strip()]
         at = int(rng.choice(rows[2:-2]))
-        cells = [cell for cell in lines[at].replace("(", " ").replace(")", " ")
-                 .replace(",", " ").replace(";", " ").split() if cell]  # fmt: skip
+        cells = [
+            cell
+            for cell in lines[at]
+            .replace("(", " ")
+            .replace(")", " ")
+            .replace(",", " ")
+            .replace(";", " ")
+            .split()
+            if cell
+        ]
         lines[at] = lines[at].replace(cells[1], CELLS[kind], 1)
         path.write_text("".join(lines), encoding="utf-8", newline="")
     else:
@@ -393,8 +433,9 @@ def counted(name: str, kind: str, versions: int, jobs: int) -> Counter[str]:
     parts = [range(versions)[i::jobs] for i in range(jobs)]
     try:
         with ProcessPoolExecutor(jobs) as pool:
-            return Counter(x for own in pool.map(tried, [name] * jobs, [kind] * jobs, parts)
-                           for x in own)  # fmt: skip
+            return Counter(
+                x for own in pool.map(tried, [name] * jobs, [kind] * jobs, parts) for x in own
+            )
     except BrokenProcessPool:
         return _one_by_one(name, kind, versions)
 
@@ -439,8 +480,10 @@ def main() -> None:
         each = -(-options.versions // len(kinds))
         for kind in kinds:
             found = counted(name, kind, each, options.jobs)
-            print(f"{name:20} {kind:15} " + " ".join(f"{found[x] or '':>7}" for x in OUTCOMES),
-                  flush=True)  # fmt: skip
+            print(
+                f"{name:20} {kind:15} " + " ".join(f"{found[x] or '':>7}" for x in OUTCOMES),
+                flush=True,
+            )
             table.append({"reader": name, "damage": kind, **{x: found[x] for x in OUTCOMES}})
     bad = sum(row[x] for row in table for x in BAD)
     total = sum(row[x] for row in table for x in OUTCOMES)

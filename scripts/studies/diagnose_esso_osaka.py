@@ -53,17 +53,23 @@ def swapped(all_: Sequence[FreeRecord], donors: Sequence[FreeRecord]) -> list[Fr
 
 def told(found: Diagnosis) -> None:
     """The verdict for people."""
-    print(f"verdict: {found.verdict}; flags: {', '.join(found.flags) or 'none'}; chance "
-          f"{found.chance:.2g}; {'; '.join(found.notes)}")  # fmt: skip
+    print(
+        f"verdict: {found.verdict}; flags: {', '.join(found.flags) or 'none'}; chance "
+        f"{found.chance:.2g}; {'; '.join(found.notes)}"
+    )
     for names, share in found.group:
         print(f"  {' + '.join(names)}   odds to the best {share:.2g}")
     for item in found.findings:
         falls = [f"{100 * (1 - b / a):.0f} % ({k})" for k, (a, b) in item.errors.items()]
-        print(f"  {item.family}: {item.effect}, {item.evidence}; left-out errors fall by "
-              f"{', '.join(falls)}")  # fmt: skip
+        print(
+            f"  {item.family}: {item.effect}, {item.evidence}; left-out errors fall by "
+            f"{', '.join(falls)}"
+        )
         for name, value in item.coefficients.items():
-            print(f"     {name:28} {value:10.5f} ± {item.std[name]:.5f}   usual "
-                  f"{item.typical[name]:.5f}")  # fmt: skip
+            print(
+                f"     {name:28} {value:10.5f} ± {item.std[name]:.5f}   usual "
+                f"{item.typical[name]:.5f}"
+            )
         if item.rivals:
             print(f"     mimicked by {', '.join(item.rivals)}; {item.separating_test}")
     print("  best sets:")
@@ -89,17 +95,28 @@ def leftovers(model: Model, all_: Sequence[FreeRecord]) -> None:
         assert r.wind_direction is not None
         bearing = r.wind_direction - k["psi"]
         ahead, side = (
-            r.wind_speed * np.cos(bearing) + k["u"], r.wind_speed * np.sin(bearing) + k["v"]
-        )  # fmt: skip
+            r.wind_speed * np.cos(bearing) + k["u"],
+            r.wind_speed * np.sin(bearing) + k["v"],
+        )
         square, angle = ahead**2 + side**2, np.arctan2(side, ahead)
         features = {
-            "constant": np.ones(len(r)), "north": np.cos(k["psi"]), "east": np.sin(k["psi"]),
-            "v|v|": k["v"] * np.abs(k["v"]), "r|r|": k["r"] * np.abs(k["r"]),
-            "rdot": np.gradient(k["r"], r.t), "rudder": r.delta * k["u"] ** 2,
-        } | {f"wind {word}": square * shape for word, shape in (
-            ("sin", np.sin(angle)), ("cos", np.cos(angle)), ("sin 2", np.sin(2 * angle)),
-            ("cos 2", np.cos(2 * angle)), ("sin 3", np.sin(3 * angle)),
-        )}  # fmt: skip
+            "constant": np.ones(len(r)),
+            "north": np.cos(k["psi"]),
+            "east": np.sin(k["psi"]),
+            "v|v|": k["v"] * np.abs(k["v"]),
+            "r|r|": k["r"] * np.abs(k["r"]),
+            "rdot": np.gradient(k["r"], r.t),
+            "rudder": r.delta * k["u"] ** 2,
+        } | {
+            f"wind {word}": square * shape
+            for word, shape in (
+                ("sin", np.sin(angle)),
+                ("cos", np.cos(angle)),
+                ("sin 2", np.sin(2 * angle)),
+                ("cos 2", np.cos(2 * angle)),
+                ("sin 3", np.sin(3 * angle)),
+            )
+        }
         rows.append((features, found.residual))
     for channel in ("X", "Y", "N"):
         forces = [residual[channel] for _, residual in rows]
@@ -114,8 +131,10 @@ def leftovers(model: Model, all_: Sequence[FreeRecord]) -> None:
                 left += float(np.sum((force - a @ b / (a @ a) * rows[j][0][name]) ** 2))
             shares[name] = 1.0 - left / total
         best = sorted(shares, key=lambda name: -shares[name])[:3]
-        print(f"  {channel}: {100 * own:.0f} % is a constant of each record; of the rest of them "
-              + ", ".join(f"{name} {100 * shares[name]:.0f} %" for name in best))  # fmt: skip
+        print(
+            f"  {channel}: {100 * own:.0f} % is a constant of each record; of the rest of them "
+            + ", ".join(f"{name} {100 * shares[name]:.0f} %" for name in best)
+        )
 
 
 def thinned(record: FreeRecord) -> FreeRecord:
@@ -123,10 +142,13 @@ def thinned(record: FreeRecord) -> FreeRecord:
     assert record.wind_speed is not None
     assert record.wind_direction is not None
     return record.with_(
-        t=record.t[::4], delta=record.delta[::4], turns=record.turns[::4],
+        t=record.t[::4],
+        delta=record.delta[::4],
+        turns=record.turns[::4],
         measured={name: x[::4] for name, x in record.measured.items()},
-        wind_speed=record.wind_speed[::4], wind_direction=record.wind_direction[::4],
-    )  # fmt: skip
+        wind_speed=record.wind_speed[::4],
+        wind_direction=record.wind_direction[::4],
+    )
 
 
 def of_wind(found: Diagnosis) -> float:
@@ -148,23 +170,29 @@ def main() -> None:
     options = parser.parse_args()
     calm = pk.load_model("esso-osaka-3m")
     found = records(options.data, calm)
-    train = [x for name, all_ in found.items() if name[0] == "z" or name.endswith("_4")
-             for x in all_]  # fmt: skip
-    test = [x for name, all_ in found.items() if name[0] == "t" or name.endswith("_6")
-            for x in all_]  # fmt: skip
+    train = [
+        x for name, all_ in found.items() if name[0] == "z" or name.endswith("_4") for x in all_
+    ]
+    test = [
+        x for name, all_ in found.items() if name[0] == "t" or name.endswith("_6") for x in all_
+    ]
     train, test = named(train), named(test)
     how = {
-        "spread": 0.0, "loose": SPREAD, "sensors": SENSORS, "window": JUDGED,
-        "held_out": test, "held_out_window": WINDOW, "windage": WINDAGE,
-    }  # fmt: skip
+        "spread": 0.0,
+        "loose": SPREAD,
+        "sensors": SENSORS,
+        "window": JUDGED,
+        "held_out": test,
+        "held_out_window": WINDOW,
+        "windage": WINDAGE,
+    }
     began = time.perf_counter()
     whole = diagnose_free(calm, train, **how, progress=lambda word: print(f"… {word}", flush=True))
     print(f"\nWhole catalogue, {time.perf_counter() - began:.0f} s")
     told(whole)
     assert whole.model is not None
     after = diagnose_free(whole.model, train, **how | {"loose": AFTER})
-    print("\nWhat is missing after that (the model above, its values known to "
-          f"{100 * AFTER:g} %)")  # fmt: skip
+    print(f"\nWhat is missing after that (the model above, its values known to {100 * AFTER:g} %)")
     told(after)
     print("\nForces that are left; what of them other records predict")
     leftovers(whole.model, [*train, *test])
@@ -178,8 +206,7 @@ def main() -> None:
         swaps.append(of_wind(found_there))
         print(f"   {turn:2} places on {swaps[-1]:7.1f}", flush=True)
     options.out.mkdir(parents=True, exist_ok=True)
-    text = {"own": own, "swapped": swaps,
-            "errors": {k: dict(v) for k, v in whole.errors.items()}}  # fmt: skip
+    text = {"own": own, "swapped": swaps, "errors": {k: dict(v) for k, v in whole.errors.items()}}
     (options.out / "wind.json").write_text(json.dumps(text, indent=1), encoding="utf-8")
     figure(own, swaps, options.out / "wind.png")
 
@@ -189,8 +216,11 @@ def figure(own: float, swaps: Sequence[float], path: Path) -> None:
     with style.styled():
         drawing = style.canvas(2.4)
         axis = drawing.subplots()
-        axis.bar(range(len(swaps) + 1), [own, *swaps],
-                 color=[style.colour(0), *[style.colour(1)] * len(swaps)])  # fmt: skip
+        axis.bar(
+            range(len(swaps) + 1),
+            [own, *swaps],
+            color=[style.colour(0), *[style.colour(1)] * len(swaps)],
+        )
         axis.axhline(1.0, lw=0.8, ls=":")
         axis.set_xlabel("places by which the winds are rotated among the records")
         axis.set_title("ln evidence of the wind, less its price")

@@ -33,12 +33,10 @@ HIDDEN = {
     "asymmetry": (SHIP.with_values(HULL, Y0=0.0015, N0=-0.0007), 0.0),
     "fault_rudder_zero": (SHIP, math.radians(1.0)),
     "yaw_sway_coupling": (SHIP.with_values(HULL, Nvvr=-0.470, Yvvr=0.606), 0.0),
-    "flow_straightening": (
-        SHIP.with_values(RUDDER, gamma_positive=0.44, gamma_negative=0.55), 0.0,
-    ),
+    "flow_straightening": (SHIP.with_values(RUDDER, gamma_positive=0.44, gamma_negative=0.55), 0.0),
     "rudder_slipstream": (SHIP.with_values(RUDDER, epsilon=1.3), 0.0),
     "modulus_yaw_drag": (SHIP.with_values(HULL, **{"Yr|r|": 0.10, "Nr|r|": -0.076}), 0.0),
-}  # fmt: skip
+}
 
 
 def sailed(model: Model, seed: int, zero: float) -> list[FreeRecord]:
@@ -54,9 +52,13 @@ def sailed(model: Model, seed: int, zero: float) -> list[FreeRecord]:
             for name, std in SENSORS.items()
         }
         record = FreeRecord(
-            name=f"zigzag {number}", t=track.t, delta=track.delta - zero, turns=track.n,
-            measured=measured, speed=SPEED,
-        )  # fmt: skip
+            name=f"zigzag {number}",
+            t=track.t,
+            delta=track.delta - zero,
+            turns=track.n,
+            measured=measured,
+            speed=SPEED,
+        )
         found.append(record.cut(0.0, 75.0))
     return found
 
@@ -79,14 +81,21 @@ def main() -> None:
             model, zero = HIDDEN[name]
             began = time.perf_counter()
             found = diagnose_free(
-                known_to(0.03, seed), sailed(model, seed, zero), spread=0.0, loose=0.03,
-                sensors=SENSORS, most=2,
-            )  # fmt: skip
+                known_to(0.03, seed),
+                sailed(model, seed, zero),
+                spread=0.0,
+                loose=0.03,
+                sensors=SENSORS,
+                most=2,
+            )
             group = ", ".join(f"{' + '.join(names)} {odds:.2f}" for names, odds in found.group)
             best = found.entries[0]
-            print(f"{name:20} {seed:3} {found.verdict:15} {group or '-'}   (best "
-                  f"{' + '.join(best.names)} {best.log_evidence:.1f}) "
-                  f"{time.perf_counter() - began:.0f} s", flush=True)  # fmt: skip
+            print(
+                f"{name:20} {seed:3} {found.verdict:15} {group or '-'}   (best "
+                f"{' + '.join(best.names)} {best.log_evidence:.1f}) "
+                f"{time.perf_counter() - began:.0f} s",
+                flush=True,
+            )
 
 
 if __name__ == "__main__":

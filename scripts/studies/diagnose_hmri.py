@@ -64,13 +64,19 @@ def main() -> None:
         print("\n".join(said))
         fall = session.fall()
         tests = list(dict.fromkeys(fall.errors[0].tests))
-        print("\n| | all [%] | X [N] | Y [N] | N [N m] | "
-              + " | ".join(f"{name.replace('_', ' ')} [%]" for name in tests) + " |")  # fmt: skip
+        print(
+            "\n| | all [%] | X [N] | Y [N] | N [N m] | "
+            + " | ".join(f"{name.replace('_', ' ')} [%]" for name in tests)
+            + " |"
+        )
         print("|---|" + "---|" * (4 + len(tests)))
         for number, (step, item) in enumerate(zip(fall.steps, fall.errors, strict=True)):
             own = item.of_channel()
-            cells = [f"{100 * item.share():.2f}", *(f"{own[name]:.2f}" for name in "XYN"),
-                     *(f"{100 * item.share(test):.1f}" for test in tests)]  # fmt: skip
+            cells = [
+                f"{100 * item.share():.2f}",
+                *(f"{own[name]:.2f}" for name in "XYN"),
+                *(f"{100 * item.share(test):.1f}" for test in tests),
+            ]
             print(f"| {'+ ' if number else ''}{step} | " + " | ".join(cells) + " |")
         print("does not lower it:", ", ".join(fall.useless) or "none")
         if o.out is not None:

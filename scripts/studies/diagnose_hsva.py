@@ -80,9 +80,11 @@ def as_executed(run: Run, model: Model) -> list[float]:
     speed = run.settings.speed
     ready = prepare(model, speed)
     plan = zigzag(
-        speed / ready.L, rudder_deg=math.degrees(run.settings.rudder),
-        switch_deg=abs(math.degrees(run.settings.switch or 0.0)), executes=count + 1,
-    )  # fmt: skip
+        speed / ready.L,
+        rudder_deg=math.degrees(run.settings.rudder),
+        switch_deg=abs(math.degrees(run.settings.switch or 0.0)),
+        executes=count + 1,
+    )
     phases = tuple(
         replace(phase, level=phase.side * levels[i]) if i < count else phase
         for i, phase in enumerate(plan.phases)
@@ -130,28 +132,38 @@ def main() -> None:
     print("held out: ", ", ".join(run.id for run in kept))
     began = time.perf_counter()
     found = diagnose_free(
-        captive, train, held_out=test, held_out_window=WINDOW,
+        captive,
+        train,
+        held_out=test,
+        held_out_window=WINDOW,
         progress=lambda word: print(f"… {word}", flush=True),
-    )  # fmt: skip
+    )
     print(f"{time.perf_counter() - began:.0f} s")
     told(found)
     amidships = with_amidships(captive, options.data)
     own = amidships.parts["hull_polynomial"].values
     row = predict(amidships, reference(captive, test), window=WINDOW).pooled()
-    print(f"\ncaptive tests with their own run at rudder amidships, Y0 {own['Y0']:.5f}, "
-          f"N0 {own['N0']:.5f}, nothing fitted to the zigzags:")  # fmt: skip
+    print(
+        f"\ncaptive tests with their own run at rudder amidships, Y0 {own['Y0']:.5f}, "
+        f"N0 {own['N0']:.5f}, nothing fitted to the zigzags:"
+    )
     print("  held out " + "  ".join(f"{k} {v:.3g}" for k, v in row.items()))
     print(f"\n{'overshoots of the held-out zigzags, rms [deg]':46} nominal heading     as executed")
     for name, model in (
         ("captive tests alone", captive),
-        ("captive tests with rudder amidships", amidships), ("base refitted", found.refitted),
+        ("captive tests with rudder amidships", amidships),
+        ("base refitted", found.refitted),
         ("with the effects", found.model),
-    ):  # fmt: skip
+    ):
         assert model is not None
         plain = overshoot_errors([compare(run, model) for run in kept])
         exact = rms([as_executed(run, model) for run in kept])
-        print(f"{name:46} " + " ".join(f"{x:5.2f}" for x in plain) + "   "
-              + " ".join(f"{x:5.2f}" for x in exact))  # fmt: skip
+        print(
+            f"{name:46} "
+            + " ".join(f"{x:5.2f}" for x in plain)
+            + "   "
+            + " ".join(f"{x:5.2f}" for x in exact)
+        )
     options.out.mkdir(parents=True, exist_ok=True)
     assert found.model is not None
     pk.save_model(found.model, options.out / "model.toml")
@@ -167,8 +179,11 @@ def figure(errors: dict, path: Path) -> None:
         for axis, (key, unit) in zip(
             axes, (("heading", "deg"), ("position", "m"), ("yaw_rate", "deg/s")), strict=True
         ):
-            axis.barh([name[10:] for name in rows], [errors[name][key] for name in rows],
-                      color=[style.colour(i) for i in range(len(rows))])  # fmt: skip
+            axis.barh(
+                [name[10:] for name in rows],
+                [errors[name][key] for name in rows],
+                color=[style.colour(i) for i in range(len(rows))],
+            )
             axis.invert_yaxis()
             axis.set_title(f"{key.replace('_', ' ')} [{unit}]")
             if axis is not axes[0]:

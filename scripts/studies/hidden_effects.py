@@ -47,14 +47,34 @@ from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.evidence import SHOWS
 from pmmkit.observations.views import views_of
 
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
 TABLES = {
-    1: (("full", "standard", "catalogue"), ("full", "hard", "catalogue"),
-        ("full", "double", "catalogue"), ("small", "standard", "catalogue")),
+    1: (
+        ("full", "standard", "catalogue"),
+        ("full", "hard", "catalogue"),
+        ("full", "double", "catalogue"),
+        ("small", "standard", "catalogue"),
+    ),
     2: (("full", "standard", "foreign"),),
-}  # fmt: skip
+}
 SEPARABLE = math.log(20.0)
 """Expected ln odds from which two answers can be told from each other."""
 
@@ -81,9 +101,12 @@ class Job:
 
     def campaign(self, noise: str | None = None) -> Any:
         return tank().hidden_campaign(
-            self.programme, dict(self.effects), seed=self.seed, noise=noise or self.noise,
+            self.programme,
+            dict(self.effects),
+            seed=self.seed,
+            noise=noise or self.noise,
             truth=self.truth,
-        )  # fmt: skip
+        )
 
 
 @dataclass(frozen=True)
@@ -153,11 +176,17 @@ def diagnosed(job: Job) -> Answer:
     known = [(covered[name], size) for name, size in job.effects if name in covered]
     visible = [item.without_a_run * size**2 >= SHOWS for item, size in known]
     answer = Answer(
-        job=job, verdict=found.verdict, group=found.group, flags=found.flags, chance=found.chance,
+        job=job,
+        verdict=found.verdict,
+        group=found.group,
+        flags=found.flags,
+        chance=found.chance,
         visible=bool(visible) and all(visible) and not set(job.names) & set(ABSORBED),
         families=tuple(item.family for item in found.findings),
-        kin=tuple(item.family for item, _ in known), twins=False, seconds=seconds,
-    )  # fmt: skip
+        kin=tuple(item.family for item, _ in known),
+        twins=False,
+        seconds=seconds,
+    )
     rivals = [names for names in answer.sets if names != job.names]
     if answer.inside and rivals and job.truth == "catalogue":
         answer = replace(answer, twins=max(separations(job, campaign, rivals)) < SEPARABLE)
@@ -217,10 +246,13 @@ def jobs_of(how: tuple[str, str, str], o: argparse.Namespace) -> list[Job]:
     jobs = [Job((), o.first + 10_000 + k, *how) for k in range(o.none)]
     jobs += [Job(((n, size),), seed, *how) for size in o.sizes for n in inside for seed in seeds]
     return jobs + [
-        Job(tuple((name, 1.0) for name in rng.choice(own, 2, replace=False).tolist()),
-            o.first + 20_000 + k, *how)
+        Job(
+            tuple((name, 1.0) for name in rng.choice(own, 2, replace=False).tolist()),
+            o.first + 20_000 + k,
+            *how,
+        )
         for k in range(o.pairs)
-    ]  # fmt: skip
+    ]
 
 
 def main() -> None:
@@ -266,8 +298,10 @@ def printed(answers: Sequence[Answer], sizes: Sequence[float]) -> None:
     seconds = [a.seconds for a in answers]
     print(f"  {len(answers)} diagnoses of {np.median(seconds):.2f} s each (median)")
     if none := [a for a in answers if not a.job.effects]:
-        print(f"  no effect: named in {limited(none, lambda a: a.detected)}, unexplained in "
-              f"{limited(none, lambda a: a.verdict == 'unexplained')}")  # fmt: skip
+        print(
+            f"  no effect: named in {limited(none, lambda a: a.detected)}, unexplained in "
+            f"{limited(none, lambda a: a.verdict == 'unexplained')}"
+        )
     inside = tank().INSIDE
     single = [a for a in answers if len(a.job.effects) == 1 and a.job.names[0] in inside]
     for size in sizes:
@@ -277,9 +311,11 @@ def printed(answers: Sequence[Answer], sizes: Sequence[float]) -> None:
     rows("pairs", [a for a in answers if len(a.job.effects) == 2 and a.visible])
     if beyond := [a for a in answers if a.job.names and a.job.names[0] not in inside]:
         bare = limited(beyond, lambda a: a.detected and not a.flags)
-        print(f"  outside the catalogue: a name without a flag in {bare}; a name in "
-              f"{share(beyond, lambda a: a.detected)}, unexplained in "
-              f"{share(beyond, lambda a: a.verdict == 'unexplained')}")  # fmt: skip
+        print(
+            f"  outside the catalogue: a name without a flag in {bare}; a name in "
+            f"{share(beyond, lambda a: a.detected)}, unexplained in "
+            f"{share(beyond, lambda a: a.verdict == 'unexplained')}"
+        )
 
 
 def rows(title: str, seen: Sequence[Answer]) -> None:
@@ -288,27 +324,36 @@ def rows(title: str, seen: Sequence[Answer]) -> None:
         return
     print(f"  {title}: {len(seen)} visible")
     for name, of in (
-        ("detected", lambda a: a.detected), ("exact", lambda a: a.exact),
-        ("best", lambda a: a.right), ("proven", lambda a: a.exact or a.twins),
-        ("in group", lambda a: a.inside), ("family", lambda a: a.family),
+        ("detected", lambda a: a.detected),
+        ("exact", lambda a: a.exact),
+        ("best", lambda a: a.right),
+        ("proven", lambda a: a.exact or a.twins),
+        ("in group", lambda a: a.inside),
+        ("family", lambda a: a.family),
         ("allowed", lambda a: a.allowed),
-    ):  # fmt: skip
+    ):
         print(f"    {name:10} {share(seen, of)}")
     print(f"    {'wrong':10} {limited(seen, lambda a: a.wrong)}")
     print(f"    {'unflagged':10} {limited(seen, lambda a: a.unflagged)}")
-    print(f"    flagged although the truth is named: "
-          f"{limited([a for a in seen if a.right], lambda a: bool(a.flags))}")  # fmt: skip
+    print(
+        f"    flagged although the truth is named: "
+        f"{limited([a for a in seen if a.right], lambda a: bool(a.flags))}"
+    )
 
 
 def confused(answers: Sequence[Answer]) -> None:
     """The confusion matrix off its diagonal."""
     print("\nnamed otherwise than the truth alone (truth: group)")
     taken = Counter(
-        (" + ".join(a.job.names), " | ".join(" + ".join(x) for x in a.sets[:3]) or a.verdict,
-         "flagged" if a.flags else "", "twins" if a.twins else "")
-        for a in answers if a.job.effects and not a.exact
-        and (a.visible or len(a.job.effects) == 2 or a.detected)
-    )  # fmt: skip
+        (
+            " + ".join(a.job.names),
+            " | ".join(" + ".join(x) for x in a.sets[:3]) or a.verdict,
+            "flagged" if a.flags else "",
+            "twins" if a.twins else "",
+        )
+        for a in answers
+        if a.job.effects and not a.exact and (a.visible or len(a.job.effects) == 2 or a.detected)
+    )
     for (name, said, *marks), count in sorted(taken.items(), key=lambda x: (-x[1], x[0])):
         print(f"  {count:3} {name}: {said} {' '.join(filter(None, marks))}")
 
@@ -316,20 +361,54 @@ def confused(answers: Sequence[Answer]) -> None:
 def written(answers: Sequence[Answer], path: Path) -> None:
     with path.open("w", newline="", encoding="utf-8") as file:
         out = csv.writer(file)
-        out.writerow(["programme", "noise", "truth", "seed", "effects", "sizes", "visible",
-                      "verdict", "group", "odds", "chance", "flags", "exact", "best", "twins",
-                      "in_group", "family", "wrong", "seconds"])  # fmt: skip
+        out.writerow(
+            [
+                "programme",
+                "noise",
+                "truth",
+                "seed",
+                "effects",
+                "sizes",
+                "visible",
+                "verdict",
+                "group",
+                "odds",
+                "chance",
+                "flags",
+                "exact",
+                "best",
+                "twins",
+                "in_group",
+                "family",
+                "wrong",
+                "seconds",
+            ]
+        )
         for a in answers:
             job = a.job
             out.writerow(
-                [job.programme, job.noise, job.truth, job.seed,
-                 " + ".join(name for name, _ in job.effects),
-                 " + ".join(f"{size:g}" for _, size in job.effects), a.visible, a.verdict,
-                 " | ".join(" + ".join(x) for x in a.sets),
-                 " | ".join(f"{odds:.3g}" for _, odds in a.group), f"{a.chance:.4f}",
-                 "; ".join(a.flags), a.exact, a.right, a.twins, a.inside, a.family, a.wrong,
-                 f"{a.seconds:.2f}"]
-            )  # fmt: skip
+                [
+                    job.programme,
+                    job.noise,
+                    job.truth,
+                    job.seed,
+                    " + ".join(name for name, _ in job.effects),
+                    " + ".join(f"{size:g}" for _, size in job.effects),
+                    a.visible,
+                    a.verdict,
+                    " | ".join(" + ".join(x) for x in a.sets),
+                    " | ".join(f"{odds:.3g}" for _, odds in a.group),
+                    f"{a.chance:.4f}",
+                    "; ".join(a.flags),
+                    a.exact,
+                    a.right,
+                    a.twins,
+                    a.inside,
+                    a.family,
+                    a.wrong,
+                    f"{a.seconds:.2f}",
+                ]
+            )
 
 
 def drawn(answers: Sequence[Answer], path: Path) -> None:
@@ -351,8 +430,15 @@ def drawn(answers: Sequence[Answer], path: Path) -> None:
     axis.imshow(np.sqrt(counts), cmap="Blues", aspect="auto")
     for i, j in np.argwhere(counts > 0):
         dark = counts[i, j] > 0.4 * counts.max()
-        axis.text(j, i, f"{counts[i, j]:.0f}", ha="center", va="center", size=7,
-                  color="white" if dark else "black")  # fmt: skip
+        axis.text(
+            j,
+            i,
+            f"{counts[i, j]:.0f}",
+            ha="center",
+            va="center",
+            size=7,
+            color="white" if dark else "black",
+        )
     axis.set_xticks(range(len(said)), said, rotation=90, size=7)
     axis.set_yticks(range(len(truths)), truths, size=7)
     axis.set(xlabel="best set", ylabel="hidden")

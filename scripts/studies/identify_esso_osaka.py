@@ -35,10 +35,20 @@ CHANNELS = ("x", "y", "psi", "r")
 SENSORS = {"x": 0.03, "y": 0.03, "psi": math.radians(0.5), "r": math.radians(0.3)}
 SPREAD, WINDOW, SHORTEST = 0.3, 60.0, 40.0
 HULL = (
-    "Xu", "Xu|v|", "Xvr", "Y|u|v", "Yur", "Nuv", "N|u|r", "crossflow_drag.CD", "rudder_mmg.aH",
-    "rudder_mmg.epsilon", "rudder_mmg.gamma_positive", "rudder_mmg.gamma_negative",
+    "Xu",
+    "Xu|v|",
+    "Xvr",
+    "Y|u|v",
+    "Yur",
+    "Nuv",
+    "N|u|r",
+    "crossflow_drag.CD",
+    "rudder_mmg.aH",
+    "rudder_mmg.epsilon",
+    "rudder_mmg.gamma_positive",
+    "rudder_mmg.gamma_negative",
     "propeller.wp",
-)  # fmt: skip
+)
 WIND = ("wind.cx", "wind.cy", "wind.cn")
 
 
@@ -46,9 +56,10 @@ def models() -> tuple[Model, Model]:
     """The library's ship, and the same with the windage that its builders state."""
     calm = pk.load_model("esso-osaka-3m")
     part = Part(
-        effect="wind", source="windage as stated; coefficients typical",
+        effect="wind",
+        source="windage as stated; coefficients typical",
         values=MappingProxyType({"AF": 0.135, "AL": 0.520, "cx": 0.7, "cy": 0.8, "cn": 0.1}),
-    )  # fmt: skip
+    )
     return calm, replace(calm, parts=MappingProxyType({**calm.parts, "wind": part}))
 
 
@@ -77,14 +88,18 @@ def main() -> None:
     options = parser.parse_args()
     calm, windy = models()
     found = records(options.data, calm)
-    train = [x for name, all_ in found.items() if name[0] == "z" or name.endswith("_4")
-             for x in all_]  # fmt: skip
-    test = [x for name, all_ in found.items() if name[0] == "t" or name.endswith("_6")
-            for x in all_]  # fmt: skip
+    train = [
+        x for name, all_ in found.items() if name[0] == "z" or name.endswith("_4") for x in all_
+    ]
+    test = [
+        x for name, all_ in found.items() if name[0] == "t" or name.endswith("_6") for x in all_
+    ]
     still = list(reference(calm, [x.calm() for x in test], sensors=SENSORS))
     blown = [replace(item, record=x) for item, x in zip(still, test, strict=True)]
-    print(f"Identified from {sum(map(len, train))} instants of {len(train)} segments, judged on "
-          f"{len(test)} segments, windows of {WINDOW:g} s")  # fmt: skip
+    print(
+        f"Identified from {sum(map(len, train))} instants of {len(train)} segments, judged on "
+        f"{len(test)} segments, windows of {WINDOW:g} s"
+    )
     print(f"{'':24} {'position':>9} {'its end':>9} {'heading':>9} {'speed':>9} {'yaw rate':>9}")
     print(f"{'':24} {'[m]':>9} {'[m]':>9} {'[deg]':>9} {'[m/s]':>9} {'[deg/s]':>9}")
     print(row("library, calm", calm, still))
@@ -119,8 +134,10 @@ def each(model: Model, found: dict[str, tuple[FreeRecord, ...]]) -> None:
         prior = prior_of(model, names, pieces[0].speed, spread=SPREAD)
         result = kalman(model, pieces, prior, sensors=SENSORS)
         shares = result.std / prior.std
-        print(f"{run:16}" + " ".join(
-            f"{'-' if share > UNSEEN else f'{share:.2f}':>9}" for share in shares))  # fmt: skip
+        print(
+            f"{run:16}"
+            + " ".join(f"{'-' if share > UNSEEN else f'{share:.2f}':>9}" for share in shares)
+        )
 
 
 if __name__ == "__main__":

@@ -26,9 +26,12 @@ from pmmkit.models import Model
 from scripts.studies.kvlcc2_hsva import ROOT, Case, as_at_hsva, captive_model, compare
 
 RUDDER = (
-    "rudder_mmg.aH", "rudder_mmg.epsilon", "rudder_mmg.gamma_positive",
-    "rudder_mmg.gamma_negative", "propeller.wp",
-)  # fmt: skip
+    "rudder_mmg.aH",
+    "rudder_mmg.epsilon",
+    "rudder_mmg.gamma_positive",
+    "rudder_mmg.gamma_negative",
+    "propeller.wp",
+)
 WINDOW = 80.0
 
 
@@ -61,8 +64,10 @@ def main() -> None:
     train = [x for run in used for x in free_records(run, captive)]
     test = reference(captive, [x for run in kept for x in free_records(run, captive)])
     head = f"{'':32} overshoots rms [deg]      windows of {WINDOW:g} s, rms"
-    print(f"\n{head}\n{'':32} {'1st':>6} {'2nd':>6} {'3rd':>6}   {'heading':>8} {'position':>9} "
-          f"{'yaw rate':>9}")  # fmt: skip
+    print(
+        f"\n{head}\n{'':32} {'1st':>6} {'2nd':>6} {'3rd':>6}   {'heading':>8} {'position':>9} "
+        f"{'yaw rate':>9}"
+    )
 
     def told(name: str, model: Model, after: str = "") -> None:
         errors = overshoot_errors([compare(run, model) for run in kept])
@@ -80,8 +85,11 @@ def main() -> None:
             began = time.perf_counter()
             found = identify(captive, train, names, method=method, spread=spread)
             seconds = time.perf_counter() - began
-            told(f"{method}, prior {prior}", found.model,
-                 f"  {seconds:5.1f} s  {'; '.join(found.notes)}")  # fmt: skip
+            told(
+                f"{method}, prior {prior}",
+                found.model,
+                f"  {seconds:5.1f} s  {'; '.join(found.notes)}",
+            )
             results.append((f"{method}, prior {prior}", found))
     for title, found in results:
         print(f"\n{title}; not determined: {', '.join(found.unseen) or 'none'}")

@@ -31,14 +31,33 @@ from scripts.studies.bulk_carrier import TRIAL, bulk_carrier
 SENSORS = {"x": 1.0, "y": 1.0, "psi": math.radians(0.1), "r": math.radians(0.02), "u": 0.05}
 NAMES = {
     "kvlcc2": (
-        "Xuu", "Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Nv", "Nr", "Nvvv", "Nvvr", "Nvrr",
-        "Nrrr", "rudder_mmg.aH",
+        "Xuu",
+        "Xvr",
+        "Yv",
+        "Yr",
+        "Yvvv",
+        "Yvvr",
+        "Yvrr",
+        "Nv",
+        "Nr",
+        "Nvvv",
+        "Nvvr",
+        "Nvrr",
+        "Nrrr",
+        "rudder_mmg.aH",
     ),
     "bulk carrier": (
-        "Xuu", "Xvr", "Yv", "Yr", "Nv", "Nr", "crossflow_drag.CD", "rudder_mmg.aH",
+        "Xuu",
+        "Xvr",
+        "Yv",
+        "Yr",
+        "Nv",
+        "Nr",
+        "crossflow_drag.CD",
+        "rudder_mmg.aH",
         "rudder_mmg.epsilon",
     ),
-}  # fmt: skip
+}
 SPREAD = 0.2
 MANOEUVRES = (
     ("zigzag", {"rudder_deg": 10.0, "switch_deg": 10.0}),
@@ -64,9 +83,13 @@ def record(model: Model, speed: float, number: int, rng: np.random.Generator) ->
         for name, std in SENSORS.items()
     }
     return FreeRecord(
-        name=f"{manoeuvre} {number}", t=track.t, delta=track.delta, turns=track.n,
-        measured=measured, speed=speed,
-    )  # fmt: skip
+        name=f"{manoeuvre} {number}",
+        t=track.t,
+        delta=track.delta,
+        turns=track.n,
+        measured=measured,
+        speed=speed,
+    )
 
 
 def replicate(asked: tuple[str, str, int]) -> dict[str, object]:
@@ -86,9 +109,14 @@ def replicate(asked: tuple[str, str, int]) -> dict[str, object]:
     turns = [pk.simulate(m, "turning", speed=speed).metrics for m in (truth, found.model)]
     off = {key: turns[1][key] / turns[0][key] - 1.0 for key in ("tactical_diameter", "advance")}
     return {
-        "held": held, "seen": seen, "off": off, "seconds": seconds, "method": method,
-        "share": found.std / prior.std, "samples": sum(len(item) for item in records),
-    }  # fmt: skip
+        "held": held,
+        "seen": seen,
+        "off": off,
+        "seconds": seconds,
+        "method": method,
+        "share": found.std / prior.std,
+        "samples": sum(len(item) for item in records),
+    }
 
 
 def main() -> None:
@@ -109,12 +137,16 @@ def main() -> None:
 def told(name: str, method: str, found: list[dict]) -> None:
     held, seen = (np.stack([item[key] for item in found]) for key in ("held", "seen"))
     print(f"\n{name}, {method}, {len(found)} replicates, {found[0]['samples']} samples each")
-    print(f"  95 % intervals hold the truth: all {100 * held.mean():.1f} %, "
-          f"determined ones {100 * held[seen].mean():.1f} %")  # fmt: skip
+    print(
+        f"  95 % intervals hold the truth: all {100 * held.mean():.1f} %, "
+        f"determined ones {100 * held[seen].mean():.1f} %"
+    )
     for key in ("tactical_diameter", "advance"):
         off = 100 * np.abs([item["off"][key] for item in found])
-        print(f"  {key:18} off by {off.mean():.2f} % on average, {np.median(off):.2f} % median, "
-              f"{np.quantile(off, 0.95):.2f} % in 95 of 100")  # fmt: skip
+        print(
+            f"  {key:18} off by {off.mean():.2f} % on average, {np.median(off):.2f} % median, "
+            f"{np.quantile(off, 0.95):.2f} % in 95 of 100"
+        )
     share = np.median([item["share"] for item in found], axis=0)
     per = held.mean(axis=0)
     for item, ratio, kept in zip(NAMES[name], share, per, strict=True):

@@ -15,16 +15,24 @@ import pmmkit as pk
 from pmmkit.simulation.imo import Verdict
 
 SHIPS = {
-    "s175": (11.3, None), "s175-3dof": (11.3, None), "kvlcc2": (7.97, None),
-    "kvlcc2-l7": (7.97, 320.0), "kcs": (12.35, None), "mariner": (7.7175, None),
-    "esso190k": (8.23, None), "esso-osaka-3m": (5.4, 325.0),
-}  # fmt: skip
+    "s175": (11.3, None),
+    "s175-3dof": (11.3, None),
+    "kvlcc2": (7.97, None),
+    "kvlcc2-l7": (7.97, 320.0),
+    "kcs": (12.35, None),
+    "mariner": (7.7175, None),
+    "esso190k": (8.23, None),
+    "esso-osaka-3m": (5.4, 325.0),
+}
 COLUMNS = {
-    "advance": "advance ≤ 4.5 L", "tactical_diameter": "tactical diameter ≤ 5 L",
-    "initial_turning": "initial turning ≤ 2.5 L", "first_overshoot_10_10": "10/10, first",
-    "second_overshoot_10_10": "10/10, second", "first_overshoot_20_20": "20/20, first ≤ 25°",
+    "advance": "advance ≤ 4.5 L",
+    "tactical_diameter": "tactical diameter ≤ 5 L",
+    "initial_turning": "initial turning ≤ 2.5 L",
+    "first_overshoot_10_10": "10/10, first",
+    "second_overshoot_10_10": "10/10, second",
+    "first_overshoot_20_20": "20/20, first ≤ 25°",
     "track_reach": "stop ≤ 15 L",
-}  # fmt: skip
+}
 
 
 def cell(found: list[Verdict]) -> str:

@@ -75,8 +75,17 @@ def jobs(campaign: Path, base: Path) -> list[Job]:
     pmmkit = [sys.executable, "-m", "pmmkit"]
 
     def reduce(folder: Path) -> Sequence[str]:
-        return [*pmmkit, "reduce", str(campaign), "--structure", "cubic", "--out",
-                str(folder / "out"), "--jobs", "2"]  # fmt: skip
+        return [
+            *pmmkit,
+            "reduce",
+            str(campaign),
+            "--structure",
+            "cubic",
+            "--out",
+            str(folder / "out"),
+            "--jobs",
+            "2",
+        ]
 
     def old(folder: Path) -> None:
         (folder / "out").mkdir()
@@ -84,9 +93,19 @@ def jobs(campaign: Path, base: Path) -> list[Job]:
             (folder / "out" / name).write_text(f"the old {name}", encoding="utf-8")
 
     def add(folder: Path) -> Sequence[str]:
-        return [*pmmkit, "add", str(base / "model.toml"), "cubic_hull_terms", "--fit",
-                str(campaign), "-o", str(folder / "model.toml"), "--no-figures",
-                "--out", str(folder / "added")]  # fmt: skip
+        return [
+            *pmmkit,
+            "add",
+            str(base / "model.toml"),
+            "cubic_hull_terms",
+            "--fit",
+            str(campaign),
+            "-o",
+            str(folder / "model.toml"),
+            "--no-figures",
+            "--out",
+            str(folder / "added"),
+        ]
 
     def save(folder: Path) -> Sequence[str]:
         return [sys.executable, "-c", SAVE, str(campaign), str(folder / "saved.h5")]
@@ -168,8 +187,21 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         make(Path(name), runs=given.runs, mb=0.1)
         base = Path(name) / "base"
-        run([sys.executable, "-m", "pmmkit", "reduce", name, "--structure", "linear",
-             "--fn", "pooled", "--out", str(base)])  # fmt: skip
+        run(
+            [
+                sys.executable,
+                "-m",
+                "pmmkit",
+                "reduce",
+                name,
+                "--structure",
+                "linear",
+                "--fn",
+                "pooled",
+                "--out",
+                str(base),
+            ]
+        )
         chosen = [job for job in jobs(Path(name), base) if job.name in (given.only or [job.name])]
         each = -(-given.kills // len(chosen))
         tallies = {job.name: try_job(job, each, rng) for job in chosen}

@@ -50,21 +50,32 @@ def captive_model(data: Path) -> tuple[Model, Parts]:
     reduction = pk.reduce_campaign(campaign, structure="mmg")
     scale = 320.0 / campaign.ship.L
     parts = parts_of(
-        reduction, area=FULL_AREA / scale**2, height=FULL_HEIGHT / scale, lift_slope=2.747,
-        lR=-0.71, rate_deg_s=2.34 * math.sqrt(scale), assumed=LENT,
-    )  # fmt: skip
+        reduction,
+        area=FULL_AREA / scale**2,
+        height=FULL_HEIGHT / scale,
+        lift_slope=2.747,
+        lR=-0.71,
+        rate_deg_s=2.34 * math.sqrt(scale),
+        assumed=LENT,
+    )
     table = reduction.table
     full = np.isfinite(table["Yv"])
     table = table.with_(
-        Fn=table.Fn[full], value=table.value[full], covariance=table.covariance[full][:, :, full],
-        dof=table.dof[full], method=table.method[full], runs=table.runs[full],
-    )  # fmt: skip
+        Fn=table.Fn[full],
+        value=table.value[full],
+        covariance=table.covariance[full][:, :, full],
+        dof=table.dof[full],
+        method=table.method[full],
+        runs=table.runs[full],
+    )
     hull = hull_alone(table, parts, speed=SPEED, revolutions=REVOLUTIONS)
     donor = Model(
-        name=campaign.ship.name, ship=campaign.ship, water=campaign.water,
+        name=campaign.ship.name,
+        ship=campaign.ship,
+        water=campaign.water,
         parts=MappingProxyType({"propeller": parts.propeller, "rudder_mmg": parts.rudder}),
         scale=f"L = {campaign.ship.L:g} m, the scale of the tests",
-    )  # fmt: skip
+    )
     return pk.to_model(hull, donor, name="KVLCC2 by HMRI's captive tests"), parts
 
 
@@ -83,9 +94,11 @@ def as_at_hsva(model: Model, data: Path) -> Model:
     rudder = made.parts["rudder_mmg"]
     ratio = float(free.rudder["area_lateral"]) / (FULL_LATERAL * (free.ship.L / 320.0) ** 2)
     made = made.with_values(
-        "rudder_mmg", eta=D / height, rate_deg_s=float(free.rudder["rate_deg_s"]),
+        "rudder_mmg",
+        eta=D / height,
+        rate_deg_s=float(free.rudder["rate_deg_s"]),
         area=float(rudder.values["area"]) * ratio,  # type: ignore[arg-type]
-    )  # fmt: skip
+    )
     ship = replace(
         made.ship, mass=free.ship.mass, Izz=free.ship.Izz, xG=free.ship.xG, volume=free.ship.volume
     )
@@ -132,23 +145,21 @@ def compare(run: Run, model: Model) -> Case:
     measured, times = overshoots(t, psi - psi[moved], delta, switch)
     ordered = math.degrees(run.settings.rudder)
     track = pk.simulate(
-        model, "zigzag", rudder_deg=ordered, switch_deg=switch, executes=4,
-        speed=run.settings.speed,
-    )  # fmt: skip
+        model, "zigzag", rudder_deg=ordered, switch_deg=switch, executes=4, speed=run.settings.speed
+    )
     simulated = tuple(track.metrics[f"overshoot_{i}_deg"] for i in (1, 2, 3))
     speed = np.hypot(data["xdot"].to_numpy(), data["ydot"].to_numpy())
     end = min(float(t[-1]) - start, float(track.t[-1]))
     here = (t >= start) & (t <= start + end)
     there = track.t <= end
     return Case(
-        run=run, measured=tuple([*measured, math.nan, math.nan, math.nan][:3]),
+        run=run,
+        measured=tuple([*measured, math.nan, math.nan, math.nan][:3]),
         simulated=simulated,
         second_execute=(times[0] - start, track.metrics["time_execute_2"]),
-        mean_speed=(
-            float(speed[here].mean()), float(np.hypot(track.u, track.v)[there].mean())
-        ),
+        mean_speed=(float(speed[here].mean()), float(np.hypot(track.u, track.v)[there].mean())),
         track=track,
-    )  # fmt: skip
+    )
 
 
 def table(cases: list[Case]) -> str:
@@ -181,9 +192,11 @@ def table(cases: list[Case]) -> str:
 
 def figure(cases: list[Case], path: Path) -> None:
     """Heading and rudder of six zigzags, measured and simulated."""
-    chosen = [c for c in cases if c.run.id in (
-        "Z_10_10_S", "Z_10_10_P", "Z_20_10_S", "Z_10_05", "Z_20_05", "Z_35_05"
-    )]  # fmt: skip
+    chosen = [
+        c
+        for c in cases
+        if c.run.id in ("Z_10_10_S", "Z_10_10_P", "Z_20_10_S", "Z_10_05", "Z_20_05", "Z_35_05")
+    ]
     with style.styled():
         drawing = style.canvas(7.2)
         axes = drawing.subplots(3, 2).ravel()
@@ -194,10 +207,21 @@ def figure(cases: list[Case], path: Path) -> None:
             start = float(t[int(np.argmax(np.abs(delta - delta[0]) > math.radians(0.5)))])
             psi = np.degrees(np.unwrap(data["psi"].to_numpy()))
             axis.plot(t - start, psi, color=style.colour(0), label="heading, measured")
-            axis.plot(t - start, np.degrees(delta), color=style.colour(0), lw=0.8, ls=":",
-                      label="rudder, measured")  # fmt: skip
-            axis.plot(case.track.t, np.degrees(case.track.psi), color=style.colour(1), ls="--",
-                      label="heading, simulated")  # fmt: skip
+            axis.plot(
+                t - start,
+                np.degrees(delta),
+                color=style.colour(0),
+                lw=0.8,
+                ls=":",
+                label="rudder, measured",
+            )
+            axis.plot(
+                case.track.t,
+                np.degrees(case.track.psi),
+                color=style.colour(1),
+                ls="--",
+                label="heading, simulated",
+            )
             axis.set_xlim(-2, min(float(t[-1]) - start, 1.15 * float(case.track.t[-1])))
             axis.set_title(f"{case.run.id.replace('_', ' ')} [deg]")
             axis.set_xlabel("time from the first execute [s]")

@@ -30,15 +30,45 @@ from pmmkit.test_planning.next_run import Advice, next_runs
 from pmmkit.test_planning.options import USUAL, Limits, options_of
 from pmmkit.test_planning.programme import plan, sights
 
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
-RIVALLED = ("asymmetry", "fault_gauge_zero", "memory", "fault_pmm_amplitude", "fault_misalignment",
-            "current", "fault_time_lag", "fault_filter_lag")  # fmt: skip
+RIVALLED = (
+    "asymmetry",
+    "fault_gauge_zero",
+    "memory",
+    "fault_pmm_amplitude",
+    "fault_misalignment",
+    "current",
+    "fault_time_lag",
+    "fault_filter_lag",
+)
 LIMITS = Limits(
-    speeds=(1.0, 1.5, 2.0), drift=math.radians(12), rudder=math.radians(25), sway=0.8,
-    yaw=math.radians(20), sway_velocity=0.25, yaw_rate=0.5, tests=(*USUAL, "sway_yaw"),
-)  # fmt: skip
+    speeds=(1.0, 1.5, 2.0),
+    drift=math.radians(12),
+    rudder=math.radians(25),
+    sway=0.8,
+    yaw=math.radians(20),
+    sway_velocity=0.25,
+    yaw_rate=0.5,
+    tests=(*USUAL, "sway_yaw"),
+)
 """What the rig of the tank's programmes does."""
 
 
@@ -61,7 +91,7 @@ def cubic_model() -> Model:
     hull = replace(part, values={name: x for name, x in part.values.items() if name in BASE})
     return made.with_(
         ship=tank().SHIP, water=tank().WATER, parts={**made.parts, "hull_polynomial": hull}
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
@@ -128,9 +158,10 @@ def tell_loops(loops: list[Loop]) -> None:
         own = [loop for loop in groups if loop.effect == effect]
         tests = Counter(
             f"{loop.advice.runs[0].option.test} {loop.advice.runs[0].option.settings.speed:g} m/s"
-            if loop.advice and loop.advice.runs else "check"
+            if loop.advice and loop.advice.runs
+            else "check"
             for loop in own
-        )  # fmt: skip
+        )
         print(f"  {effect}: {sum(loop.resolved for loop in own)} of {len(own)}; {dict(tests)}")
     pairs = np.array([pair for loop in made if (pair := loop.gains()) is not None])
     if len(pairs) > 2:
@@ -155,9 +186,12 @@ def tell_plans(seeds: range) -> None:
         ground = ground_of(model, limits=LIMITS, options=[*offered, *theirs])
         for label, options, runs in (
             ("programme", theirs, programmes().plans(name)),
-            ("plan", made.options,
-             tuple(programmes().asked(x, number) for number, x in enumerate(made.options))),
-        ):  # fmt: skip
+            (
+                "plan",
+                made.options,
+                tuple(programmes().asked(x, number) for number, x in enumerate(made.options)),
+            ),
+        ):
             seen = sum(item.shown for item in sights(ground, [x.run().id for x in options]))
             print(f"{name}, {len(runs)} runs, {label}: {seen} effects visible")
             for size in (0.3, 1.0):
@@ -196,9 +230,12 @@ def main() -> None:
         tell_plans(seeds)
         return
     tell_loops(
-        [closed(effect, asked.programme, asked.size, seed)
-         for effect in asked.effects for seed in seeds]
-    )  # fmt: skip
+        [
+            closed(effect, asked.programme, asked.size, seed)
+            for effect in asked.effects
+            for seed in seeds
+        ]
+    )
 
 
 if __name__ == "__main__":

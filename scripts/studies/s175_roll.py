@@ -41,11 +41,17 @@ def read(folder: Path) -> list[Case]:
         theirs = pd.read_csv(folder / f"s175_mss_turn_{file}.csv")
         rolling, upright = (
             simulate(
-                name, speed=speed, rudder_deg=rudder_deg, rudder_law="lag", rudder_rate_deg=5.0,
-                dt=1.0, duration=float(theirs["t"].iloc[-1]), rtol=1e-10,
+                name,
+                speed=speed,
+                rudder_deg=rudder_deg,
+                rudder_law="lag",
+                rudder_rate_deg=5.0,
+                dt=1.0,
+                duration=float(theirs["t"].iloc[-1]),
+                rtol=1e-10,
             )
             for name in ("s175", "s175-3dof")
-        )  # fmt: skip
+        )
         cases.append(Case(file, speed, rudder_deg, theirs, rolling, upright))
     return cases
 

@@ -81,9 +81,12 @@ def test_settings_are_si_and_radians(write):
 
 def test_units_in_headers_convert_and_are_recorded(write):
     columns = {
-        "t [s]": T, "X [kN]": 0 * T + 0.5, "Y (N)": 0 * T + 2.0, "N [kN m]": 0 * T + 0.3,
+        "t [s]": T,
+        "X [kN]": 0 * T + 0.5,
+        "Y (N)": 0 * T + 2.0,
+        "N [kN m]": 0 * T + 0.3,
         "delta [deg]": 0 * T + 10.0,
-    }  # fmt: skip
+    }
     data = write(DRIFT, files={"a.csv": csv(columns)})["a"].data
     assert data["X"].values[0] == pytest.approx(500.0)
     assert data["N"].values[0] == pytest.approx(300.0)

@@ -28,8 +28,12 @@ OMEGA = 2 * math.pi / PERIOD
 
 def run_of(test: str, **changes: object) -> Run:
     given_ = {
-        "speed": UC, "period": PERIOD, "amplitude": SWAY, "yaw_amplitude": YAW, "phase": PHASE,
-    } | changes  # fmt: skip
+        "speed": UC,
+        "period": PERIOD,
+        "amplitude": SWAY,
+        "yaw_amplitude": YAW,
+        "phase": PHASE,
+    } | changes
     return Run(
         id=f"{test}_1", test=test, kind="history", settings=Settings(**given_), loader=lambda: None
     )
@@ -61,9 +65,13 @@ def test_velocities_are_the_derivatives_of_the_path(test: str, drift: float) -> 
     v = -xdot * np.sin(psi) + ydot * np.cos(psi)
     r = np.gradient(psi, t)
     expected = {
-        "u": u, "v": v, "r": r,
-        "udot": np.gradient(u, t), "vdot": np.gradient(v, t), "rdot": np.gradient(r, t),
-    }  # fmt: skip
+        "u": u,
+        "v": v,
+        "r": r,
+        "udot": np.gradient(u, t),
+        "vdot": np.gradient(v, t),
+        "rdot": np.gradient(r, t),
+    }
     state = nominal_motion(run_of(test, drift=drift), t)
     inner = slice(10, -10)
     for name, value in expected.items():
@@ -151,9 +159,14 @@ def test_accelerations_belong_to_the_velocities(
 ):
     """Central differences of u, v, r give their rates, whatever the settings."""
     run = run_of(
-        test, speed=speed, period=period, amplitude=sway, yaw_amplitude=yaw, drift=drift,
+        test,
+        speed=speed,
+        period=period,
+        amplitude=sway,
+        yaw_amplitude=yaw,
+        drift=drift,
         phase=phase,
-    )  # fmt: skip
+    )
     t = start + np.linspace(0, period, 40)
     h = period * 1e-5
     before, here, after = (nominal_motion(run, t + away) for away in (-h, 0.0, h))
@@ -298,11 +311,18 @@ def test_harmonics_of_a_motion_are_summed() -> None:
 @pytest.mark.parametrize(
     ("test", "channel"),
     [
-        ("pure_surge", "x"), ("pure_surge", "u"), ("pure_sway", "y"), ("pure_sway", "v"),
-        ("pure_yaw", "psi"), ("pure_yaw", "r"), ("yaw_drift", "psi"), ("yaw_rudder", "r"),
-        ("sway_yaw", "y"), ("sway_yaw", "r"),
+        ("pure_surge", "x"),
+        ("pure_surge", "u"),
+        ("pure_sway", "y"),
+        ("pure_sway", "v"),
+        ("pure_yaw", "psi"),
+        ("pure_yaw", "r"),
+        ("yaw_drift", "psi"),
+        ("yaw_rudder", "r"),
+        ("sway_yaw", "y"),
+        ("sway_yaw", "r"),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("ahead", [0.0, 0.4, -2.5, 3.0])
 def test_phase_of_the_measured_motion(test: str, channel: str, ahead: float) -> None:
     t = uneven()

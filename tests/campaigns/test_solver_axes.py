@@ -85,9 +85,15 @@ def swaying(t):
 
 def run_entry(test="sway_yaw", **more) -> str:
     keys = {
-        "id": "R", "test": test, "file": "run.csv", "speed": SPEED, "period": PERIOD,
-        "yaw_amplitude_deg": math.degrees(YAW), "amplitude_m": SWAY, **more,
-    }  # fmt: skip
+        "id": "R",
+        "test": test,
+        "file": "run.csv",
+        "speed": SPEED,
+        "period": PERIOD,
+        "yaw_amplitude_deg": math.degrees(YAW),
+        "amplitude_m": SWAY,
+        **more,
+    }
     lines = [f"{name} = {json.dumps(value)}" for name, value in keys.items() if name != "row"]
     lines += [f"row = {{ {name} = {value} }}" for name, value in keys.get("row", {}).items()]
     return "\n".join(["[[runs]]", *lines, ""])
@@ -174,8 +180,12 @@ def nominal(test):
         return {"x": 0.0, "y": SWAY * np.sin(theta), "psi": -YAW * np.cos(theta)}
     solved = solve_ivp(
         lambda t, _: [SPEED * math.tan(YAW * math.sin(OMEGA * t + 0.3))],
-        (0.0, T[-1]), [0.0], t_eval=T, rtol=1e-11, atol=1e-12,
-    )  # fmt: skip
+        (0.0, T[-1]),
+        [0.0],
+        t_eval=T,
+        rtol=1e-11,
+        atol=1e-12,
+    )
     y = solved.y[0]
     period = round(PERIOD / 0.02)
     return {"x": 0.0, "y": y - y[:period].mean(), "psi": YAW * np.sin(theta)}
@@ -229,17 +239,17 @@ def test_heel_moment_is_left_out_with_a_word(tmp_path):
 
 
 @given(
-    x=st.floats(-3, 3), y=st.floats(-3, 3), psi=st.floats(-3, 3), centre=st.floats(-2, 2),
+    x=st.floats(-3, 3),
+    y=st.floats(-3, 3),
+    psi=st.floats(-3, 3),
+    centre=st.floats(-2, 2),
     motion=st.floats(-2, 2),
-)  # fmt: skip
+)
 @settings(max_examples=100, deadline=None)
 def test_any_place_heading_centre_and_point_of_motion(x, y, psi, centre, motion):
     """The point whose path is stated may lie anywhere on the hull."""
     t = np.array([0.4])
-    midship = (
-        x + motion - motion * math.cos(psi),
-        y - motion * math.sin(psi),
-    )
+    midship = (x + motion - motion * math.cos(psi), y - motion * math.sin(psi))
     reported = in_solver(t, *midship, psi, centre=(centre, 0.0))
     place = {name: np.array([value]) for name, value in (("x", x), ("y", y), ("psi", psi))}
     solver = Solver(earth_axes=True, centre_moves=False, centre_x=centre, motion_x=motion)

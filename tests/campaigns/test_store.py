@@ -75,9 +75,12 @@ def harmonics() -> xr.Dataset:
 
 def run(run_id: str, data: xr.Dataset, **changes: object) -> Run:
     known = {
-        "id": run_id, "test": "pure_sway", "kind": "history", "loader": lambda: data,
+        "id": run_id,
+        "test": "pure_sway",
+        "kind": "history",
+        "loader": lambda: data,
         "settings": Settings(speed=1.5, period=12.566370614359172, amplitude=0.2, phase=0.1),
-    } | changes  # fmt: skip
+    } | changes
     return Run(**known)
 
 
@@ -97,13 +100,22 @@ def campaign() -> Campaign:
         runs=(
             run("PS_1", history(1), corrections=(scale, scale), source="runs/PS_1.csv"),
             run("PS/1", history(2), forces="balance", use_means=False),
-            run("SD β = 8°", means(), kind="means", test="static_drift",
+            run(
+                "SD β = 8°",
+                means(),
+                kind="means",
+                test="static_drift",
                 settings=Settings(speed=1.0, drift=0.14, repeat_of="PS_1"),
-                stated=MappingProxyType({"Run No.": 376.0, "Froude": float("nan")})),
+                stated=MappingProxyType({"Run No.": 376.0, "Froude": float("nan")}),
+            ),
             run(".", harmonics(), kind="harmonics"),
             run(" a/b.c ", harmonics(), kind="harmonics"),
-            run("TC35", history(3), test="turning",
-                settings=Settings(speed=9.0, rudder=0.61, propeller_rps=2.0, switch=0.2)),
+            run(
+                "TC35",
+                history(3),
+                test="turning",
+                settings=Settings(speed=9.0, rudder=0.61, propeller_rps=2.0, switch=0.2),
+            ),
         ),
         excluded=((run("279b", means(), kind="means"), "copy of beta 12"),),
         forces="balance",
@@ -117,10 +129,14 @@ def campaign() -> Campaign:
         rudder=MappingProxyType({"area": 0.0539, "box": {"span": 0.345, "known": True}}),
         numerical=MappingProxyType({"X": 0.1, "Y": 0.4}),
         provenance=MappingProxyType(
-            {"files": {"runs/PS_1.csv": "9f" * 32}, "conversions": ["X: kN to N, by 1000"],
-             "pmmkit": "0.1.0", "rows": (1, 2)}
+            {
+                "files": {"runs/PS_1.csv": "9f" * 32},
+                "conversions": ["X: kN to N, by 1000"],
+                "pmmkit": "0.1.0",
+                "rows": (1, 2),
+            }
         ),
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")

@@ -138,10 +138,13 @@ def rudder_runs(sign: float, lever: float = -0.49) -> list[Run]:
         data = xr.Dataset({"X": -20.0 - 0.01 * degrees**2, "Y": Y, "N": Y * lever * SHIP.L})
         runs.append(
             Run(
-                id=f"SR_{degrees}", test="static_rudder", kind="means", loader=lambda d=data: d,
+                id=f"SR_{degrees}",
+                test="static_rudder",
+                kind="means",
+                loader=lambda d=data: d,
                 settings=Settings(speed=1.5, rudder=math.radians(degrees), propeller_rps=8.0),
             )
-        )  # fmt: skip
+        )
     return runs
 
 
@@ -173,9 +176,13 @@ def test_resistance_that_pushes():
 
 @pytest.mark.parametrize(
     ("factor", "word"),
-    [(9.80665, "kilogram-force"), (1 / 9.80665, "kilogram-force"), (1000.0, "1000"),
-     (SHIP.L / SHIP.d, "L/d")],
-)  # fmt: skip
+    [
+        (9.80665, "kilogram-force"),
+        (1 / 9.80665, "kilogram-force"),
+        (1000.0, "1000"),
+        (SHIP.L / SHIP.d, "L/d"),
+    ],
+)
 def test_forces_off_by_a_round_factor_are_told_with_the_factor(factor, word):
     runs = programme(speeds=(1.5,), change=scaled(X=factor, Y=factor, N=factor))
     found = said(examine(campaign_of(runs)), "units")

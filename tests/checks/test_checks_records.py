@@ -206,9 +206,14 @@ def turning(lag: float = 0.0, earth: bool = False, knots: bool = False, rudder: 
     unit = 1.944 if knots else 1.0
     rdot = -0.6 * 0.25**2 * np.sin(0.25 * t)
     columns = {
-        "x": fine, "y": side, "psi": psi, "r": r, "u": shown[0] * unit, "v": shown[1] * unit,
+        "x": fine,
+        "y": side,
+        "psi": psi,
+        "r": r,
+        "u": shown[0] * unit,
+        "v": shown[1] * unit,
         "delta": rudder * (r + 8.0 * rdot),
-    }  # fmt: skip
+    }
     data = xr.Dataset({name: ("t", part) for name, part in columns.items()}, coords={"t": t})
     return Run(
         id="ZZ", test="zigzag", kind="history", loader=lambda: data, settings=Settings(speed=0.8)

@@ -95,9 +95,8 @@ def test_stated_amplitudes_give_the_length_that_made_them():
             omega = 2 * math.pi * hertz
             stated = {"r_amplitude": r, "rdot_amplitude": -round(r * omega * length / 1.5, 5)}
             run = run_of(
-                f"PY_{hertz}", "pure_yaw", period=1 / hertz,
-                yaw_amplitude=r * 1.5 / SHIP.L / omega,
-            )  # fmt: skip
+                f"PY_{hertz}", "pure_yaw", period=1 / hertz, yaw_amplitude=r * 1.5 / SHIP.L / omega
+            )
             yield run.with_(stated=MappingProxyType(stated))
 
     assert said(examine(campaign_of(runs(SHIP.L))), "length") == []

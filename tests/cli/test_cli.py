@@ -223,9 +223,18 @@ def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     out = tmp_path / "estimate"
     particulars = ["--length", "180", "--breadth", "30", "--draught", "10", "--block", "0.8"]
     status, content, _ = said(
-        capsys, "estimate", *particulars, "--speed", "7.5", "--propeller", "5.8", "--rudder", "40",
-        "--out", out,
-    )  # fmt: skip
+        capsys,
+        "estimate",
+        *particulars,
+        "--speed",
+        "7.5",
+        "--propeller",
+        "5.8",
+        "--rudder",
+        "40",
+        "--out",
+        out,
+    )
     assert status == 0
     assert len(content["estimates"]) == 6
     model = pmmkit.load_model(out / "model.toml")
@@ -243,10 +252,20 @@ def test_compare_writes_errors_uncertainties_and_figures(campaign, tmp_path, cap
     out = tmp_path / "compared"
     status, content, words = said(capsys, "compare", "s175-3dof", campaign, "--out", out)
     assert status == 0
-    assert set(content["files"]) == {file.name for file in out.iterdir()} >= {
-        "comparison.csv", "comparison.json", "harmonics.csv", "misfit.csv", "misfit.png",
-        "loops.png", "residuals.png", "in_time.png",
-    }  # fmt: skip
+    assert (
+        set(content["files"])
+        == {file.name for file in out.iterdir()}
+        >= {
+            "comparison.csv",
+            "comparison.json",
+            "harmonics.csv",
+            "misfit.csv",
+            "misfit.png",
+            "loops.png",
+            "residuals.png",
+            "in_time.png",
+        }
+    )
     rows = rows_of(out / "comparison.csv")
     assert {"run", "channel", "error", "relative", "uncertainty", "floor"} <= set(rows[0])
     assert len(rows) == len(content["runs"]) == 3 * len({row["run"] for row in rows})
@@ -263,9 +282,14 @@ def test_compare_says_where_a_model_fails(reduced, campaign, tmp_path, capsys):
     zero = tuple(0.0 for _ in model.Fn)
     pmmkit.save_model(model.with_values("hull_polynomial", Nvvr=zero), tmp_path / "model.toml")
     status, content, words = said(
-        capsys, "compare", tmp_path / "model.toml", campaign, "--no-figures", "--out",
+        capsys,
+        "compare",
+        tmp_path / "model.toml",
+        campaign,
+        "--no-figures",
+        "--out",
         tmp_path / "compared",
-    )  # fmt: skip
+    )
     assert status == 0
     worst = content["standouts"][0]
     assert (worst["channel"], worst["test"], worst["harmonic"]) == ("N", "yaw_drift", 1)
@@ -504,9 +528,11 @@ def test_the_demo_finds_the_trends_that_are_in_the_synthetic_programme(tmp_path,
     truth = tomllib.loads((datasets / "s175" / "truth.toml").read_text(encoding="utf-8"))["trend"]
     found = content["changes"]
     pairs = {
-        "steady_diameter_L": "steady_radius", "tactical_diameter_L": "tactical_diameter",
-        "transfer_L": "transfer", "advance_L": "advance",
-    }  # fmt: skip
+        "steady_diameter_L": "steady_radius",
+        "tactical_diameter_L": "tactical_diameter",
+        "transfer_L": "transfer",
+        "advance_L": "advance",
+    }
     for ours, theirs in pairs.items():
         assert abs(found[ours] - truth[theirs]["achieved"]) < 0.015
     text = " ".join(read_page(tmp_path / "demo" / "report.html").text)

@@ -35,9 +35,14 @@ def run(capsys, *arguments):
 @pytest.fixture(scope="module")
 def diagnosed(folder):
     status = main(
-        ["diagnose", str(folder / "model.toml"), str(folder / "hidden.h5"), "--out",
-         str(folder / "found")]
-    )  # fmt: skip
+        [
+            "diagnose",
+            str(folder / "model.toml"),
+            str(folder / "hidden.h5"),
+            "--out",
+            str(folder / "found"),
+        ]
+    )
     assert status == 0
     return json.loads((folder / "found" / "diagnosis.json").read_text())
 
@@ -49,8 +54,18 @@ def test_the_json_holds_what_the_contract_says(diagnosed):
     assert best["odds"] == 1.0
     assert diagnosed["flags"] == []
     for item in diagnosed["findings"]:
-        assert {"effect", "family", "channels", "coefficients", "std", "evidence", "error_before",
-                "error_after", "rivals", "separating_test"} <= set(item)  # fmt: skip
+        assert {
+            "effect",
+            "family",
+            "channels",
+            "coefficients",
+            "std",
+            "evidence",
+            "error_before",
+            "error_after",
+            "rivals",
+            "separating_test",
+        } <= set(item)
         assert item["error_after"] < item["error_before"]
         assert set(item["std"]) == set(item["coefficients"])
     for item in diagnosed["not_testable"]:
@@ -68,9 +83,14 @@ def test_the_files_of_a_diagnosis(folder, diagnosed):
 
 def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
     _, out, _ = run(
-        capsys, "diagnose", folder / "model.toml", folder / "hidden.h5", "--no-figures", "--out",
+        capsys,
+        "diagnose",
+        folder / "model.toml",
+        folder / "hidden.h5",
+        "--no-figures",
+        "--out",
         folder / "words",
-    )  # fmt: skip
+    )
     assert "Verdict: An effect is missing." in out
     assert "Family: " in out
     assert "These runs could not show:" in out
@@ -80,9 +100,15 @@ def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
 
 def test_nothing_hidden_is_nothing_named(folder, capsys):
     status, out, err = run(
-        capsys, "diagnose", folder / "model.toml", folder / "quiet.h5", "--json", "--no-figures",
-        "--out", folder / "quiet",
-    )  # fmt: skip
+        capsys,
+        "diagnose",
+        folder / "model.toml",
+        folder / "quiet.h5",
+        "--json",
+        "--no-figures",
+        "--out",
+        folder / "quiet",
+    )
     found = json.loads(out)
     assert (status, found["verdict"], found["group"]) == (0, "noise", [])
     assert "Nothing is missing" in err
@@ -90,9 +116,17 @@ def test_nothing_hidden_is_nothing_named(folder, capsys):
 
 def test_what_is_known_is_given(folder, capsys):
     _, out, _ = run(
-        capsys, "diagnose", folder / "model.toml", folder / "hidden.h5", "--json", "--no-figures",
-        "--given", "fault_misalignment", "--out", folder / "given",
-    )  # fmt: skip
+        capsys,
+        "diagnose",
+        folder / "model.toml",
+        folder / "hidden.h5",
+        "--json",
+        "--no-figures",
+        "--given",
+        "fault_misalignment",
+        "--out",
+        folder / "given",
+    )
     found = json.loads(out)
     assert found["given"] == ["fault_misalignment"]
     assert found["group"][0]["effects"] == ["yaw_sway_coupling"]
@@ -101,15 +135,26 @@ def test_what_is_known_is_given(folder, capsys):
 def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     target = folder / "better.toml"
     status, out, _ = run(
-        capsys, "add", folder / "model.toml", "yaw_sway_coupling", "fault_misalignment", "--fit",
-        folder / "hidden.h5", "-o", target, "--out", folder / "added", "--json",
-    )  # fmt: skip
+        capsys,
+        "add",
+        folder / "model.toml",
+        "yaw_sway_coupling",
+        "fault_misalignment",
+        "--fit",
+        folder / "hidden.h5",
+        "-o",
+        target,
+        "--out",
+        folder / "added",
+        "--json",
+    )
     assert status == 0
     content = json.loads(out)
     shares = {
-        row["step"]: row["share"] for row in content["errors"]
+        row["step"]: row["share"]
+        for row in content["errors"]
         if row["test"] == "all" and row["channel"] == "N"
-    }  # fmt: skip
+    }
     assert shares["fault_misalignment"] < shares["yaw_sway_coupling"] < shares["base"]
     made = load_model(target)
     assert made.values("hull_polynomial")["Nvvr"] == pytest.approx(-0.0424, rel=0.1)
@@ -118,9 +163,16 @@ def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     assert content["turning"]["after"].keys() == content["turning"]["before"].keys()
 
     status, out, _ = run(
-        capsys, "add", target, "--undo", "--fit", folder / "hidden.h5", "-o", folder / "back.toml",
+        capsys,
+        "add",
+        target,
+        "--undo",
+        "--fit",
+        folder / "hidden.h5",
+        "-o",
+        folder / "back.toml",
         "--json",
-    )  # fmt: skip
+    )
     assert json.loads(out)["taken_out"] == "fault_misalignment"
     history = load_model(folder / "back.toml").history
     assert [line.split(":")[0] for line in history if line.startswith("Added")] == [
@@ -152,9 +204,20 @@ def test_what_cannot_be_done_is_said(folder, arguments, status, said, capsys, mo
 def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
     place = write_free_campaign(tmp_path / "zigzags")
     status, out, err = run(
-        capsys, "diagnose", "kvlcc2-l7", place, "--test-runs", "ZZ35", "--spread", "0.02",
-        "--window", "40", "--json", "--out", tmp_path / "found",
-    )  # fmt: skip
+        capsys,
+        "diagnose",
+        "kvlcc2-l7",
+        place,
+        "--test-runs",
+        "ZZ35",
+        "--spread",
+        "0.02",
+        "--window",
+        "40",
+        "--json",
+        "--out",
+        tmp_path / "found",
+    )
     assert status == 0
     found = json.loads(out)
     assert found["group"] == []

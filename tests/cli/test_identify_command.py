@@ -28,9 +28,7 @@ NOISE = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05)
 RUNS = {"ZZ10": (10, 10), "ZZ20": (-20, 20), "ZZ15": (15, 15), "ZZ35": (35, 5)}
 NAMES = ("Yv", "Nv", "Nr")
 START = {"Yv": -0.25, "Nv": -0.12, "Nr": -0.055}
-COLUMNS = [
-    "parameter", "prior", "prior_std", "value", "std", "ci_low", "ci_high", "seen", "method",
-]  # fmt: skip
+COLUMNS = ["parameter", "prior", "prior_std", "value", "std", "ci_low", "ci_high", "seen", "method"]
 HEAD = """\
 [campaign]
 title = "Made-up zigzags"
@@ -70,8 +68,9 @@ def sailed(name):
 def noisy(name):
     """Its channels as sensors see them."""
     track, rng = sailed(name), np.random.default_rng([3, len(name), abs(RUNS[name][0])])
-    seen = {key: getattr(track, key) + std * rng.normal(size=len(track)) for key, std in
-            NOISE.items()}  # fmt: skip
+    seen = {
+        key: getattr(track, key) + std * rng.normal(size=len(track)) for key, std in NOISE.items()
+    }
     return {"t": track.t, **seen, "delta": track.delta, "n": track.n}
 
 
@@ -110,10 +109,14 @@ def records():
         measured = {key: own[key] for key in NOISE}
         made.append(
             FreeRecord(
-                name=name, t=own["t"], delta=own["delta"], turns=own["n"], measured=measured,
+                name=name,
+                t=own["t"],
+                delta=own["delta"],
+                turns=own["n"],
+                measured=measured,
                 speed=SPEED,
             )
-        )  # fmt: skip
+        )
     return made
 
 
@@ -144,14 +147,31 @@ def test_one_method_writes_its_files_and_predicts_what_was_held_out(
 ):
     out = tmp_path / "found"
     status, content, words = said(
-        capsys, "identify", campaign, "--model", start, "--derivatives", "Yv Nv,Nr", "--spread",
-        "0.2", "--test-runs", "ZZ35", "--out", out,
-    )  # fmt: skip
+        capsys,
+        "identify",
+        campaign,
+        "--model",
+        start,
+        "--derivatives",
+        "Yv Nv,Nr",
+        "--spread",
+        "0.2",
+        "--test-runs",
+        "ZZ35",
+        "--out",
+        out,
+    )
     assert status == 0
     names = {
-        "identified.csv", "model.toml", "predictions.csv", "identified.json", "parameters.svg",
-        "history_ekf.svg", "innovations_ekf.svg", "prediction.svg",
-    }  # fmt: skip
+        "identified.csv",
+        "model.toml",
+        "predictions.csv",
+        "identified.json",
+        "parameters.svg",
+        "history_ekf.svg",
+        "innovations_ekf.svg",
+        "prediction.svg",
+    }
     assert {file.name for file in out.iterdir()} == set(content["files"]) == names
     rows = rows_of(out / "identified.csv")
     assert list(rows[0]) == COLUMNS
@@ -182,9 +202,22 @@ def test_one_method_writes_its_files_and_predicts_what_was_held_out(
 def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
     out = tmp_path / "all"
     status, content, words = said(
-        capsys, "identify", campaign, "--model", start, "--method", "all", "--spread", "0.2",
-        "--derivatives", "Yv Nv Nr rudder_mmg.aH", "--test-runs", "ZZ35", "--out", out,
-    )  # fmt: skip
+        capsys,
+        "identify",
+        campaign,
+        "--model",
+        start,
+        "--method",
+        "all",
+        "--spread",
+        "0.2",
+        "--derivatives",
+        "Yv Nv Nr rudder_mmg.aH",
+        "--test-runs",
+        "ZZ35",
+        "--out",
+        out,
+    )
     assert status == 0
     assert (tuple(content["methods"]), content["failed"]) == (METHODS, {})
     assert {f"model_{name}.toml" for name in METHODS} <= set(content["files"])
@@ -203,10 +236,25 @@ def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
 
 def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
     status, content, words = said(
-        capsys, "identify", campaign, "--model", start, "--method", "trajectory", "--derivatives",
-        "Nv", "--runs", "ZZ1*", "--channels", "x,y,psi", "--window", "40", "--no-wind", "--out",
+        capsys,
+        "identify",
+        campaign,
+        "--model",
+        start,
+        "--method",
+        "trajectory",
+        "--derivatives",
+        "Nv",
+        "--runs",
+        "ZZ1*",
+        "--channels",
+        "x,y,psi",
+        "--window",
+        "40",
+        "--no-wind",
+        "--out",
         tmp_path / "t",
-    )  # fmt: skip
+    )
     assert status == 0
     assert content["held_out"] is None
     assert content["used"]["runs"] == ["ZZ10", "ZZ15"]
@@ -217,9 +265,20 @@ def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
 
 def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
     status, content, words = said(
-        capsys, "identify", campaign, "--model", start, "--derivatives", "Nv current_x", "--runs",
-        "ZZ10", "--sensors", "x=0.02,y=0.02,psi_deg=0.1,r_deg=0.05", "--out", tmp_path / "t",
-    )  # fmt: skip
+        capsys,
+        "identify",
+        campaign,
+        "--model",
+        start,
+        "--derivatives",
+        "Nv current_x",
+        "--runs",
+        "ZZ10",
+        "--sensors",
+        "x=0.02,y=0.02,psi_deg=0.1,r_deg=0.05",
+        "--out",
+        tmp_path / "t",
+    )
     assert status == 0
     rows = {row["parameter"]: row for row in content["methods"]["ekf"]["parameters"]}
     assert abs(rows["current_x"]["value"]) < 0.05
@@ -231,9 +290,20 @@ def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
 def test_what_the_records_do_not_determine_is_named_and_kept(campaign, start, tmp_path, capsys):
     out = tmp_path / "t"
     status, content, words = said(
-        capsys, "identify", campaign, "--model", start, "--derivatives", "Nv Nrrr", "--runs",
-        "ZZ10", "--spread", "0.02", "--out", out,
-    )  # fmt: skip
+        capsys,
+        "identify",
+        campaign,
+        "--model",
+        start,
+        "--derivatives",
+        "Nv Nrrr",
+        "--runs",
+        "ZZ10",
+        "--spread",
+        "0.02",
+        "--out",
+        out,
+    )
     assert status == 0
     assert content["methods"]["ekf"]["unseen"] == ["Nrrr"]
     assert "do not determine Nrrr" in words
@@ -256,7 +326,7 @@ def test_what_the_records_do_not_determine_is_named_and_kept(campaign, start, tm
         (["--prior", "nothing"], ["nothing", "kvlcc2"]),
         (["--prior", "nothing.csv"], ["nothing.csv"]),
     ],
-)  # fmt: skip
+)
 def test_wrong_requests_are_answered_with_what_exists(
     campaign, start, tmp_path, capsys, arguments, words
 ):
@@ -361,9 +431,12 @@ def before(prior, spread=None, names=("Yv", "Nv", "rudder_mmg.aH", "current_x"),
 def test_the_prior_of_a_table_has_its_values_and_covariance(tmp_path):
     model = pk.load_model(SHIP)
     table = pk.from_values(
-        {"Yv": -0.3, "Nv": [-0.13], "Yr": 0.1}, std={"Yv": 0.02}, ship=model.ship,
-        water=model.water, convention=model.convention,
-    )  # fmt: skip
+        {"Yv": -0.3, "Nv": [-0.13], "Yr": 0.1},
+        std={"Yv": 0.02},
+        ship=model.ship,
+        water=model.water,
+        convention=model.convention,
+    )
     path = tmp_path / "table.csv"
     pk.write_table(table, path)
     found = before(str(path))
@@ -503,9 +576,13 @@ def test_a_filter_on_its_own_model_is_white_and_one_without_process_noise_is_not
     )
     wrong = model.with_values("hull_polynomial", Yv=-0.15, Nr=-0.1)
     found = compare_methods(
-        wrong, records[:2], ["Nv"], methods=("ekf",), sensors=NOISE,
+        wrong,
+        records[:2],
+        ["Nv"],
+        methods=("ekf",),
+        sensors=NOISE,
         settings={"ekf": {"roughness": 0.0}},
-    )  # fmt: skip
+    )
     words = " ".join(consistency(found.found["ekf"].detail).words())
     assert "not white" in words
     assert "times as large" in words

@@ -40,9 +40,17 @@ class TestNames:
 
     @pytest.mark.parametrize(
         ("given_name", "name"),
-        [("Xrv", "Xvr"), ("Nrvv", "Nvvr"), ("Y|v|v", "Yv|v|"), ("Yr|v|", "Y|v|r"),
-         ("Kphiv", "Kvphi"), ("Nvdotvv", "Nvvvdot"), ("Ydphip", "Ypdphi"), ("N0uu", "N0uu")],
-    )  # fmt: skip
+        [
+            ("Xrv", "Xvr"),
+            ("Nrvv", "Nvvr"),
+            ("Y|v|v", "Yv|v|"),
+            ("Yr|v|", "Y|v|r"),
+            ("Kphiv", "Kvphi"),
+            ("Nvdotvv", "Nvvvdot"),
+            ("Ydphip", "Ypdphi"),
+            ("N0uu", "N0uu"),
+        ],
+    )
     def test_canonical_names(self, given_name, name):
         assert canonical(given_name) == name
 
@@ -55,18 +63,42 @@ class TestNames:
 
     @pytest.mark.parametrize(
         ("name", "speed", "length"),
-        [("Yv", 1, 0), ("Yvvr", 3, 1), ("Yv|v|", 2, 0), ("Nrdot", 2, 2), ("Yvdot", 2, 1),
-         ("Xuu", 2, 0), ("Yd", 0, 0), ("Y0", 0, 0), ("XT", 2, 0), ("Kp", 1, 1), ("Yvphi", 1, 0)],
-    )  # fmt: skip
+        [
+            ("Yv", 1, 0),
+            ("Yvvr", 3, 1),
+            ("Yv|v|", 2, 0),
+            ("Nrdot", 2, 2),
+            ("Yvdot", 2, 1),
+            ("Xuu", 2, 0),
+            ("Yd", 0, 0),
+            ("Y0", 0, 0),
+            ("XT", 2, 0),
+            ("Kp", 1, 1),
+            ("Yvphi", 1, 0),
+        ],
+    )
     def test_powers_of_speed_and_length(self, name, speed, length):
         derivative = parse_derivative(name)
         assert (derivative.speed_power, derivative.length_power) == (speed, length)
 
     @given(
-        st.sampled_from(["Yv", "Yvvv", "Nvvr", "Yv|v|", "Y|v|r", "Yvdot", "Nvvdot", "Yrd", "Yddd",
-                         "Yd|d|", "Yvvd"]),
+        st.sampled_from(
+            [
+                "Yv",
+                "Yvvv",
+                "Nvvr",
+                "Yv|v|",
+                "Y|v|r",
+                "Yvdot",
+                "Nvvdot",
+                "Yrd",
+                "Yddd",
+                "Yd|d|",
+                "Yvvd",
+            ]
+        ),
         st.sampled_from(["v", "d"]),
-    )  # fmt: skip
+    )
     def test_the_sign_under_a_flip_is_that_of_the_product(self, name, variable):
         numbers = {"v": 0.3, "r": 0.7, "d": 0.2, "vdot": 1.1}
         flipped = numbers | {
@@ -87,14 +119,29 @@ class TestUnits:
     @pytest.mark.parametrize(
         ("unit", "si", "factor"),
         [
-            ("kN", "N", 1000.0), ("MN", "N", 1e6), ("mN", "N", 1e-3), ("kgf", "N", 9.80665),
-            ("Nm", "N m", 1.0), ("kNm", "N m", 1e3), ("N·m", "N m", 1.0), ("N m", "N m", 1.0),
-            ("nm", "m", 1852.0), ("kn", "m/s", 0.514444), ("knots", "m/s", 0.514444),
-            ("mm", "m", 1e-3), ("deg", "rad", 0.0174533), ("°/s", "rad/s", 0.0174533),
-            ("rpm", "1/s", 1 / 60), ("Hz", "1/s", 1.0), ("-", "", 1.0), ("%", "", 0.01),
-            (" m/s² ", "m/s2", 1.0), ("g", "m/s2", 9.80665), ("t", "kg", 1000.0),
+            ("kN", "N", 1000.0),
+            ("MN", "N", 1e6),
+            ("mN", "N", 1e-3),
+            ("kgf", "N", 9.80665),
+            ("Nm", "N m", 1.0),
+            ("kNm", "N m", 1e3),
+            ("N·m", "N m", 1.0),
+            ("N m", "N m", 1.0),
+            ("nm", "m", 1852.0),
+            ("kn", "m/s", 0.514444),
+            ("knots", "m/s", 0.514444),
+            ("mm", "m", 1e-3),
+            ("deg", "rad", 0.0174533),
+            ("°/s", "rad/s", 0.0174533),
+            ("rpm", "1/s", 1 / 60),
+            ("Hz", "1/s", 1.0),
+            ("-", "", 1.0),
+            ("%", "", 0.01),
+            (" m/s² ", "m/s2", 1.0),
+            ("g", "m/s2", 9.80665),
+            ("t", "kg", 1000.0),
         ],
-    )  # fmt: skip
+    )
     def test_factors(self, unit, si, factor):
         assert unit_factor(unit) == (si, pytest.approx(factor, rel=1e-5))
 
@@ -108,9 +155,15 @@ class TestSystems:
 
     @pytest.mark.parametrize(
         ("channel", "system", "unit"),
-        [("Y", "prime", 32000.0), ("N", "prime", 128000.0), ("X", "prime-d", 2000.0),
-         ("K", "prime-d", 8000.0), ("Y", "bis", 5000.0), ("N", "bis", 20000.0)],
-    )  # fmt: skip
+        [
+            ("Y", "prime", 32000.0),
+            ("N", "prime", 128000.0),
+            ("X", "prime-d", 2000.0),
+            ("K", "prime-d", 8000.0),
+            ("Y", "bis", 5000.0),
+            ("N", "bis", 20000.0),
+        ],
+    )
     def test_units_of_force_and_moment(self, channel, system, unit):
         assert force_unit(channel, system, **self.lengths, U=2.0) == pytest.approx(unit)
 
@@ -130,9 +183,13 @@ class TestHullPolynomial:
 
     def column(self, name, state=None, **convention):
         return regressors(
-            [name], state or self.state, ship=SHIP, water=WATER,
-            convention=Convention(**convention), approach_speed=2.0,
-        )[0, 0]  # fmt: skip
+            [name],
+            state or self.state,
+            ship=SHIP,
+            water=WATER,
+            convention=Convention(**convention),
+            approach_speed=2.0,
+        )[0, 0]
 
     def test_each_term_by_hand(self):
         """½ρL²U² = 8000 U² newtons; v' = v/U, r' = rL/U, v̇' = v̇L/U², ṙ' = ṙL²/U²."""
@@ -191,9 +248,13 @@ class TestHullPolynomial:
         values = dict(zip(names, np.linspace(-1, 1.3, len(names)), strict=True))
         s = self.state
         summed = polynomial_forces(
-            values, (1.9, 0.3, 0.1, 0.2, 0.05, 0.2), ship=SHIP, water=WATER,
-            convention=convention, approach=2.0,
-        )  # fmt: skip
+            values,
+            (1.9, 0.3, 0.1, 0.2, 0.05, 0.2),
+            ship=SHIP,
+            water=WATER,
+            convention=convention,
+            approach=2.0,
+        )
         for force, channel in zip(summed, CHANNELS, strict=True):
             chosen = in_channel(names, channel)
             columns = regressors(

@@ -56,9 +56,10 @@ def test_lack_of_fit_is_the_ratio_of_two_normal_densities():
         V = np.eye(len(z)) + size**2 * E @ E.T
         densities.append(0.5 * (z @ z - z @ np.linalg.solve(V, z) - np.linalg.slogdet(V)[1]))
     (found,) = (
-        item for item in lack_of_fit(system, [])
+        item
+        for item in lack_of_fit(system, [])
         if (item.channel, item.test, item.harmonic) == ("Y", "pure_sway", "S1")
-    )  # fmt: skip
+    )
     assert found.log_evidence == pytest.approx(np.log(np.mean(np.exp(densities))), abs=1e-8)
 
 

@@ -67,14 +67,20 @@ def test_hsvas_zigzags_ask_for_an_asymmetry_and_another_rudder(shared_data):
     used, kept = (
         [x for run in half for x in free_records(run, captive)] for half in (runs[::2], runs[1::2])
     )
-    few = ("asymmetry", "rudder_stall", "rudder_cross_terms", "yaw_sway_coupling",
-           "rudder_slipstream", "wake_in_drift")  # fmt: skip
+    few = (
+        "asymmetry",
+        "rudder_stall",
+        "rudder_cross_terms",
+        "yaw_sway_coupling",
+        "rudder_slipstream",
+        "wake_in_drift",
+    )
     some = [x for x in candidates_for(captive, used) if x.name in few]
-    found = diagnose_free(
-        captive, used, candidates=some, held_out=kept, held_out_window=80.0
-    )  # fmt: skip
+    found = diagnose_free(captive, used, candidates=some, held_out=kept, held_out_window=80.0)
     assert set(found.best) == {"asymmetry", "rudder_stall", "rudder_cross_terms"}
-    heading = [found.errors[f"held out, {x}"]["heading"] for x in
-               ("model as given", "base refitted", "with the effects")]  # fmt: skip
+    heading = [
+        found.errors[f"held out, {x}"]["heading"]
+        for x in ("model as given", "base refitted", "with the effects")
+    ]
     assert heading[0] > 20.0
     assert heading[2] < 3.9 < heading[1]

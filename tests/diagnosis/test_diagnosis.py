@@ -22,8 +22,24 @@ from pmmkit.models import load_model
 from pmmkit.structures import STRUCTURES
 
 HERE = Path(__file__).parent
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 
 
 def diagnosed(effects, seed=11, programme="full", **settings):
@@ -79,12 +95,26 @@ def test_what_the_base_absorbs_is_noise_and_listed_as_not_testable(effect):
 @pytest.mark.parametrize(
     "effect",
     [
-        "modulus_sway_drag", "crossflow_drag", "yaw_sway_coupling", "memory", "lagged_crossflow",
-        "nonlinear_added_mass", "heel_coupling", "asymmetry", "froude_linear", "resistance_curve",
-        "rudder_stall", "surge_yaw_coupling", "fault_misalignment", "current", "fault_gauge_zero",
-        "fault_cross_talk", "fault_pmm_amplitude", "fault_transient",
+        "modulus_sway_drag",
+        "crossflow_drag",
+        "yaw_sway_coupling",
+        "memory",
+        "lagged_crossflow",
+        "nonlinear_added_mass",
+        "heel_coupling",
+        "asymmetry",
+        "froude_linear",
+        "resistance_curve",
+        "rudder_stall",
+        "surge_yaw_coupling",
+        "fault_misalignment",
+        "current",
+        "fault_gauge_zero",
+        "fault_cross_talk",
+        "fault_pmm_amplitude",
+        "fault_transient",
     ],
-)  # fmt: skip
+)
 def test_a_hidden_effect_is_named(effect):
     found = diagnosed({effect: 1.0})
     assert found.verdict == "missing_effect"
@@ -112,9 +142,10 @@ def test_a_filter_is_found_with_its_corner():
 def test_the_size_of_a_fault_is_found_with_its_uncertainty():
     """0.26° of misalignment; 3 % of PMM amplitude; 2.4 N and -3.5 N m of zero error."""
     for effect, expected in (
-        ("fault_misalignment", [0.26]), ("fault_pmm_amplitude", [0.03]),
+        ("fault_misalignment", [0.26]),
+        ("fault_pmm_amplitude", [0.03]),
         ("fault_gauge_zero", [2.4, -3.5]),
-    ):  # fmt: skip
+    ):
         (finding,) = diagnosed({effect: 1.0}).findings
         values, std = (np.array(list(x.values())) for x in (finding.coefficients, finding.std))
         np.testing.assert_array_less(np.abs(np.abs(values) - np.abs(expected)), 4.0 * std)
@@ -140,11 +171,14 @@ def test_the_order_of_equals_does_not_hang_on_the_process():
     )
     said = {
         subprocess.run(
-            [sys.executable, "-c", code], capture_output=True, text=True, check=True,
+            [sys.executable, "-c", code],
+            capture_output=True,
+            text=True,
+            check=True,
             env={**os.environ, "PYTHONHASHSEED": seed},
         ).stdout
         for seed in ("1", "2", "3")
-    }  # fmt: skip
+    }
     assert len(said) == 1
 
 
@@ -176,8 +210,11 @@ def test_a_model_a_structure_and_a_list_are_the_same_base():
     campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
     answers = [diagnose(base, campaign) for base in ("cubic", STRUCTURES["cubic"].derivatives)]
     made = load_model("s175-3dof")
-    hull = {name: x for name, x in made.parts["hull_polynomial"].values.items()
-            if name not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}  # fmt: skip
+    hull = {
+        name: x
+        for name, x in made.parts["hull_polynomial"].values.items()
+        if name not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")
+    }
     part = replace(made.parts["hull_polynomial"], values=hull)
     answers.append(diagnose(made.with_(parts={**made.parts, "hull_polynomial": part}), campaign))
     for found in answers:

@@ -39,15 +39,25 @@ def sailed(model, seed, *, zero=0.0, runs=RUNS):
             for name, std in SENSORS.items()
         }
         record = FreeRecord(
-            name=f"zigzag {number}", t=track.t, delta=track.delta - zero, turns=track.n,
-            measured=measured, speed=SPEED,
-        )  # fmt: skip
+            name=f"zigzag {number}",
+            t=track.t,
+            delta=track.delta - zero,
+            turns=track.n,
+            measured=measured,
+            speed=SPEED,
+        )
         found.append(record.cut(0.0, 75.0))
     return found
 
 
-def asked(seed, model=SHIP, *, few=("asymmetry", "fault_rudder_zero", "modulus_yaw_drag"),
-          zero=0.0, **settings):  # fmt: skip
+def asked(
+    seed,
+    model=SHIP,
+    *,
+    few=("asymmetry", "fault_rudder_zero", "modulus_yaw_drag"),
+    zero=0.0,
+    **settings,
+):
     """The diagnosis of a ship whose captive tests are off by 2 % in every value."""
     prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
     values = prior.mean + prior.std * np.random.default_rng(1000 + seed).normal(size=len(KNOWN))
@@ -56,9 +66,14 @@ def asked(seed, model=SHIP, *, few=("asymmetry", "fault_rudder_zero", "modulus_y
     records = sailed(model, seed, zero=zero)
     some = [item for item in candidates_for(known, records) if item.name in few]
     return diagnose_free(
-        known, records, prior=prior_of(known, KNOWN, SPEED, spread=0.02), candidates=some,
-        sensors=SENSORS, most=1, **settings,
-    )  # fmt: skip
+        known,
+        records,
+        prior=prior_of(known, KNOWN, SPEED, spread=0.02),
+        candidates=some,
+        sensors=SENSORS,
+        most=1,
+        **settings,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -168,9 +183,12 @@ def test_one_record_is_not_enough():
     records = sailed(SHIP, 0, runs=RUNS[:1])
     with pytest.raises(DataError, match="at least two"):
         diagnose_free(
-            SHIP, records, prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02), candidates=[],
+            SHIP,
+            records,
+            prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02),
+            candidates=[],
             sensors=SENSORS,
-        )  # fmt: skip
+        )
 
 
 def container(shared_data):
@@ -185,9 +203,13 @@ def container(shared_data):
         column = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
         measured = {name: column[name] for name in ("x", "y", "psi", "u", "v", "r", "p", "phi")}
         record = FreeRecord(
-            name=path.stem, t=column["t"], delta=column["delta"], turns=column["n_rpm"] / 60.0,
-            measured=measured, speed=6.0,
-        )  # fmt: skip
+            name=path.stem,
+            t=column["t"],
+            delta=column["delta"],
+            turns=column["n_rpm"] / 60.0,
+            measured=measured,
+            speed=6.0,
+        )
         found.append(record.cut(0.0, 500.0))
     return found
 
@@ -204,9 +226,13 @@ def test_an_independent_ship(shared_data, hidden):
     names = ("Xuu", "Yv", "Yr", "Nv", "Nr")
     few = ("yaw_sway_coupling", "asymmetry", "surge_quadratic")
     found = diagnose_free(
-        model, records, prior=prior_of(model, names, 6.0, spread=0.03), sensors=FAST, most=1,
+        model,
+        records,
+        prior=prior_of(model, names, 6.0, spread=0.03),
+        sensors=FAST,
+        most=1,
         candidates=[x for x in candidates_for(model, records) if x.name in few],
-    )  # fmt: skip
+    )
     if hidden:
         assert found.group[0][0] == ("yaw_sway_coupling",)
         assert found.findings[0].family == "hull coupling"

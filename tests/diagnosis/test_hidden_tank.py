@@ -150,9 +150,10 @@ def test_the_balance_holds_the_models_inertia():
         state = nominal_motion(bare, bare.data["t"].values[48:])
         m = SHIP.mass
         expected = {
-            "X": m * (state.udot - state.r * state.v), "Y": m * (state.vdot + state.r * state.u),
+            "X": m * (state.udot - state.r * state.v),
+            "Y": m * (state.vdot + state.r * state.u),
             "N": SHIP.Izz * state.rdot,
-        }  # fmt: skip
+        }
         for name, part in expected.items():
             np.testing.assert_allclose(
                 bare.data[name].values[48:] - run.data[name].values[48:], part, atol=1e-2
@@ -203,9 +204,12 @@ def test_the_programme_reaches_its_amplitudes():
 
 
 RIGS = {
-    "heading": Rig(heading=0.02), "speed": Rig(speed=0.03), "stroke": Rig(stroke=0.1),
-    "mistiming": Rig(mistiming=0.1), "current": Rig(current=0.05),
-}  # fmt: skip
+    "heading": Rig(heading=0.02),
+    "speed": Rig(speed=0.03),
+    "stroke": Rig(stroke=0.1),
+    "mistiming": Rig(mistiming=0.1),
+    "current": Rig(current=0.05),
+}
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -316,17 +320,32 @@ def test_the_hard_case_differs_by_background_and_settings():
 # --- effects ------------------------------------------------------------------------------------
 
 ACTS = {
-    "modulus_sway_drag": DRIFTING, "modulus_yaw_drag": TURNING, "crossflow_drag": None,
-    "yaw_sway_coupling": {"yaw_drift", "sway_yaw"}, "surge_yaw_coupling": {"yaw_drift", "sway_yaw"},
-    "surge_fourth_order": DRIFTING, "resistance_curve": None, "asymmetry": None,
-    "even_hull_terms": DRIFTING | TURNING, "memory": SWAYING, "lagged_crossflow": SWAYING,
-    "nonlinear_added_mass": SWAYING | {"yaw_drift"}, "rudder_stall": RUDDER,
-    "rudder_cross_terms": {"drift_rudder"}, "fault_time_lag": OSCILLATING,
-    "fault_filter_lag": OSCILLATING, "fault_pmm_amplitude": SWAYING,
-    "fault_pmm_phase": {"pure_yaw", "yaw_drift"}, "fault_transient": OSCILLATING,
-    "fault_inertia": OSCILLATING, "fault_gauge_zero": None, "fault_gauge_drift": None,
-    "fault_misalignment": None, "current": None, "fault_cross_talk": None,
-}  # fmt: skip
+    "modulus_sway_drag": DRIFTING,
+    "modulus_yaw_drag": TURNING,
+    "crossflow_drag": None,
+    "yaw_sway_coupling": {"yaw_drift", "sway_yaw"},
+    "surge_yaw_coupling": {"yaw_drift", "sway_yaw"},
+    "surge_fourth_order": DRIFTING,
+    "resistance_curve": None,
+    "asymmetry": None,
+    "even_hull_terms": DRIFTING | TURNING,
+    "memory": SWAYING,
+    "lagged_crossflow": SWAYING,
+    "nonlinear_added_mass": SWAYING | {"yaw_drift"},
+    "rudder_stall": RUDDER,
+    "rudder_cross_terms": {"drift_rudder"},
+    "fault_time_lag": OSCILLATING,
+    "fault_filter_lag": OSCILLATING,
+    "fault_pmm_amplitude": SWAYING,
+    "fault_pmm_phase": {"pure_yaw", "yaw_drift"},
+    "fault_transient": OSCILLATING,
+    "fault_inertia": OSCILLATING,
+    "fault_gauge_zero": None,
+    "fault_gauge_drift": None,
+    "fault_misalignment": None,
+    "current": None,
+    "fault_cross_talk": None,
+}
 """Kinds of tests in which the catalogue's form acts; None where it acts in all."""
 
 

@@ -19,8 +19,24 @@ from pmmkit.diagnosis.captive.joint_fit import joint_fit
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.errors import UnknownNameError
 
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 HIDDEN = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
 
 
@@ -54,9 +70,7 @@ def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):
     number = 4
     left = found.conditions[number]
     views = [view for view in system.views if condition(view.run) != left]
-    rest = build(
-        views, system.base, [block.candidate for block in blocks], scatter=system.scatter,
-    )  # fmt: skip
+    rest = build(views, system.base, [block.candidate for block in blocks], scatter=system.scatter)
     rest = replace(rest, base=system.base)
     own = [
         next(b for b in rest.blocks if b.candidate.name == x.candidate.name and b.value == x.value)

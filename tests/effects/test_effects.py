@@ -60,13 +60,21 @@ def test_histories_and_simulator_see_the_same_hull_force(motion, convention, see
     values = dict(zip(NAMES, numbers.tolist(), strict=True))
     approach = 7.0
     columns = regressors(
-        NAMES, State.of(**motion), ship=SHIP, water=WATER, convention=convention,
+        NAMES,
+        State.of(**motion),
+        ship=SHIP,
+        water=WATER,
+        convention=convention,
         approach_speed=approach,
-    )  # fmt: skip
+    )
     forces = polynomial_forces(
-        values, [motion[name] for name in ("u", "v", "r", "p", "phi", "delta")], ship=SHIP,
-        water=WATER, convention=convention, approach=approach,
-    )  # fmt: skip
+        values,
+        [motion[name] for name in ("u", "v", "r", "p", "phi", "delta")],
+        ship=SHIP,
+        water=WATER,
+        convention=convention,
+        approach=approach,
+    )
     for channel, force in zip("XYNK", forces, strict=True):
         mine = [i for i, name in enumerate(NAMES) if name[0] == channel]
         parts = columns[0, mine] * numbers[mine]
@@ -104,11 +112,31 @@ def test_coriolis_terms_stand_apart_only_where_the_convention_says_so():
 def screw(u=9.0, v=0.0, r=0.0, n=1.4, L=175.0, **changes):
     """X, inflow, thrust, torque and loading of a propeller like that of the S175."""
     given = {
-        "D": 6.533, "t": 0.175, "wake": 0, "wp": 0.184, "xp": -0.526, "open_water": 0,
-        "kt0": 0.527, "kt1": -0.455, "J": (0.0, 1.0), "KT": (0.0, 0.0), "KQ": (0.0, 0.0),
-    }  # fmt: skip
-    zeros = ("tau", "cpv", "cpr", "C1", "C2_positive", "C2_negative", "cp", "kt2", "kq0", "kq1",
-             "kq2")  # fmt: skip
+        "D": 6.533,
+        "t": 0.175,
+        "wake": 0,
+        "wp": 0.184,
+        "xp": -0.526,
+        "open_water": 0,
+        "kt0": 0.527,
+        "kt1": -0.455,
+        "J": (0.0, 1.0),
+        "KT": (0.0, 0.0),
+        "KQ": (0.0, 0.0),
+    }
+    zeros = (
+        "tau",
+        "cpv",
+        "cpr",
+        "C1",
+        "C2_positive",
+        "C2_negative",
+        "cp",
+        "kt2",
+        "kq0",
+        "kq1",
+        "kq2",
+    )
     words = dict.fromkeys(zeros, 0.0) | given | changes
     U, beta = math.hypot(u, v), math.atan2(-v, u)
     return propeller.force(u=u, v=v, r=r, beta=beta, n=n, L=L, U=U, rho=1025.0, **words)
@@ -164,16 +192,42 @@ def test_wake_of_mmg_fades_to_its_limits_on_each_side():
 def blade(u=9.0, v=0.0, r=0.0, delta=0.0, L=175.0, inflow=0, uP=5.0, loading=0.0, **changes):
     """X, Y, N, K and the normal force of a rudder like that of the S175."""
     given = {
-        "area": 33.0, "lift_slope": 2.743, "epsilon": 0.92, "kappa": 0.63, "xR": -0.5,
-        "tR": 0.29, "aH": 0.237, "xH": -0.48, "zR": 0.033, "stall": 0,
-    }  # fmt: skip
-    zeros = ("eta", "gamma_positive", "gamma_negative", "lR", "gamma", "cRr", "cRrrr", "cRrrv",
-             "stall_deg", "stall_loss")  # fmt: skip
+        "area": 33.0,
+        "lift_slope": 2.743,
+        "epsilon": 0.92,
+        "kappa": 0.63,
+        "xR": -0.5,
+        "tR": 0.29,
+        "aH": 0.237,
+        "xH": -0.48,
+        "zR": 0.033,
+        "stall": 0,
+    }
+    zeros = (
+        "eta",
+        "gamma_positive",
+        "gamma_negative",
+        "lR",
+        "gamma",
+        "cRr",
+        "cRrrr",
+        "cRrrv",
+        "stall_deg",
+        "stall_loss",
+    )
     return rudder.force(
-        v=v, r=r, beta=math.atan2(-v, u), delta=delta, L=L, U=math.hypot(u, v), rho=1025.0,
+        v=v,
+        r=r,
+        beta=math.atan2(-v, u),
+        delta=delta,
+        L=L,
+        U=math.hypot(u, v),
+        rho=1025.0,
         propeller_inflow=uP,
-        loading=loading, inflow=inflow, **(dict.fromkeys(zeros, 0.0) | given | changes),
-    )  # fmt: skip
+        loading=loading,
+        inflow=inflow,
+        **(dict.fromkeys(zeros, 0.0) | given | changes),
+    )
 
 
 def flow(u, v, r, L, uP, loading, inflow=0, **changes):
@@ -243,9 +297,14 @@ def test_a_stalled_rudder_loses_its_share_and_no_more():
 
 def test_roll_is_righted_and_damped():
     given = {
-        "rho": 1025.0, "g": 9.81, "volume": 6000.0, "GM": 0.5, "damping": 2e6,
-        "damping_quadratic": 1e7, "restoring": 1,
-    }  # fmt: skip
+        "rho": 1025.0,
+        "g": 9.81,
+        "volume": 6000.0,
+        "GM": 0.5,
+        "damping": 2e6,
+        "damping_quadratic": 1e7,
+        "restoring": 1,
+    }
     weight = 1025.0 * 9.81 * 6000.0
     assert roll.force(0.0, 0.3, **given)[0] == pytest.approx(-weight * 0.5 * math.sin(0.3))
     assert roll.force(0.1, 0.0, **given)[0] == pytest.approx(-2e5 - 1e5)
@@ -261,8 +320,17 @@ def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):
     """Each effect is one text: on floats it gives what it gives on arrays."""
     names = list(inspect.signature(effect.force).parameters)
     tables = effect.tables
-    fixed = {"L": 100.0, "B": 16.0, "d": 5.0, "rho": 1000.0, "g": 9.81, "volume": 5000.0,
-             "mass": 5e6, "GM": 1.0, "depth": 30.0}  # fmt: skip
+    fixed = {
+        "L": 100.0,
+        "B": 16.0,
+        "d": 5.0,
+        "rho": 1000.0,
+        "g": 9.81,
+        "volume": 5000.0,
+        "mass": 5e6,
+        "GM": 1.0,
+        "depth": 30.0,
+    }
     rows = 3
     given = {}
     for name in names:

@@ -101,9 +101,15 @@ def test_a_turn_with_memory_is_that_of_the_equations_written_by_hand():
     lag, Yv, Nv = 0.5, -0.006, -0.002
     model = pk.with_effect(plain, "memory", coefficients={"Yv_late": Yv, "Nv_late": Nv}, value=lag)
     track = pk.simulate(
-        model, "turning", rudder_deg=30, speed=9.0, duration=150.0, revolutions=1.4, compiled=False,
+        model,
+        "turning",
+        rudder_deg=30,
+        speed=9.0,
+        duration=150.0,
+        revolutions=1.4,
+        compiled=False,
         rtol=1e-8,
-    )  # fmt: skip
+    )
     half = plain.ship.L
     rates = by_hand(plain)
 
@@ -186,16 +192,21 @@ def test_steady_turns_and_straight_line_stability_do_not_feel_a_lag():
 
 def test_size_and_lag_are_fitted_from_forces_along_a_history():
     model = pk.with_effect(
-        load_model("s175-3dof"), "memory", coefficients={"Yv_late": -0.004, "Nv_late": -0.001},
+        load_model("s175-3dof"),
+        "memory",
+        coefficients={"Yv_late": -0.004, "Nv_late": -0.001},
         value=0.35,
-    )  # fmt: skip
+    )
     t = np.linspace(0.0, 400.0, 800)
     motion = {"t": t, "u": np.full(800, 9.0), "v": 1.5 * np.sin(0.15 * t) + np.sin(0.04 * t)}
     ready = prepare(model, 9.0)
     record = ForceRecord(
-        name="sway", motion=motion, speed=9.0, std={"Y": 1e3, "N": 1e5},
+        name="sway",
+        motion=motion,
+        speed=9.0,
+        std={"Y": 1e3, "N": 1e5},
         forces={c: water_forces(ready.structure, ready.k, motion)[c] for c in "YN"},
-    )  # fmt: skip
+    )
     start = pk.with_effect(load_model("s175-3dof"), "memory")
     names = ["memory.Yv_late", "memory.Nv_late", "memory.lag"]
     start = start.with_values("memory", Yv_late=-0.001, Nv_late=-0.001)

@@ -26,8 +26,14 @@ TIP = 0.7 * math.pi
 SHIP = {"L": 175.0, "B": 25.4, "d": 8.5, "rho": 1025.0}
 STATIONS, ENDS = (-0.5, -0.3, 0.3, 0.5), (1.6, 1.0, 1.0, 1.4)
 S175_SCREW = {
-    "D": 6.533, "t": 0.175, "wp": 0.184, "xp": -0.526, "kt0": 0.527, "kt1": -0.455, "kt2": 0.0
-}  # fmt: skip
+    "D": 6.533,
+    "t": 0.175,
+    "wp": 0.184,
+    "xp": -0.526,
+    "kt0": 0.527,
+    "kt1": -0.455,
+    "kt2": 0.0,
+}
 
 
 def answer(name: str, **given: Any) -> dict[str, Any]:
@@ -241,17 +247,22 @@ def test_a_stopped_propeller_brakes_and_is_driven_by_the_water():
         -0.78 * 0.5 * 1025 * 64 * math.pi / 4 * 6.533**2, rel=0.05
     )
     assert found["torque"] < 0
-    assert all(value == 0.0 for value in answer(
-        "four_quadrant_propeller", u=0.0, n=0.0, **S175_SCREW
-    ).values())  # fmt: skip
+    assert all(
+        value == 0.0
+        for value in answer("four_quadrant_propeller", u=0.0, n=0.0, **S175_SCREW).values()
+    )
 
 
 @given(u=st.floats(-4.0, 9.0), n=st.floats(-2.0, 2.0))
 def test_forces_of_the_propeller_have_no_steps(u, n):
     c = S175_SCREW | {
-        "t_astern": 0.4, "wp_astern": 0.05, "astern": "table", "J_astern": (-2.0, 0.0),
-        "Yp": (0.1, 0.05), "Np": (-0.05, -0.02),
-    }  # fmt: skip
+        "t_astern": 0.4,
+        "wp_astern": 0.05,
+        "astern": "table",
+        "J_astern": (-2.0, 0.0),
+        "Yp": (0.1, 0.05),
+        "Np": (-0.05, -0.02),
+    }
     one = answer("four_quadrant_propeller", u=u, n=n, **c)
     other = answer("four_quadrant_propeller", u=u + 1e-8, n=n + 1e-8, **c)
     size = 1025 * 6.533**2 * (u * u + (n * 6.533) ** 2 + 1)
@@ -432,14 +443,26 @@ def test_three_jets_of_a_patrol_vessel_have_the_right_order_of_magnitude():
 RANGES = {
     "crossflow_drag": {"CD": 0.8, "station": STATIONS, "CD_station": ENDS},
     "four_quadrant_propeller": S175_SCREW
-    | {"pitch": 0.9, "tau": 1.0, "cp": 0.5, "C1": 2.0, "C2_positive": 1.6, "C2_negative": 1.1,
-       "kq0": 0.06, "kq1": -0.04, "beta_deg": (-180.0, 0.0, 90.0, 180.0),
-       "CT": (-0.2, 0.2, -0.8, -0.2), "CQ": (-0.03, 0.03, -0.1, -0.03),
-       "J_astern": (-1.0, 0.0), "Yp": (0.1, 0.05), "Np": (-0.05, -0.02)},
+    | {
+        "pitch": 0.9,
+        "tau": 1.0,
+        "cp": 0.5,
+        "C1": 2.0,
+        "C2_positive": 1.6,
+        "C2_negative": 1.1,
+        "kq0": 0.06,
+        "kq1": -0.04,
+        "beta_deg": (-180.0, 0.0, 90.0, 180.0),
+        "CT": (-0.2, 0.2, -0.8, -0.2),
+        "CQ": (-0.03, 0.03, -0.1, -0.03),
+        "J_astern": (-1.0, 0.0),
+        "Yp": (0.1, 0.05),
+        "Np": (-0.05, -0.02),
+    },
     "shaft": DIESEL | {"n_rated": 2.0, "power_max": 4e6, "reverse_below": 0.5, "friction": 1e4},
     "shaft_lag": {"time_constant": 4.0, "n_step": 0.5},
     "waterjet": JET | {"turning": 0.7, "zj": 0.01, "kq": 0.02, "phi1": -0.1},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", RANGES)

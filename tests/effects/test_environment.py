@@ -37,9 +37,27 @@ def push(speed, direction, *, u=0.0, v=0.0, psi=0.0, form="simple", tables=None)
     """X, Y, N, K of a wind on a ship of 175 m; `tables` CX, CY, CN, CK over ANGLES."""
     CX, CY, CN, CK = tables or ((0.0,) * len(ANGLES),) * 4
     return force(
-        u, v, psi, 175.0, speed, direction, ("simple", "table", "table-with-roll").index(form),
-        1.225, 600.0, 3000.0, 1.05, 9.0, 0.7, 0.8, 0.1, ANGLES, CX, CY, CN, CK,
-    )  # fmt: skip
+        u,
+        v,
+        psi,
+        175.0,
+        speed,
+        direction,
+        ("simple", "table", "table-with-roll").index(form),
+        1.225,
+        600.0,
+        3000.0,
+        1.05,
+        9.0,
+        0.7,
+        0.8,
+        0.1,
+        ANGLES,
+        CX,
+        CY,
+        CN,
+        CK,
+    )
 
 
 # Forces of the wind
@@ -148,11 +166,14 @@ def test_more_revolutions_against_the_wind_fewer_before_it():
 def test_a_turn_in_wind_is_mirrored_with_wind_and_rudder(direction):
     one, other = (
         simulate(
-            WINDY, speed=6.0, rudder_deg=side * 35.0, wind_speed=12.0,
+            WINDY,
+            speed=6.0,
+            rudder_deg=side * 35.0,
+            wind_speed=12.0,
             wind_direction_deg=side * direction,
         )
         for side in (1, -1)
-    )  # fmt: skip
+    )
     np.testing.assert_allclose(other.x, one.x, atol=1e-6)
     np.testing.assert_allclose(other.y, -one.y, atol=1e-6)
     for name in ("advance", "transfer", "tactical_diameter"):
@@ -165,8 +186,10 @@ def test_a_turn_drifts_to_leeward():
         simulate(WINDY, speed=6.0, wind_speed=w, wind_direction_deg=90.0, duration=1500.0)
         for w in (0.0, 15.0)
     )
-    ends = [np.interp(4 * math.pi, t.psi, t.y) - np.interp(2 * math.pi, t.psi, t.y)
-            for t in (calm, blown)]  # fmt: skip
+    ends = [
+        np.interp(4 * math.pi, t.psi, t.y) - np.interp(2 * math.pi, t.psi, t.y)
+        for t in (calm, blown)
+    ]
     assert abs(ends[0]) < 0.02 * 175.0
     assert ends[1] < -0.5 * 175.0
 
@@ -176,17 +199,24 @@ def test_a_turn_drifts_to_leeward():
 LOW_SPEED = load_model("esso-osaka-3m")
 ADRIFT = with_part(
     LOW_SPEED.with_values("rudder_mmg", lift_slope=0.0).with_values("propeller", kt2=0.0),
-    "wind", AF=0.05, AL=0.3,
-)  # fmt: skip
+    "wind",
+    AF=0.05,
+    AL=0.3,
+)
 
 
 def adrift(direction, wind=5.0, **air):
     """A 3 m model, its propeller and rudder without force, left to the wind."""
     model = ADRIFT.with_values("wind", **air) if air else ADRIFT
     return simulate(
-        model, speed=0.05, rudder_deg=1e-9, revolutions=1e-9, duration=2e4 / wind, wind_speed=wind,
+        model,
+        speed=0.05,
+        rudder_deg=1e-9,
+        revolutions=1e-9,
+        duration=2e4 / wind,
+        wind_speed=wind,
         wind_direction_deg=direction,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("direction", [90.0, -90.0, 30.0, 170.0])
@@ -241,9 +271,14 @@ def test_still_air_over_a_current_is_a_wind_against_it():
 def test_a_wind_that_goes_with_the_current_is_a_calm():
     calm = simulate(WINDY, speed=6.0, duration=400.0)
     together = simulate(
-        WINDY, speed=6.0, duration=400.0, current_speed=2.0, current_direction_deg=30.0,
-        wind_speed=2.0, wind_direction_deg=-150.0,
-    )  # fmt: skip
+        WINDY,
+        speed=6.0,
+        duration=400.0,
+        current_speed=2.0,
+        current_direction_deg=30.0,
+        wind_speed=2.0,
+        wind_direction_deg=-150.0,
+    )
     for name in ("psi", "u", "v", "r"):
         np.testing.assert_allclose(getattr(together, name), getattr(calm, name), atol=1e-7)
 
@@ -269,15 +304,7 @@ def test_without_a_depth_the_part_changes_no_bit():
     np.testing.assert_array_equal(there.x, deep.x)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "kvlcc2",
-        "kcs",
-        "s175-3dof",
-        "esso190k",
-    ],
-)
+@pytest.mark.parametrize("name", ["kvlcc2", "kcs", "s175-3dof", "esso190k"])
 def test_a_ship_turns_wider_the_nearer_the_bottom(name):
     """Down to two draughts; the tanker has its own terms of the depth."""
     model = load_model(name) if name == "esso190k" else shallow(name)
@@ -375,9 +402,16 @@ def test_an_engine_at_its_limit_slows_down_in_a_turn_to_the_torque_that_it_has()
 # Waterjets
 
 JET = {
-    "number": 2.0, "nozzle": 1.2, "D": 2.4, "phi0": 0.6, "w": 0.05, "t": 0.03, "turning": 1.0,
-    "rate_deg_s": 5.0, "max_deg": 35.0,
-}  # fmt: skip
+    "number": 2.0,
+    "nozzle": 1.2,
+    "D": 2.4,
+    "phi0": 0.6,
+    "w": 0.05,
+    "t": 0.03,
+    "turning": 1.0,
+    "rate_deg_s": 5.0,
+    "max_deg": 35.0,
+}
 
 
 def jet_ship():
@@ -406,8 +440,9 @@ def test_jets_turn_a_ship_alike_to_both_sides():
 def test_jets_stop_a_ship_by_their_bucket():
     """Pumps that run on stop it sooner, and sooner with a bucket that turns more of the jet."""
     reach = [
-        simulate(jet_ship().with_values("waterjet", reverse=x), "stopping", speed=9.0, turns=1.0)
-        .metrics["track_reach"]
+        simulate(
+            jet_ship().with_values("waterjet", reverse=x), "stopping", speed=9.0, turns=1.0
+        ).metrics["track_reach"]
         for x in (0.3, 0.6)
-    ]  # fmt: skip
+    ]
     assert reach[1] < 0.8 * reach[0]

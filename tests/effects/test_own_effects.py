@@ -130,24 +130,36 @@ def test_own_effects_come_from_a_file(tmp_path):
     path.write_text(FILE, encoding="utf-8")
     keel, fins = pk.own_effects(path)
     assert (keel.family, keel.check, keel.typical["Nvvr"]) == (
-        "hull coupling", "yaw with drift", -0.04,
-    )  # fmt: skip
+        "hull coupling",
+        "yaw with drift",
+        -0.04,
+    )
     assert fins.typical == {"a": -0.01}
 
 
 def test_a_damaged_file_names_everything_that_is_wrong(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text(
-        FILE.replace("terms = \"Y: v*|v|*r", "tems = 3\nterms = \"Y: v*w*r").replace(
+        FILE.replace('terms = "Y: v*|v|*r', 'tems = 3\nterms = "Y: v*w*r').replace(
             'name = "fins"', 'name = "memory"'
-        ) + "[[effects]]\nname = 3\n[[effects]]\nname = \"a\"\nterms = \"Y: v\"\ntypical = 3\n",
+        )
+        + '[[effects]]\nname = 3\n[[effects]]\nname = "a"\nterms = "Y: v"\ntypical = 3\n',
         encoding="utf-8",
-    )  # fmt: skip
+    )
     with pytest.raises(DataError) as caught:
         pk.own_effects(path)
     said = str(caught.value)
-    for word in ("#1", "'tems'", "#2", "one of the catalogue", "#3", "terms is missing",
-                 "name must be a text", "#4", "typical must be a table of numbers"):  # fmt: skip
+    for word in (
+        "#1",
+        "'tems'",
+        "#2",
+        "one of the catalogue",
+        "#3",
+        "terms is missing",
+        "name must be a text",
+        "#4",
+        "typical must be a table of numbers",
+    ):
         assert word in said, word
     path.write_text("x = 1", encoding="utf-8")
     with pytest.raises(DataError, match=r"Write \[\[effects\]\]"):
@@ -162,9 +174,13 @@ def test_a_damaged_file_names_everything_that_is_wrong(tmp_path):
 def test_columns_are_those_of_the_polynomial():
     """Text and catalogue say the same; a named coefficient is the sum of its shares."""
     base = Base(
-        names={}, values={}, ship=SMALL.ship, water=SMALL.water, convention=Convention(),
+        names={},
+        values={},
+        ship=SMALL.ship,
+        water=SMALL.water,
+        convention=Convention(),
         reference=1.5,
-    )  # fmt: skip
+    )
     text = candidate_of(pk.own_effect("mine", "Y: v*v*r; N: v*|v|"))
     tied = candidate_of(pk.own_effect("tied", "Y: a*v*v*r; N: -0.4*a*v*|v|; a ~ 1"))
     known = polynomial("known", "hull", "", {"Yvvr": 1.0, "Nv|v|": 1.0})
@@ -178,9 +194,11 @@ def test_columns_are_those_of_the_polynomial():
 def test_an_own_effect_wins_where_the_catalogue_has_no_such_thing():
     """Yaw-sway coupling taken out of the catalogue and written as text."""
     mine = pk.own_effect(
-        "mine", "Y: v*v*r + v*r*r; N: v*v*r + v*r*r", family="own",
+        "mine",
+        "Y: v*v*r + v*r*r; N: v*v*r + v*r*r",
+        family="own",
         typical={"Yvvr": 0.02, "Yvrr": -0.04, "Nvvr": -0.04, "Nvrr": 0.002},
-    )  # fmt: skip
+    )
     others = [x for x in PHYSICS if x.name != "yaw_sway_coupling"]
     found = diagnose_captive(SMALL, "cubic", candidates=[*others, candidate_of(mine)])
     assert found.group[0][0] == ("mine",)
@@ -218,9 +236,14 @@ def test_one_written_by_hand_takes_part_too():
         }
 
     own = Candidate(
-        name="shape", family="own", kind="physics", summary="A shape.", coefficients=("share",),
-        typical=(1.0,), columns=columns,
-    )  # fmt: skip
+        name="shape",
+        family="own",
+        kind="physics",
+        summary="A shape.",
+        coefficients=("share",),
+        typical=(1.0,),
+        columns=columns,
+    )
     found = diagnose_captive(SMALL, "cubic", candidates=[own])
     assert found.group[0][0] == ("shape",)
     assert found.findings[0].coefficients["share"] == pytest.approx(1.0, abs=0.3)

@@ -48,9 +48,14 @@ def by_scipy(name, speed, rudder_deg, end, times):
     found, t0, y = [], 0.0, np.array(start)
     for stop in (order / rate, end):
         result = solve_ivp(
-            lambda t, z: ready.rates(z, min(rate * t, order), n), (t0, stop), y, method="DOP853",
-            rtol=1e-12, atol=1e-12, dense_output=True,
-        )  # fmt: skip
+            lambda t, z: ready.rates(z, min(rate * t, order), n),
+            (t0, stop),
+            y,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-12,
+            dense_output=True,
+        )
         inside = times[(times >= t0) & (times < stop)] if stop < end else times[times >= t0]
         found.append(result.sol(inside))
         t0, y = stop, result.y[:, -1]
@@ -202,11 +207,12 @@ def test_slopes_are_those_of_independent_central_differences():
         h = 4e-4 * abs(value)
         up, down, far_up, far_down = (
             simulate(
-                TANKER.with_values("hull_polynomial", **{name: value + k * h}), speed=SPEED,
+                TANKER.with_values("hull_polynomial", **{name: value + k * h}),
+                speed=SPEED,
                 rtol=1e-12,
             ).metrics
             for k in (1, -1, 2, -2)
-        )  # fmt: skip
+        )
         for metric in ("advance", "tactical_diameter", "steady_diameter"):
             slope = 8 * (up[metric] - down[metric]) - (far_up[metric] - far_down[metric])
             assert found.slopes[metric][i] == pytest.approx(slope / (12 * h), rel=1e-6)
@@ -258,9 +264,12 @@ def towed_with_a_brake(size):
     water = water_forces(ready.structure, ready.k, motion)
     unit = 0.5 * TANKER.water.rho * TANKER.ship.L * TANKER.ship.d
     return ForceRecord(
-        name="towed", motion=motion, speed=SPEED, std={"X": 1.0},
+        name="towed",
+        motion=motion,
+        speed=SPEED,
+        std={"X": 1.0},
         forces={"X": water["X"] - unit * size * speeds**2},
-    )  # fmt: skip
+    )
 
 
 def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_path, monkeypatch):

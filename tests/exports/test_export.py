@@ -39,9 +39,12 @@ def table():
     model = pk.load_model("s175-3dof")
     return from_values(
         {"Yv": [-0.0116, -0.0118], "Nvvr": [-0.0424, math.nan], "Yv|v|": [0.1 + 0.2, -1e-300]},
-        std={"Yv": 1e-4}, Fn=[0.15, 0.29], ship=model.ship, water=model.water,
+        std={"Yv": 1e-4},
+        Fn=[0.15, 0.29],
+        ship=model.ship,
+        water=model.water,
         notes=("Yv and Yv|v| move together",),
-    )  # fmt: skip
+    )
 
 
 def read_structure(text: str) -> dict[str, object]:
@@ -72,9 +75,12 @@ def test_octave_reads_the_structure(table, tmp_path):
     pk.export(named, tmp_path / "derivatives.m")
     call = "t = derivatives(); printf('%.17g ', t.Fn, t.Yv, t.Yvabsv, t.std.Yv)"
     done = subprocess.run(
-        [OCTAVE, "--norc", "--quiet", "--eval", call], cwd=tmp_path, capture_output=True,
-        text=True, check=True,
-    )  # fmt: skip
+        [OCTAVE, "--norc", "--quiet", "--eval", call],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     expected = np.concatenate([table.Fn, table["Yv"], table["Yv|v|"], [1e-4, 1e-4]])
     np.testing.assert_array_equal(np.array(done.stdout.split(), float), expected)
 
@@ -115,9 +121,19 @@ def same_data(one: Campaign, other: Campaign) -> None:
             second = np.asarray(again[name].values, float)
             assert first.tobytes() == second.tobytes(), (mine.id, name)
     for field in (
-        "ship", "water", "kind", "forces", "free", "moment_reference_x", "moment_reference_z",
-        "motion_reference_x", "propeller", "rudder", "numerical", "title",
-    ):  # fmt: skip
+        "ship",
+        "water",
+        "kind",
+        "forces",
+        "free",
+        "moment_reference_x",
+        "moment_reference_z",
+        "motion_reference_x",
+        "propeller",
+        "rudder",
+        "numerical",
+        "title",
+    ):
         assert getattr(one, field) == getattr(other, field), field
     assert sorted(map(repr, one.uncertainty)) == sorted(map(repr, other.uncertainty))
 
@@ -139,9 +155,12 @@ def history(seed: int = 0) -> xr.Dataset:
 
 def run_of(run_id: str, data: xr.Dataset, kind: str = "history", **changes) -> Run:
     known = {
-        "id": run_id, "test": "static_drift", "kind": kind, "loader": lambda: data,
+        "id": run_id,
+        "test": "static_drift",
+        "kind": kind,
+        "loader": lambda: data,
         "settings": Settings(speed=1.1, drift=math.radians(7.3)),
-    } | changes  # fmt: skip
+    } | changes
     return Run(**known)
 
 
@@ -159,22 +178,30 @@ def mixed() -> Campaign:
     ship = pk.load_model("kvlcc2-l7").ship
     sway = Settings(speed=1.5, period=9.7, amplitude=0.2, phase=math.radians(33.0))
     return Campaign(
-        title='Tank "A", Ü', ship=ship, water=pk.Water(rho=999.1, tank_width=14.0),
+        title='Tank "A", Ü',
+        ship=ship,
+        water=pk.Water(rho=999.1, tank_width=14.0),
         runs=(
-            run_of("SD*", history(1)), run_of("sd/*", history(2), forces="balance"),
-            run_of("CON", means, "means"), run_of("a,\n\"b\"", means, "means"),
-            run_of("001", means.drop_vars("v"), "means"), run_of("1", means, "means"),
+            run_of("SD*", history(1)),
+            run_of("sd/*", history(2), forces="balance"),
+            run_of("CON", means, "means"),
+            run_of('a,\n"b"', means, "means"),
+            run_of("001", means.drop_vars("v"), "means"),
+            run_of("1", means, "means"),
             run_of("PS", waves, "harmonics", test="pure_sway", settings=sway, use_means=False),
         ),
         excluded=((run_of("[x]", history(3)), "gauge broken"),),
         uncertainty=(
-            TypeB(name="X_gauge", std=0.003, relative=True), TypeB(name="drift", std=5e-4),
+            TypeB(name="X_gauge", std=0.003, relative=True),
+            TypeB(name="drift", std=5e-4),
             TypeB(name="drift", std=math.radians(0.02), shared=True),
         ),
         propeller={"D": 0.2, "J": [0.0, 0.5], "more": {"name": "wake \\ 1"}},
-        numerical={"Y": 0.4}, cfd={"rho_inf": 998.0, "symmetry_factor": 2.0},
-        free=("heave",), moment_reference_x=0.25,
-    )  # fmt: skip
+        numerical={"Y": 0.4},
+        cfd={"rho_inf": 998.0, "symmetry_factor": 2.0},
+        free=("heave",),
+        moment_reference_x=0.25,
+    )
 
 
 @pytest.mark.parametrize("name", ["campaign.nc", "folder"])
@@ -187,9 +214,14 @@ def test_every_kind_of_run_comes_back(name, tmp_path, monkeypatch):
     assert [reason for _, reason in again.excluded] == ["gauge broken"]
     if name == "folder":
         assert {file.name for file in files} == {
-            "campaign.toml", "1_SD_.csv", "2_sd__.csv", "8__x_.csv", "means.csv",
-            "means_2.csv", "harmonics.csv",
-        }  # fmt: skip
+            "campaign.toml",
+            "1_SD_.csv",
+            "2_sd__.csv",
+            "8__x_.csv",
+            "means.csv",
+            "means_2.csv",
+            "harmonics.csv",
+        }
         head = (tmp_path / name / "1_SD_.csv").read_text(encoding="utf-8").splitlines()[0]
         assert head == "t [s],X [N],Y [N],N [N m],v [m/s],delta [rad]"
 

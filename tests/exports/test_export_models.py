@@ -25,9 +25,14 @@ from pmmkit.exports.text import is_matlab_name, matlab_name, plain
 from pmmkit.models import Part
 
 SPEEDS = {
-    "kvlcc2-l7": 1.179, "mariner": 7.7175, "s175-3dof": 8.0, "s175": 8.0, "kcs": 10.0,
-    "esso190k": 8.0, "esso-osaka-3m": 0.8,
-}  # fmt: skip
+    "kvlcc2-l7": 1.179,
+    "mariner": 7.7175,
+    "s175-3dof": 8.0,
+    "s175": 8.0,
+    "kcs": 10.0,
+    "esso190k": 8.0,
+    "esso-osaka-3m": 0.8,
+}
 OCTAVE = shutil.which("octave-cli")
 EVIL = "x'); system('rm"
 
@@ -42,11 +47,18 @@ def reduced(tmp_path_factory):
 # --- A function of MSS, its arithmetic done in Python -------------------------------------------
 
 _FUNCTIONS = {
-    "abs": abs, "max": max, "min": min, "sqrt": math.sqrt, "exp": math.exp, "sin": math.sin,
-    "cos": math.cos, "tanh": math.tanh, "atan2": math.atan2,
+    "abs": abs,
+    "max": max,
+    "min": min,
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "sin": math.sin,
+    "cos": math.cos,
+    "tanh": math.tanh,
+    "atan2": math.atan2,
     "where": lambda condition, yes, no: yes if condition else no,
     "interpolate": lambda x, xs, ys: float(np.interp(x, xs, ys)),
-}  # fmt: skip
+}
 _ASSIGNMENT = re.compile(r"([A-Za-z]\w*) = ([\w\s.,+*/^()\[\]<>=~-]+);(?:\s+%.*)?")
 
 
@@ -92,10 +104,14 @@ def random_states(model: pk.Model, speed: float, names: list[str], count: int):
             "u": rng.uniform(0.3, 1.1) * speed - (speed if about else 0.0),
             "v": rng.uniform(-0.4, 0.4) * speed,
             "r": rng.uniform(-0.8, 0.8) * speed / model.ship.L,
-            "p": rng.uniform(-0.05, 0.05), "phi": rng.uniform(-0.3, 0.3),
-            "x": rng.uniform(-9, 9), "y": rng.uniform(-9, 9), "psi": rng.uniform(-3, 3),
-            "delta": rng.uniform(-0.6, 0.6), "n": rng.uniform(40, 200),
-        }  # fmt: skip
+            "p": rng.uniform(-0.05, 0.05),
+            "phi": rng.uniform(-0.3, 0.3),
+            "x": rng.uniform(-9, 9),
+            "y": rng.uniform(-9, 9),
+            "psi": rng.uniform(-3, 3),
+            "delta": rng.uniform(-0.6, 0.6),
+            "n": rng.uniform(40, 200),
+        }
         turns = [] if "rudder_abkowitz" in model.parts or index % 2 else [rng.uniform(40, 600)]
         yield [known[name] for name in names], [rng.uniform(-0.8, 0.8), *turns]
 
@@ -144,9 +160,12 @@ def test_octave_gives_our_right_hand_side(name, reduced, tmp_path):
     ]
     (tmp_path / "cases.m").write_text("\n".join(calls), encoding="ascii")
     done = subprocess.run(
-        [OCTAVE, "--norc", "--quiet", "cases.m"], cwd=tmp_path, capture_output=True, text=True,
+        [OCTAVE, "--norc", "--quiet", "cases.m"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
         check=True,
-    )  # fmt: skip
+    )
     theirs = np.array(done.stdout.split(), float).reshape(len(cases), len(names))
     ours = [rates(model, speed, names, x, ui) for x, ui in cases]
     np.testing.assert_allclose(theirs, ours, rtol=1e-9, atol=1e-13)
@@ -177,10 +196,14 @@ def assert_same_rates(model: pk.Model, speed: float, count: int) -> None:
 CONVENTIONS = [
     dict(zip(("system", "U", "surge", "coriolis", "sway", "rudder_positive"), words, strict=True))
     for words in itertools.product(
-        ("prime", "prime-d", "bis"), ("instantaneous", "carriage"), ("u", "constant", "delta-u"),
-        ("in-derivatives", "separate"), ("v", "beta"), ("starboard", "port"),
+        ("prime", "prime-d", "bis"),
+        ("instantaneous", "carriage"),
+        ("u", "constant", "delta-u"),
+        ("in-derivatives", "separate"),
+        ("v", "beta"),
+        ("starboard", "port"),
     )
-]  # fmt: skip
+]
 
 
 def test_every_convention_is_written_as_it_is_meant():
@@ -217,7 +240,8 @@ _ENGINE = {"inertia": 2e5, "torque_max": 2e6}
         ("propeller", _WAKE, {"wake": "constant"}),
         ("propeller", _WAKE | {"tau": 0.4, "cp": -0.2}, {"wake": "kose"}),
         (
-            "propeller", {"D": 6.5, "t": 0.17, "wp": 0.18, **_TABLE},
+            "propeller",
+            {"D": 6.5, "t": 0.17, "wp": 0.18, **_TABLE},
             {"wake": "constant", "open_water": "table"},
         ),
         ("rudder_mmg", _BLADE | {"stall_deg": 15.0, "stall_loss": 0.5}, {"stall": "smooth"}),
@@ -233,7 +257,7 @@ _ENGINE = {"inertia": 2e5, "torque_max": 2e6}
         ("shaft", _ENGINE | {"power_max": 2e7, "friction": 1e4}, {"limit": "power"}),
         ("four_quadrant_propeller", _QUADRANTS, {"wake": "constant", "characteristics": "table"}),
     ],
-)  # fmt: skip
+)
 @pytest.mark.parametrize("ship", ["s175", "s175-3dof"])
 def test_effects_keep_their_numbers_with_every_option(ship, effect, values, options):
     model = pk.load_model("s175" if effect == "roll" else ship)
@@ -327,9 +351,13 @@ def test_shipmmg_has_our_right_hand_side_where_its_wake_is_ours(tmp_path, monkey
     from shipmmg.mmg_3dof import simulate_mmg_3dof
 
     theirs = simulate_mmg_3dof(
-        module.basic_params, module.maneuvering_params, [0.0, 1.0], [0.0, 0.0], [10.0, 10.0],
+        module.basic_params,
+        module.maneuvering_params,
+        [0.0, 1.0],
+        [0.0, 0.0],
+        [10.0, 10.0],
         ρ=module.rho,
-    )  # fmt: skip
+    )
     ready, rng = prepare(model, 1.179), np.random.default_rng(3)
     for _ in range(50):
         U, r, delta, n = rng.uniform((0.4, -0.15, -0.6, 5.0), (1.2, 0.15, 0.6, 14.0))
@@ -349,9 +377,15 @@ def test_a_turn_by_shipmmg_differs_by_its_wake_and_its_point_of_reference(tmp_pa
     t = np.linspace(0.0, 100.0, 4001)
     delta = np.minimum(np.radians(module.rudder_rate) * t, np.radians(35.0))
     run = simulate_mmg_3dof(
-        module.basic_params, module.maneuvering_params, t, delta, np.full(len(t), module.nps),
-        u0=module.u0, ρ=module.rho, rtol=1e-7,
-    )  # fmt: skip
+        module.basic_params,
+        module.maneuvering_params,
+        t,
+        delta,
+        np.full(len(t), module.nps),
+        u0=module.u0,
+        ρ=module.rho,
+        rtol=1e-7,
+    )
     _, _, _, x, y, psi, *_ = run.sol(t)
     L = model.ship.L
     theirs = np.interp(np.pi / 2, psi, x) / L, np.interp(np.pi, psi, y) / L
@@ -393,9 +427,13 @@ def test_no_text_of_a_model_becomes_code(texts):
     screw = known.parts["propeller"]
     named = Part(effect="propeller", values=screw.values, options=screw.options, source=source)
     model = known.with_(
-        name=name or "x", title=title, scale=scale, notes=(note,), history=(source,),
+        name=name or "x",
+        title=title,
+        scale=scale,
+        notes=(note,),
+        history=(source,),
         parts={**known.parts, "propeller": named},
-    )  # fmt: skip
+    )
     for make, sign in ((model_to_mss, "%"), (model_to_shipmmg, "#")):
         written = make(model)
         assert written.isascii()

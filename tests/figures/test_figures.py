@@ -231,8 +231,10 @@ def test_static_means_of_a_campaign_come_with_their_settings(reduction):
 def test_harmonics_follow_the_record_of_a_cycle(reduction):
     cycles = typical_cycles(reduction)
     assert [cycle.title.split(",")[0] for cycle in cycles] == [
-        "pure sway", "pure yaw", "yaw with drift",
-    ]  # fmt: skip
+        "pure sway",
+        "pure yaw",
+        "yaw with drift",
+    ]
     figure = figures.over_a_cycle(cycles)
     axis = figure.axes[3]
     recorded, fitted = axis.lines

@@ -11,9 +11,22 @@ import pytest
 import pmmkit
 
 HEAVY = (
-    "pandas", "xarray", "scipy.stats", "scipy.signal", "matplotlib", "h5netcdf", "h5py", "pydantic",
-    "rich", "typer", "jinja2", "pysindy", "sklearn", "openpyxl", "numba",
-)  # fmt: skip
+    "pandas",
+    "xarray",
+    "scipy.stats",
+    "scipy.signal",
+    "matplotlib",
+    "h5netcdf",
+    "h5py",
+    "pydantic",
+    "rich",
+    "typer",
+    "jinja2",
+    "pysindy",
+    "sklearn",
+    "openpyxl",
+    "numba",
+)
 
 
 def loaded_by(code: str) -> set[str]:

@@ -32,17 +32,22 @@ SHALLOW = TANKER.with_(
     parts={**TANKER.parts, "shallow_water": Part(effect="shallow_water", values={})},
     water=replace(TANKER.water, depth=1.0),
 )
-SENSORS = {
-    "x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.01,
-}  # fmt: skip
+SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.01}
 FAST = {"x": 1.0, "y": 1.0, "psi": 2e-3, "r": 5e-4, "u": 0.1, "p": 1e-3, "phi": 2e-3}
 NAMES = ("Yv", "Nv", "Nr", "Nrrr", "rudder_mmg.aH")
 
 
 def sailed(
-    model=TANKER, manoeuvre="zigzag", *, speed=SPEED, seed=0, dt=0.1, sensors=SENSORS, around=None,
+    model=TANKER,
+    manoeuvre="zigzag",
+    *,
+    speed=SPEED,
+    seed=0,
+    dt=0.1,
+    sensors=SENSORS,
+    around=None,
     **settings,
-) -> FreeRecord:  # fmt: skip
+) -> FreeRecord:
     """A simulated manoeuvre with white noise of its own on every channel."""
     if manoeuvre == "zigzag":
         settings = {"rudder_deg": 20.0, "switch_deg": 20.0, **settings}
@@ -56,12 +61,16 @@ def sailed(
     values["ydot"] = track.u * aside + track.v * ahead + drift * math.sin(flow)
     values["sog"] = np.hypot(values["xdot"], values["ydot"])
     return FreeRecord(
-        name=manoeuvre, t=track.t, delta=track.delta, turns=track.n, speed=speed,
+        name=manoeuvre,
+        t=track.t,
+        delta=track.delta,
+        turns=track.n,
+        speed=speed,
         measured={
             name: values[name] + std * noise.normal(size=len(track))
             for name, std in sensors.items()
         },
-    )  # fmt: skip
+    )
 
 
 def off(truth: Prior, seed: int) -> Prior:
@@ -141,10 +150,15 @@ def test_filter_and_smoother_are_those_of_filterpy(m):
         covariances.append(P)
         kept[t] = np.concatenate(
             [
-                before[t][0], z, before[t][1].ravel(), P.ravel(), F[t][:6, :6].ravel(),
-                F[t][:6, 6:].ravel(), np.diagonal(F[t])[6:],
+                before[t][0],
+                z,
+                before[t][1].ravel(),
+                P.ravel(),
+                F[t][:6, :6].ravel(),
+                F[t][:6, 6:].ravel(),
+                np.diagonal(F[t])[6:],
             ]
-        )  # fmt: skip
+        )
     means, spreads = np.empty((steps, n)), np.empty((steps, n, n))
     BY_WATER.smoothed(kept, n, means, spreads)
     # theirs takes the step from t to t + 1 at t + 1
@@ -237,9 +251,14 @@ def test_the_motion_in_a_window_is_that_of_another_integrator(model, speed):
     for longest in (0.1, 0.05, 0.01):
         out = np.empty_like(truth)
         functions.windows(
-            t, inputs, np.array([0, 7, len(t)]), np.array([start, np.array(start) * 0.9]), k,
-            longest / pace, out,
-        )  # fmt: skip
+            t,
+            inputs,
+            np.array([0, 7, len(t)]),
+            np.array([start, np.array(start) * 0.9]),
+            k,
+            longest / pace,
+            out,
+        )
         scale = np.ptp(truth, axis=0)
         errors.append(np.max(np.abs(out - np.concatenate([truth[:7], later])) / scale))
     assert errors[1] < 3e-5
@@ -267,10 +286,23 @@ def test_slopes_over_states_and_parameters_are_those_of_another_integrator():
     A, B, y = np.zeros((6, 6)), np.zeros((6, m)), np.zeros(6)
     steps = np.concatenate([np.full(6, 1e-6), 1e-4 * np.abs(binding.mean)])
     lost = BY_WATER.linearised(
-        np.concatenate([start, binding.mean]), y, inputs[0], inputs[1], t[1] - t[0], 0.05,
-        binding.base, binding.starts, binding.places, binding.slopes, np.zeros(m), steps,
-        np.zeros(len(binding.base)), np.zeros((6, 6)), A, B,
-    )  # fmt: skip
+        np.concatenate([start, binding.mean]),
+        y,
+        inputs[0],
+        inputs[1],
+        t[1] - t[0],
+        0.05,
+        binding.base,
+        binding.starts,
+        binding.places,
+        binding.slopes,
+        np.zeros(m),
+        steps,
+        np.zeros(len(binding.base)),
+        np.zeros((6, 6)),
+        A,
+        B,
+    )
     assert lost == 0
     assert y == pytest.approx(by_scipy(TANKER, SPEED, t, inputs, start)[-1], rel=1e-8)
 
@@ -337,9 +369,8 @@ def test_constants_are_those_of_a_model_with_other_values(model, speed):
         moved = binding.mean.copy()
         moved[j] *= 1.37
         np.testing.assert_allclose(
-            binding.constants(moved), np.array(expected, float), rtol=1e-9, atol=1e-12,
-            err_msg=name,
-        )  # fmt: skip
+            binding.constants(moved), np.array(expected, float), rtol=1e-9, atol=1e-12, err_msg=name
+        )
         gear = name.endswith(("rate_deg_s", "max_deg"))
         assert gear or np.any(binding.constants(moved) != binding.base), name
 
@@ -572,14 +603,18 @@ def test_a_current_is_identified(channels, method):
         [
             away(
                 kalman(
-                    TANKER, [sailed(seed=seed, sensors=sensors, around=FLOW)], prior,
-                    sensors=sensors, roughness=0.0, method=method,
+                    TANKER,
+                    [sailed(seed=seed, sensors=sensors, around=FLOW)],
+                    prior,
+                    sensors=sensors,
+                    roughness=0.0,
+                    method=method,
                 ),
                 truth.mean,
             )
             for seed in range(8)
         ]
-    )  # fmt: skip
+    )
     assert np.max(np.abs(errors)) < 4.0
     assert 0.4 < np.mean(errors**2) < 2.0
 
@@ -588,9 +623,11 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
     """A window is the simulated drift in wind and current, both over ground."""
     windy = LINER.with_(parts={**LINER.parts, "wind": Part(effect="wind", values=AREAS)})
     around = {
-        "wind_speed": 20.0, "wind_direction_deg": 70.0, "current_speed": 3.0,
+        "wind_speed": 20.0,
+        "wind_direction_deg": 70.0,
+        "current_speed": 3.0,
         "current_direction_deg": 200.0,
-    }  # fmt: skip
+    }
     track = pk.simulate(windy, speed=9.0, rudder_deg=10.0, dt=0.5, duration=200.0, **around)
     flow = 3.0 * np.exp(1j * math.radians(200.0))
     binding = bound(windy, ["current_x", "current_y"], 9.0)
@@ -602,9 +639,7 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
     inputs[:, 3], inputs[:, 4] = 20.0, math.radians(70.0)
     start = [getattr(track, name)[0] for name in binding.structure.states]
     out = np.empty((len(track), len(start)))
-    functions.windows(
-        track.t, inputs, np.array([0, len(track)]), np.array([start]), k, 0.5, out
-    )  # fmt: skip
+    functions.windows(track.t, inputs, np.array([0, len(track)]), np.array([start]), k, 0.5, out)
     assert out[-1, 0] == pytest.approx(track.x[-1], abs=0.05)
     assert out[-1, 1] == pytest.approx(track.y[-1], abs=0.05)
     assert out[-1, 2] == pytest.approx(track.psi[-1], abs=1e-4)
@@ -613,9 +648,7 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
 def test_what_is_not_excited_is_named_and_left_at_the_prior():
     record = sailed(rudder_deg=3.0, switch_deg=3.0, seed=10)
     prior = off(true_prior(("Nv", "Nr", "Nrrr", "Xvvvv")), 10)
-    found = identify(
-        TANKER, [record], method="ekf", prior=prior, sensors=SENSORS, roughness=0.0
-    )  # fmt: skip
+    found = identify(TANKER, [record], method="ekf", prior=prior, sensors=SENSORS, roughness=0.0)
     assert found.unseen == ("Nrrr", "Xvvvv")
     hull = found.model.values("hull_polynomial")
     assert [hull[name] for name in found.unseen] == pytest.approx(prior.mean[2:], rel=1e-12)
@@ -634,8 +667,9 @@ def test_records_are_carried_on():
     assert together.values == pytest.approx(two.values, rel=1e-7)
     np.testing.assert_allclose(
         together.covariance / np.outer(two.std, two.std),
-        two.covariance / np.outer(two.std, two.std), atol=1e-5,
-    )  # fmt: skip
+        two.covariance / np.outer(two.std, two.std),
+        atol=1e-5,
+    )
     assert np.all(together.std < one.std)
     assert set(together.histories) == {"zigzag", "other"}
 
@@ -656,9 +690,14 @@ def test_a_parameter_that_wanders_is_followed():
         return out
 
     truth = solve_ivp(
-        rates, (0.0, end), [0, 0, 0, SPEED, 0, 0], t_eval=record.t, rtol=1e-8, atol=1e-10,
+        rates,
+        (0.0, end),
+        [0, 0, 0, SPEED, 0, 0],
+        t_eval=record.t,
+        rtol=1e-8,
+        atol=1e-10,
         max_step=0.2,
-    ).y  # fmt: skip
+    ).y
     draw = np.random.default_rng(2).normal
     sensors = {"psi": 1e-3, "r": 1e-3, "u": 1e-2}
     moved = record.with_(

@@ -15,19 +15,26 @@ from pmmkit.identification import ForceRecord, fit_to_forces
 from pmmkit.models import load_model
 
 SHIPS = [
-    ("s175", 9.0), ("s175-3dof", 9.0), ("kvlcc2-l7", 1.2), ("kcs", 12.0), ("esso190k", 8.0),
-    ("mariner", 7.7), ("esso-osaka-3m", 0.5),
-]  # fmt: skip
+    ("s175", 9.0),
+    ("s175-3dof", 9.0),
+    ("kvlcc2-l7", 1.2),
+    ("kcs", 12.0),
+    ("esso190k", 8.0),
+    ("mariner", 7.7),
+    ("esso-osaka-3m", 0.5),
+]
 
 
 def random_motion(ready, size=40, seed=1):
     draw = np.random.default_rng(seed).uniform
     V, L = ready.speed, ready.L
     motion = {
-        "u": V * draw(0.4, 1.1, size), "v": V * draw(-0.3, 0.3, size),
-        "r": V / L * draw(-0.6, 0.6, size), "delta": draw(-0.6, 0.6, size),
+        "u": V * draw(0.4, 1.1, size),
+        "v": V * draw(-0.3, 0.3, size),
+        "r": V / L * draw(-0.6, 0.6, size),
+        "delta": draw(-0.6, 0.6, size),
         "n": draw(0.8, 1.2, size) * ready.self_propulsion(),
-    }  # fmt: skip
+    }
     if ready.rolls:
         motion |= {"p": draw(-0.01, 0.01, size), "phi": draw(-0.2, 0.2, size)}
     return motion
@@ -96,14 +103,19 @@ def by_hand(u, v, delta, n, aH, epsilon):
 def rudder_tests(noise=0.0):
     rng = np.random.default_rng(5)
     u, v, delta, n = (
-        rng.uniform(0.8, 1.2, 60), rng.uniform(-0.3, 0.3, 60), rng.uniform(-0.6, 0.6, 60),
+        rng.uniform(0.8, 1.2, 60),
+        rng.uniform(-0.3, 0.3, 60),
+        rng.uniform(-0.6, 0.6, 60),
         rng.uniform(1.5, 2.5, 60),
-    )  # fmt: skip
+    )
     Y = np.array([by_hand(*row, aH=0.25, epsilon=1.2) for row in zip(u, v, delta, n, strict=True)])
     return ForceRecord(
-        name="rudder", motion={"u": u, "v": v, "delta": delta, "n": n}, speed=1.1,
-        forces={"Y": Y + noise * rng.normal(size=60)}, std={"Y": max(noise, 1e-3)},
-    )  # fmt: skip
+        name="rudder",
+        motion={"u": u, "v": v, "delta": delta, "n": n},
+        speed=1.1,
+        forces={"Y": Y + noise * rng.normal(size=60)},
+        std={"Y": max(noise, 1e-3)},
+    )
 
 
 def test_nonlinear_parameters_of_a_rudder_are_found():
@@ -140,9 +152,10 @@ def test_gaps_in_a_record_do_not_count():
     Y = full.forces["Y"].copy()
     Y[::3] = np.nan
     found = fit_to_forces(
-        load_model("kvlcc2-l7"), [replace(full, forces={"Y": Y})],
+        load_model("kvlcc2-l7"),
+        [replace(full, forces={"Y": Y})],
         ["rudder_mmg.aH", "rudder_mmg.epsilon"],
-    )  # fmt: skip
+    )
     assert found.values == pytest.approx([0.25, 1.2], rel=1e-6)
 
 

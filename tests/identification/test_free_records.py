@@ -32,9 +32,12 @@ def columns(**settings) -> dict[str, np.ndarray]:
 def run_of(values: dict[str, np.ndarray], name: str = "Z20") -> Run:
     data = xr.Dataset({k: ("t", x) for k, x in values.items() if k != "t"}, {"t": values["t"]})
     return Run(
-        id=name, test="zigzag", kind="history", loader=lambda: data,
+        id=name,
+        test="zigzag",
+        kind="history",
+        loader=lambda: data,
         settings=Settings(speed=SPEED, rudder=math.radians(20), switch=math.radians(20)),
-    )  # fmt: skip
+    )
 
 
 def without(values, *names):
@@ -105,10 +108,13 @@ def test_single_gaps_of_rudder_and_revolutions_are_bridged():
 @pytest.mark.parametrize(
     ("name", "gap"),
     [
-        ("delta", slice(20)), ("delta", slice(300, 320)), ("delta", slice(-20, None)),
-        ("n", slice(20)), ("n", slice(300, 320)),
+        ("delta", slice(20)),
+        ("delta", slice(300, 320)),
+        ("delta", slice(-20, None)),
+        ("n", slice(20)),
+        ("n", slice(300, 320)),
     ],
-)  # fmt: skip
+)
 def test_long_gaps_of_rudder_and_revolutions_are_not_made_up(name, gap):
     values = columns()
     values[name][gap] = np.nan

@@ -96,12 +96,14 @@ def test_what_a_straight_course_says_nothing_of(method):
     track = pk.simulate(TANKER, "turning", speed=SPEED, rudder_deg=0.01, duration=60.0, dt=0.1)
     draw = np.random.default_rng(3).normal
     record = one_record().with_(
-        t=track.t, delta=track.delta, turns=0.9 * track.n,
+        t=track.t,
+        delta=track.delta,
+        turns=0.9 * track.n,
         measured={
             name: getattr(track, name) + std * draw(size=len(track))
             for name, std in SENSORS.items()
         },
-    )  # fmt: skip
+    )
     names = ("Nvvv", "rudder_mmg.aH", "Yvrr")
     prior = off(prior_of(TANKER, names, SPEED, spread=0.2), 4)
     found = identify(TANKER, [record], method=method, prior=prior, sensors=SENSORS)
@@ -159,9 +161,7 @@ def test_regression_takes_parameters_that_are_no_straight_lines():
 
 @pytest.fixture(scope="module")
 def references():
-    records = [
-        one_record(8), sailed(seed=9, rudder_deg=-10.0, switch_deg=10.0).with_(name="other"),
-    ]  # fmt: skip
+    records = [one_record(8), sailed(seed=9, rudder_deg=-10.0, switch_deg=10.0).with_(name="other")]
     return reference(TANKER, records, sensors=SENSORS)
 
 
@@ -204,9 +204,11 @@ def test_errors_are_those_between_two_simulations():
     true = pk.simulate(TANKER, **settings)
     other = pk.simulate(SKEWED, revolutions=float(true.n[0]), **settings)
     record = one_record().with_(
-        t=true.t, delta=true.delta, turns=true.n,
+        t=true.t,
+        delta=true.delta,
+        turns=true.n,
         measured={name: getattr(true, name) for name in ("x", "y", "psi", "u", "v", "r")},
-    )  # fmt: skip
+    )
     fine = {"x": 1e-4, "y": 1e-4, "psi": 1e-5, "u": 1e-5, "v": 1e-5, "r": 1e-6}
     item = reference(TANKER, [record], sensors=fine)
     errors = predict(SKEWED, item, window=float(true.t[-1])).errors["zigzag"]
@@ -235,9 +237,7 @@ def test_errors_are_pooled_by_windows():
 def test_a_record_shorter_than_a_window_is_left_out(references):
     short = replace(references[0], name="short", t=references[0].t[:100])
     cut = short.record.cut(0.0, 9.95)
-    short = replace(
-        short, record=cut, motion={name: x[:100] for name, x in short.motion.items()}
-    )  # fmt: skip
+    short = replace(short, record=cut, motion={name: x[:100] for name, x in short.motion.items()})
     found = predict(TANKER, [references[0], short], window=30.0)
     assert set(found.errors) == {references[0].name}
     with pytest.raises(DataError, match="as long as a window of 30 s"):

@@ -37,11 +37,12 @@ def true_motion(model=TANKER, manoeuvre="zigzag", *, speed=SPEED, dt=0.1, **sett
         [
             ready.accelerations(
                 *(float(motion[x][i]) if x in motion else 0.0 for x in ("u", "v", "r", "p", "phi")),
-                delta=float(motion["delta"][i]), n=float(motion["n"][i]),
+                delta=float(motion["delta"][i]),
+                n=float(motion["n"][i]),
             )
             for i in range(len(track))
         ]
-    )  # fmt: skip
+    )
     motion |= dict(zip(("udot", "vdot", "rdot", "pdot"), rates.T, strict=True))
     return track, motion
 

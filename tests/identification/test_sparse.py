@@ -37,9 +37,15 @@ from pmmkit.simulation import simulate
 RHO, L, D = 1000.0, 7.0, 0.46
 AH, XH, XR, LR = 0.312, -0.464, -0.5, -0.71
 TRUTH = {
-    "Yv": -0.30, "Yr": 0.08, "Yv|v|": -0.9, "Yvrr": -0.4,
-    "Nv": -0.13, "Nr": -0.05, "Nvvr": -0.30, "Nr|r|": -0.02,
-}  # fmt: skip
+    "Yv": -0.30,
+    "Yr": 0.08,
+    "Yv|v|": -0.9,
+    "Yvrr": -0.4,
+    "Nv": -0.13,
+    "Nr": -0.05,
+    "Nvvr": -0.30,
+    "Nr|r|": -0.02,
+}
 LIBRARY = "Yv Yr Yv|v| Yr|r| Yvvr Yvrr Nv Nr Nv|v| Nr|r| Nvvr Nvrr"
 
 
@@ -92,21 +98,19 @@ def captive(speed=1.2, steps=300, period=12.5, cycles=3):
     for deg in (-16, -10, -4, 4, 10, 16):
         beta = np.radians(deg)
         found[f"drift {deg}"] = still | {
-            "u": zero + speed * np.cos(beta), "v": zero - speed * np.sin(beta)
-        }  # fmt: skip
+            "u": zero + speed * np.cos(beta),
+            "v": zero - speed * np.sin(beta),
+        }
     for top in (0.1, 0.2, 0.35):
-        found[f"sway {top}"] = still | {
-            "v": top * np.sin(w * t), "vdot": top * w * np.cos(w * t)
-        }  # fmt: skip
+        found[f"sway {top}"] = still | {"v": top * np.sin(w * t), "vdot": top * w * np.cos(w * t)}
     for top in (0.03, 0.06, 0.1):
-        found[f"yaw {top}"] = still | {
-            "r": top * np.sin(w * t), "rdot": top * w * np.cos(w * t)
-        }  # fmt: skip
+        found[f"yaw {top}"] = still | {"r": top * np.sin(w * t), "rdot": top * w * np.cos(w * t)}
         for deg in (8, -12):
             beta = np.radians(deg)
             found[f"yaw {top} drift {deg}"] = found[f"yaw {top}"] | {
-                "u": zero + speed * np.cos(beta), "v": zero - speed * np.sin(beta)
-            }  # fmt: skip
+                "u": zero + speed * np.cos(beta),
+                "v": zero - speed * np.sin(beta),
+            }
     return {name: motion | {"n": zero + 1.7} for name, motion in found.items()}
 
 
@@ -117,11 +121,10 @@ def measured(noise=1.0, seed=3, hull=TRUTH, moved=0.0, **kwargs):
     records = []
     for name, motion in captive(**kwargs).items():
         forces = {
-            channel: force + std[channel] * (noise > 0) * (
-                rng.normal(size=len(force)) + 0.1 * rng.normal()
-            )
+            channel: force
+            + std[channel] * (noise > 0) * (rng.normal(size=len(force)) + 0.1 * rng.normal())
             for channel, force in by_hand(motion, hull).items()
-        }  # fmt: skip
+        }
         seen = {
             key: x + moved * rng.normal(size=len(x)) * {"v": 1.0, "r": 1.0 / L}.get(key, 0.0)
             for key, x in motion.items()
@@ -219,9 +222,13 @@ def test_columns_are_those_of_the_hull_polynomial(ship):
     rows = equations(ship, [record], names, ("Y", "N"))[0].channels
     state = State.of(u=record.motion["u"], v=record.motion["v"], r=record.motion["r"])
     columns = regressors(
-        names, state, ship=ship.ship, water=ship.water, convention=ship.convention,
+        names,
+        state,
+        ship=ship.ship,
+        water=ship.water,
+        convention=ship.convention,
         approach_speed=1.2,
-    )  # fmt: skip
+    )
     for channel in ("Y", "N"):
         own = np.array([name[0] == channel for name in names])
         design = rows[channel][0] * record.std[channel]
@@ -236,10 +243,15 @@ def test_an_added_mass_with_coriolis_terms_counts_in_every_channel(ship):
     ready = prepare(model, 1.2)
     motions = captive()
     records = [
-        ForceRecord(name=name, motion=m, forces=water_forces(ready.structure, ready.k, m),
-                    std={"X": 0.01, "Y": 0.01}, speed=1.2)
+        ForceRecord(
+            name=name,
+            motion=m,
+            forces=water_forces(ready.structure, ready.k, m),
+            std={"X": 0.01, "Y": 0.01},
+            speed=1.2,
+        )
         for name, m in motions.items()
-    ]  # fmt: skip
+    ]
     start = model.with_values("added_mass", Yvdot=-0.1)
     result = sparse_regression(
         start, records, "Yvdot Xvr Yv", bags=5, threshold=1.0, method="stepwise"
@@ -376,10 +388,15 @@ def test_plain_pysindy_agrees_where_it_can_do_the_whole_task(ship):
     Y = by_hand(motion | still, {"Yv": -0.3, "Yvvv": -1.6})["Y"] + 2.0 * rng.normal(size=400)
     parts = np.array_split(rng.permutation(400), 5)
     records = [
-        ForceRecord(name=str(i), motion={key: x[own] for key, x in motion.items()},
-                    forces={"Y": Y[own]}, std={"Y": 2.0}, speed=1.0)
+        ForceRecord(
+            name=str(i),
+            motion={key: x[own] for key, x in motion.items()},
+            forces={"Y": Y[own]},
+            std={"Y": 2.0},
+            speed=1.0,
+        )
         for i, own in enumerate(parts)
-    ]  # fmt: skip
+    ]
     ours = sparse_regression(ship, records, "Yv Yvvv Yvvvvv", threshold=5.0, bags=10)
     library = pysindy.CustomLibrary(
         [lambda x: x, lambda x: x**3, lambda x: x**5], interaction_only=False
@@ -407,9 +424,8 @@ def test_our_thresholds_are_those_of_pysindy_where_terms_stand_alone(seed, thres
     whole = joined(systems(np.random.default_rng(seed)))
     single = tuple((place,) for place in range(8))
     task = Task(
-        channels=("Y",), columns=tuple(range(8)), groups=single, always=(False,) * 8,
-        method="stlsq",
-    )  # fmt: skip
+        channels=("Y",), columns=tuple(range(8)), groups=single, always=(False,) * 8, method="stlsq"
+    )
     usual = rms(whole)
     assert task.plain
     theirs = sparse(task, whole, usual, threshold)
@@ -508,9 +524,11 @@ REFUSED = [
     (lambda r: one_angle(), "Yv Yvvv", {}, "cannot tell Yv, Yvvv apart"),
     (
         lambda r: [replace(x, forces={"Y": np.full(300, np.nan)}) for x in r],
-        LIBRARY, {}, "finite forces",
+        LIBRARY,
+        {},
+        "finite forces",
     ),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("records", "library", "choices", "said"), REFUSED)

@@ -110,9 +110,11 @@ def test_a_tiny_problem_is_that_of_scipy():
     """All unknowns at once, start states too, without elimination."""
     record = sailed(seed=25).cut(5.0, 25.0)
     record = record.with_(
-        t=record.t[::4], delta=record.delta[::4], turns=record.turns[::4],
+        t=record.t[::4],
+        delta=record.delta[::4],
+        turns=record.turns[::4],
         measured={name: values[::4] for name, values in record.measured.items()},
-    )  # fmt: skip
+    )
     prior = off(true_prior(("Nv", "Nr")), 5)
     found = fitted([record], prior, window=10.0)
     assert found.windows == 2
@@ -137,9 +139,14 @@ def test_a_tiny_problem_is_that_of_scipy():
         for name, place in places.items():
             start[w, place] = record.measured[name][begins[w]]
     theirs = least_squares(
-        residuals, np.concatenate([prior.mean / prior.std, start.ravel()]), jac="3-point",
-        x_scale="jac", xtol=1e-13, ftol=1e-13, gtol=1e-13,
-    )  # fmt: skip
+        residuals,
+        np.concatenate([prior.mean / prior.std, start.ravel()]),
+        jac="3-point",
+        x_scale="jac",
+        xtol=1e-13,
+        ftol=1e-13,
+        gtol=1e-13,
+    )
     covariance = np.linalg.inv(theirs.jac.T @ theirs.jac)[:2, :2]
     covariance *= np.outer(prior.std, prior.std)
     assert found.inflation == 1.0
@@ -183,9 +190,10 @@ def test_a_channel_that_only_one_record_has():
 
 def manoeuvres(seed):
     return [
-        sailed(seed=seed), sailed(seed=seed + 100, rudder_deg=-10.0, switch_deg=10.0),
+        sailed(seed=seed),
+        sailed(seed=seed + 100, rudder_deg=-10.0, switch_deg=10.0),
         sailed(manoeuvre="turning", rudder_deg=35.0, seed=seed + 200),
-    ]  # fmt: skip
+    ]
 
 
 def test_what_a_model_lacks_widens_the_intervals():

@@ -208,8 +208,16 @@ def test_a_folder_may_be_a_measurement(boxes, tmp_path, capsys):
 
 
 def test_what_columns_probably_are():
-    headers = ["Physical Time: Physical Time (s)", "Fy Monitor: Force (N)", "Mz Monitor (N-m)",
-               "Yaw angle (deg)", "n_rpm", "r_angvelo [rad/s]", "Gauge 7 [V]", "beta"]  # fmt: skip
+    headers = [
+        "Physical Time: Physical Time (s)",
+        "Fy Monitor: Force (N)",
+        "Mz Monitor (N-m)",
+        "Yaw angle (deg)",
+        "n_rpm",
+        "r_angvelo [rad/s]",
+        "Gauge 7 [V]",
+        "beta",
+    ]
     bare = [bare_header(header) for header in headers]
     found = suggest([name for name, _ in bare], [unit for _, unit in bare], {})
     names = [item.name if item else None for item in found]
@@ -226,8 +234,10 @@ def test_a_unit_that_measures_something_else_speaks_against_a_name():
 def test_an_exact_name_wins_over_a_usual_one():
     found = suggest(["time", "Force X", "X"], [None, None, None], {})
     assert [item and (item.name, item.certainty) for item in found] == [
-        ("t", "probably"), None, ("X", "surely")
-    ]  # fmt: skip
+        ("t", "probably"),
+        None,
+        ("X", "surely"),
+    ]
 
 
 def test_degrees_are_told_by_their_size():
@@ -250,8 +260,13 @@ def test_rates_are_found_among_columns_without_names():
     """The columns of a free-running record: which one is the rate of which."""
     t = np.linspace(0, 100, 2001)
     psi = 20 * np.sin(0.2 * t)
-    columns = {1: 1.2 * t, 2: psi, 3: np.full_like(t, 1.2), 4: 4 * np.cos(0.2 * t),
-               5: np.radians(4 * np.cos(0.2 * t))}  # fmt: skip
+    columns = {
+        1: 1.2 * t,
+        2: psi,
+        3: np.full_like(t, 1.2),
+        4: 4 * np.cos(0.2 * t),
+        5: np.radians(4 * np.cos(0.2 * t)),
+    }
     found = rates_of(t, columns)
     assert set(found) == {4, 5}
     assert found[4][0] == 2
@@ -498,9 +513,7 @@ def test_the_tables_of_hmri(shared_data, capsys):
     table = by_file["static_drift_rudder.csv"]
     assert table["kind"] == "table"
     names = [column["suggestion"] and column["suggestion"]["name"] for column in table["columns"]]
-    assert names[1:8] == [
-        "drift_deg", "rudder_deg", "speed", "propeller_rps", "X", "Y", "N"
-    ]  # fmt: skip
+    assert names[1:8] == ["drift_deg", "rudder_deg", "speed", "propeller_rps", "X", "Y", "N"]
     book = "HMRI_KVLCC2_PMM_model_self_propulsion.xls, sheet Static Drift & Rudder Test"
     assert len(by_file[book]["columns"]) == 12
 
@@ -510,8 +523,18 @@ def test_the_records_of_the_esso_osaka(shared_data, capsys):
     (group,) = content["groups"]
     assert len(group["files"]) == 12
     assert set(suggestions(content)) == {
-        "t", "x", "u", "y", "v", "psi", "r", "n", "delta", "wind_speed", "wind_direction"
-    }  # fmt: skip
+        "t",
+        "x",
+        "u",
+        "y",
+        "v",
+        "psi",
+        "r",
+        "n",
+        "delta",
+        "wind_speed",
+        "wind_direction",
+    }
 
 
 def test_an_error_of_a_single_file_is_ours(tmp_path):

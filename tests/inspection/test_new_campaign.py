@@ -52,16 +52,27 @@ def exported(campaign, folder: Path, *, motion: bool, name=lambda run: run.id) -
     for run in campaign:
         data = run.data
         t = data["t"].values
-        columns = {"Time [s]": t, "Fx [N]": data["X"].values, "Fy [N]": data["Y"].values,
-                   "Mz [Nm]": data["N"].values}  # fmt: skip
+        columns = {
+            "Time [s]": t,
+            "Fx [N]": data["X"].values,
+            "Fy [N]": data["Y"].values,
+            "Mz [Nm]": data["N"].values,
+        }
         if motion:
             state = nominal_motion(run, t)
-            columns |= {"u [m/s]": state.u, "v [m/s]": state.v,
-                        "yaw rate [deg/s]": np.degrees(state.r)}  # fmt: skip
+            columns |= {
+                "u [m/s]": state.u,
+                "v [m/s]": state.v,
+                "yaw rate [deg/s]": np.degrees(state.r),
+            }
         np.savetxt(
-            folder / f"{name(run)}.csv", np.column_stack(list(columns.values())), fmt="%.6g",
-            delimiter=";", header=";".join(columns), comments="",
-        )  # fmt: skip
+            folder / f"{name(run)}.csv",
+            np.column_stack(list(columns.values())),
+            fmt="%.6g",
+            delimiter=";",
+            header=";".join(columns),
+            comments="",
+        )
     return folder
 
 
@@ -190,19 +201,30 @@ def test_two_layouts_and_names_that_toml_must_escape(tmp_path, capsys):
     (tmp_path / "a b").mkdir()
     for beta in (4, 8):
         np.savetxt(
-            tmp_path / f"drift_U1.2_beta{beta}deg.dat", one, fmt="%.4f",
-            header="Tank 2, \\ \"test\"\nTime\tF\"x [N]\tSide force [N]\tYaw moment [Nm]",
-            comments="", delimiter="\t",
-        )  # fmt: skip
-    np.savetxt(tmp_path / "a b" / "beta=-6_U1.2.csv", one * [1, 1e-3, 1e-3, 1e-3], fmt="%.6f",
-               header="t,X [kN],Y [kN],N [kN m]", comments="", delimiter=",")  # fmt: skip
+            tmp_path / f"drift_U1.2_beta{beta}deg.dat",
+            one,
+            fmt="%.4f",
+            header='Tank 2, \\ "test"\nTime\tF"x [N]\tSide force [N]\tYaw moment [Nm]',
+            comments="",
+            delimiter="\t",
+        )
+    np.savetxt(
+        tmp_path / "a b" / "beta=-6_U1.2.csv",
+        one * [1, 1e-3, 1e-3, 1e-3],
+        fmt="%.6f",
+        header="t,X [kN],Y [kN],N [kN m]",
+        comments="",
+        delimiter=",",
+    )
     assert drafted(capsys, tmp_path)[0] == 0
     text = (tmp_path / "campaign.toml").read_text(encoding="utf-8")
     raw = tomllib.loads(text)
     assert raw["source"]["skip_rows"] == 1
     assert {run["id"] for run in raw["runs"]} == {
-        "drift_U1.2_beta4deg", "drift_U1.2_beta8deg", "beta=-6_U1.2"
-    }  # fmt: skip
+        "drift_U1.2_beta4deg",
+        "drift_U1.2_beta8deg",
+        "beta=-6_U1.2",
+    }
     assert 'X = "F\\"x [N]"' in text
     text = text.replace("# test = ...", 'test = "static_drift" #')
     (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
@@ -235,8 +257,9 @@ def test_name_and_record_that_disagree_are_shown(tmp_path, capsys):
     rows = np.column_stack(
         [t, 0 * t - 3, 0 * t + 9, 0 * t + 5, 0 * t + math.cos(beta), 0 * t - math.sin(beta)]
     )
-    np.savetxt(tmp_path / "SD_U1.0_b+08.csv", rows, header="t,X,Y,N,u,v", comments="",
-               delimiter=",")  # fmt: skip
+    np.savetxt(
+        tmp_path / "SD_U1.0_b+08.csv", rows, header="t,X,Y,N,u,v", comments="", delimiter=","
+    )
     _, content, _ = drafted(capsys, tmp_path)
     text = (tmp_path / "campaign.toml").read_text(encoding="utf-8")
     assert "TODO the name says 8, the record (recorded u and v) -8: which is right?" in text
@@ -407,8 +430,10 @@ def test_tables_of_hmri_open_once_their_conventions_are_said(
     status, content, _ = drafted(capsys, folder, "--ship", "kvlcc2-l7")
     assert status == 0
     assert {entry["test"] for entry in content["tables"]} == {
-        "static_drift", "pure_sway", "pure_yaw"
-    }  # fmt: skip
+        "static_drift",
+        "pure_sway",
+        "pure_yaw",
+    }
     path = folder / "campaign.toml"
     text = path.read_text(encoding="utf-8")
     for key in ("rho = ...", "nondimensional", "in_phase_with"):

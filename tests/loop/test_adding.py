@@ -47,14 +47,18 @@ def in_the_tank():
     model = bare("s175")
     return model.with_(
         ship=replace(model.ship, L=SHIP.L, B=SHIP.B, d=SHIP.d, volume=SHIP.volume),
-        water=WATER, convention=model.convention.with_(coriolis="in-derivatives"),
-    )  # fmt: skip
+        water=WATER,
+        convention=model.convention.with_(coriolis="in-derivatives"),
+    )
 
 
 NEAR = {
-    "memory": 0.06, "lagged_crossflow": 0.04, "froude_linear": 6e-3, "froude_nonlinear": 6e-3,
+    "memory": 0.06,
+    "lagged_crossflow": 0.04,
+    "froude_linear": 6e-3,
+    "froude_nonlinear": 6e-3,
     "resistance_curve": 8e-3,
-}  # fmt: skip
+}
 """Share of the largest force by which tank and model may differ, where more than 0.1 %: the tank
 lags v' at the carriage's speed and the model the force at the speed of the instant, a difference of
 v'²; the tank's F is zero at Fn 0.217, the model's at the middle speed, Fn 0.2172."""
@@ -126,19 +130,31 @@ def test_derivatives_keep_their_force_in_the_convention_of_any_model(ship, effec
         pytest.skip("the ship has these derivatives from its source")
     before = {name for part in model.parts.values() for name in part.values}
     used = {name: x for name, x in plain.items() if name not in before}
-    used |= {name.removesuffix(BY_SPEED): x * ((0.18 / 0.15) ** 2 - 1)
-             for name, x in sizes.items() if name.endswith(BY_SPEED)}  # fmt: skip
+    used |= {
+        name.removesuffix(BY_SPEED): x * ((0.18 / 0.15) ** 2 - 1)
+        for name, x in sizes.items()
+        if name.endswith(BY_SPEED)
+    }
     L, g = model.ship.L, model.water.g
     U = 0.18 * np.sqrt(g * L)
     rng = np.random.default_rng(1)
     beta, r = rng.uniform(-0.3, 0.3, 20), rng.uniform(-0.5, 0.5, 20) * U / L
-    motion = {"u": U * np.cos(beta), "v": -U * np.sin(beta), "r": r,
-              "phi": rng.uniform(-0.2, 0.2, 20), "delta": rng.uniform(-0.5, 0.5, 20),
-              "n": np.full(20, 0.5)}  # fmt: skip
+    motion = {
+        "u": U * np.cos(beta),
+        "v": -U * np.sin(beta),
+        "r": r,
+        "phi": rng.uniform(-0.2, 0.2, 20),
+        "delta": rng.uniform(-0.5, 0.5, 20),
+        "n": np.full(20, 0.5),
+    }
     truth = regressors(
-        list(used), State.of(**{k: x for k, x in motion.items() if k != "n"}), ship=model.ship,
-        water=model.water, convention=Convention(), approach_speed=U,
-    )  # fmt: skip
+        list(used),
+        State.of(**{k: x for k, x in motion.items() if k != "n"}),
+        ship=model.ship,
+        water=model.water,
+        convention=Convention(),
+        approach_speed=U,
+    )
     with_it, without = (
         water_forces(ready.structure, ready.k, motion)
         for ready in (prepare(x, U) for x in (better, model))
@@ -210,9 +226,10 @@ def test_terms_of_the_rudder_go_where_the_rudder_is():
         "Yvdd"
         in pk.with_effect(bare("mariner"), "rudder_cross_terms").parts["rudder_abkowitz"].values
     )
-    assert "Yvdd" in pk.with_effect(bare("kvlcc2"), "rudder_cross_terms").parts[
-        "hull_polynomial"
-    ].values  # fmt: skip
+    assert (
+        "Yvdd"
+        in pk.with_effect(bare("kvlcc2"), "rudder_cross_terms").parts["hull_polynomial"].values
+    )
 
 
 def test_what_is_there_already_keeps_its_value():
@@ -300,6 +317,10 @@ def test_what_cannot_be_added_is_refused_with_the_reason():
         pk.with_effect(model.with_(parts=hull), "asymmetry")
     with pytest.raises(ModelError, match="give Yv\\|v\\|, Nv\\|v\\| to hull_polynomial"):
         model.with_(
-            parts={**model.parts, "modulus_sway_drag": replace(
-                model.parts["hull_polynomial"], effect="modulus_sway_drag")}
-        )  # fmt: skip
+            parts={
+                **model.parts,
+                "modulus_sway_drag": replace(
+                    model.parts["hull_polynomial"], effect="modulus_sway_drag"
+                ),
+            }
+        )

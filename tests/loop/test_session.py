@@ -32,8 +32,12 @@ def bare():
 
 @pytest.fixture(scope="module")
 def session(bare):
-    hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0, "memory": 1.0,
-              "surge_yaw_coupling": 1.0}  # fmt: skip
+    hidden = {
+        "yaw_sway_coupling": 1.0,
+        "fault_misalignment": 1.0,
+        "memory": 1.0,
+        "surge_yaw_coupling": 1.0,
+    }
     return begin(bare, hidden_campaign("full", hidden, seed=7))
 
 
@@ -43,8 +47,10 @@ def test_the_loop_ends_where_nothing_is_missing(session):
             session = session.add(item.effect, item.evidence)
         assert len(session.steps) <= 4
     assert {step.effect for step in session.steps} == {
-        "yaw_sway_coupling", "fault_misalignment", "memory",
-    }  # fmt: skip
+        "yaw_sway_coupling",
+        "fault_misalignment",
+        "memory",
+    }
     shares = [item.share() for item in session.fall().errors]
     assert all(after < before for before, after in pairwise(shares))
     assert session.fall().useless == ()
@@ -68,8 +74,10 @@ def test_the_model_that_comes_out_has_the_values_of_the_virtual_ship(session):
     assert -0.006 < late["Yv_late"] < -0.0012, "a fifth of Yv is hidden, -0.0023"
     assert 0.15 < late["lag"] < 0.45, "0.283 L/U is hidden"
     assert [line.split(":")[0] for line in made.history[-3:]] == [
-        "Added yaw_sway_coupling", "Added fault_misalignment", "Added memory",
-    ]  # fmt: skip
+        "Added yaw_sway_coupling",
+        "Added fault_misalignment",
+        "Added memory",
+    ]
 
 
 def test_a_model_is_written_read_and_its_last_step_taken_back(session, tmp_path):
@@ -122,10 +130,15 @@ def test_steps_are_saved_and_replayed(session, bare, tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "session = 3\n", "[session]\n", "[session]\nfloor = 'a'\neffects = []\nwhy = []\n",
-     "[session]\nfloor = 0.01\neffects = ['memory']\nwhy = []\n",
-     "[session]\nfloor = 0.01\neffects = [1]\nwhy = ['']\n"],
-)  # fmt: skip
+    [
+        "",
+        "session = 3\n",
+        "[session]\n",
+        "[session]\nfloor = 'a'\neffects = []\nwhy = []\n",
+        "[session]\nfloor = 0.01\neffects = ['memory']\nwhy = []\n",
+        "[session]\nfloor = 0.01\neffects = [1]\nwhy = ['']\n",
+    ],
+)
 def test_a_damaged_file_of_steps_is_refused(session, text, tmp_path):
     (tmp_path / "steps.toml").write_text(text)
     with pytest.raises(ModelError, match="no session"):

@@ -35,9 +35,15 @@ def tank_model(ship):
     """The ship at 1:36."""
     s = MODEL_SCALE
     return replace(
-        ship, name="S175 model", L=ship.L / s, B=ship.B / s, d=ship.d / s,
-        volume=ship.volume / s**3, mass=ship.mass / s**3, Izz=ship.Izz / s**5,
-    )  # fmt: skip
+        ship,
+        name="S175 model",
+        L=ship.L / s,
+        B=ship.B / s,
+        d=ship.d / s,
+        volume=ship.volume / s**3,
+        mass=ship.mass / s**3,
+        Izz=ship.Izz / s**5,
+    )
 
 
 def s175_table(without=(), Fn=None, std=None, **changes):
@@ -46,9 +52,13 @@ def s175_table(without=(), Fn=None, std=None, **changes):
     values = {**library.values("hull_polynomial"), **library.values("added_mass")} | changes
     values = {name: x for name, x in values.items() if name != "lx" and name not in without}
     return from_values(
-        values, ship=tank_model(library.ship), water=Water(rho=999.1), Fn=Fn, std=std,
+        values,
+        ship=tank_model(library.ship),
+        water=Water(rho=999.1),
+        Fn=Fn,
+        std=std,
         convention=library.convention,
-    )  # fmt: skip
+    )
 
 
 # Files
@@ -61,7 +71,9 @@ WRITABLE = st.text(st.characters(exclude_categories=["Cs"]), max_size=60)
         st.dictionaries(
             WRITABLE,
             st.one_of(
-                st.floats(allow_nan=False), st.integers(-(2**62), 2**62), st.booleans(),
+                st.floats(allow_nan=False),
+                st.integers(-(2**62), 2**62),
+                st.booleans(),
                 WRITABLE,
                 st.lists(st.floats(allow_nan=False), max_size=30),
                 st.lists(WRITABLE, max_size=5),
@@ -69,12 +81,10 @@ WRITABLE = st.text(st.characters(exclude_categories=["Cs"]), max_size=60)
             ),
             max_size=5,
         ),
-        lambda inner: st.dictionaries(
-            WRITABLE, inner, max_size=4
-        ),
+        lambda inner: st.dictionaries(WRITABLE, inner, max_size=4),
         max_leaves=6,
     )
-)  # fmt: skip
+)
 def test_whatever_is_written_as_toml_is_read_back_equal(data):
     assert tomllib.loads(toml_text(data)) == data
 
@@ -262,9 +272,11 @@ def test_a_four_dof_table_keeps_roll():
     values = {**library.values("hull_polynomial"), **library.values("added_mass")}
     del values["lx"]
     table = from_values(
-        values, ship=library.ship, water=library.water,
+        values,
+        ship=library.ship,
+        water=library.water,
         convention=library.convention.with_(coriolis="in-derivatives"),
-    )  # fmt: skip
+    )
     assert to_model(table, "s175").rolls
     three = to_model(table, "s175-3dof")
     assert not three.rolls
@@ -417,8 +429,13 @@ def test_a_file_with_later_effects_loads_for_ever():
     file = Path(__file__).parents[1] / "data" / "model_v1_effects.toml"
     model = load_model(file)
     assert list(model.parts) == [
-        "hull_polynomial", "crossflow_drag", "added_mass", "propeller", "rudder_mmg", "wind",
-    ]  # fmt: skip
+        "hull_polynomial",
+        "crossflow_drag",
+        "added_mass",
+        "propeller",
+        "rudder_mmg",
+        "wind",
+    ]
     assert model.values("hull_polynomial")["Y|u|v"] == -0.3728
     assert model.parts["propeller"].options == {"wake": "kose"}
     assert model.values("wind")["AL"] == 0.52

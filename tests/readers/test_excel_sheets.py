@@ -116,7 +116,7 @@ def test_a_table_of_tests_with_settings_merged_over_rows(tmp_path):
         ["-", "m/s", "deg", "N"],
         *([100 + n, None if n else 1.5, 2.0 * n, 3.0 * n] for n in range(4)),
         *([200 + n, None if n else 2.5, 2.0 * n, 5.0 * n] for n in range(2)),
-    ]  # fmt: skip
+    ]
     workbook(tmp_path / "tests.xlsx", lines, "B4:B7", "B8:B9", "A1:D1")
     table = '[[tables]]\nid = "SD_{Run No.}"\ntest = "static_drift"\nfile = "tests.xlsx"\n'
     table += 'columns = { speed = "Speed", drift_deg = "beta", Y = "Y" }\n'
@@ -325,7 +325,9 @@ def test_a_long_text_shared_by_many_cells(path):
 
 
 def test_cells_repeated_without_end(tmp_path):
-    body = ods_row([1.0]).replace("<table:table-cell office", '<table:table-cell table:number-columns-repeated="16384" office')  # noqa: E501  # fmt: skip
+    body = ods_row([1.0]).replace(
+        "<table:table-cell office", '<table:table-cell table:number-columns-repeated="16384" office'
+    )
     path = ods(tmp_path / "run.ods", body.replace('rows-repeated="1"', 'rows-repeated="1048576"'))
     refused(path, "the cells of content.xml would take")
     gap = ods_row(["a", 1.0]) + ods_row([], 1_000_000) + ods_row([1.0] * 300)

@@ -25,11 +25,11 @@ from container_files import (
 )
 from scipy.io import netcdf_file
 
-from pmmkit.readers.hdf5 import guard as hdf5_guard
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.store import save_campaign
 from pmmkit.errors import CampaignError, PmmkitError
 from pmmkit.readers import reader_for
+from pmmkit.readers.hdf5 import guard as hdf5_guard
 from pmmkit.readers.hdf5 import reader as hdf5
 from pmmkit.readers.saved import reader as saved
 
@@ -121,8 +121,9 @@ def test_groups_have_paths_only_where_names_are_not_unique(tmp_path):
                 file[f"{run}/{name}"] = vector + seed * (run == "run2")
         file["run2/raw/depth"] = np.ones(COUNT)
     assert set(headers(path)) == {
-        *(f"{run}/{name}" for run in ("run1", "run2") for name in CHANNELS), "depth"
-    }  # fmt: skip
+        *(f"{run}/{name}" for run in ("run1", "run2") for name in CHANNELS),
+        "depth",
+    }
     assert set(headers(path, group="run2")) == {*CHANNELS, "depth"}
     assert headers(path, group="run2/raw") == ("depth",)
     with pytest.raises(CampaignError, match=r"no group 'run3'; did you mean.*It has run1, run2"):

@@ -103,8 +103,9 @@ def test_structs_have_dots_and_a_group_selects_one(tmp_path):
     run1, run2 = series(COUNT, 1), series(COUNT, 2)
     savemat(path, {"run1": run1, "run2": {"data": run2}, "rho": 999.1})
     assert set(headers(path)) == {
-        *(f"run1.{name}" for name in CHANNELS), *(f"run2.data.{name}" for name in CHANNELS)
-    }  # fmt: skip
+        *(f"run1.{name}" for name in CHANNELS),
+        *(f"run2.data.{name}" for name in CHANNELS),
+    }
     assert np.array_equal(values(path, "X", group="run1")["X"], run1["X"])
     assert np.array_equal(values(path, "X", group="run2.data")["X"], run2["X"])
     with pytest.raises(CampaignError, match=r"no struct 'run3'; did you mean 'run1'\?.*run2\.data"):
@@ -144,8 +145,16 @@ def test_structs_cells_and_arrays_of_structs_of_version_73(tmp_path):
     path = as_matlab(tmp_path / "run.mat", write)
     found = values(path)
     assert set(found) == {
-        "A", "B [kN]", "C", "run1.t", "run1.X", "run1.Y", "run1.N", "runs(1).X", "runs(2).X"
-    }  # fmt: skip
+        "A",
+        "B [kN]",
+        "C",
+        "run1.t",
+        "run1.X",
+        "run1.Y",
+        "run1.N",
+        "runs(1).X",
+        "runs(2).X",
+    }
     assert np.array_equal(found["run1.N"], one["N"])
     assert np.array_equal(found["B [kN]"], two["Y"])
     assert np.array_equal(found["runs(2).X"], two["X"] + 2)
@@ -241,9 +250,11 @@ def opaque(name: bytes, kind: bytes) -> bytes:
     """How MATLAB writes a table: class 17, three names, then references into its own store."""
     parts = [element(6, struct.pack("<2I", 17, 0)), element(1, name), element(1, b"MCOS")]
     inner = [
-        element(6, struct.pack("<2I", 13, 0)), element(5, struct.pack("<2i", 6, 1)),
-        element(1, b""), element(6, struct.pack("<6I", 0xDD000000, 2, 1, 1, 1, 1)),
-    ]  # fmt: skip
+        element(6, struct.pack("<2I", 13, 0)),
+        element(5, struct.pack("<2i", 6, 1)),
+        element(1, b""),
+        element(6, struct.pack("<6I", 0xDD000000, 2, 1, 1, 1, 1)),
+    ]
     return element(14, b"".join([*parts, element(1, kind), element(14, b"".join(inner))]))
 
 

@@ -95,9 +95,11 @@ def test_a_total_that_is_not_the_sum_of_its_parts(tmp_path):
     swapped = text.replace("total_x total_y", "total_y total_x", 1)
     with pytest.raises(CampaignError, match="is not the sum of its parts"):
         every(written(tmp_path, {"force.dat": swapped}))
-    whole = text.replace("total_x total_y", "total_y total_x").replace(
-        "pressure_x pressure_y", "pressure_y pressure_x"
-    ).replace("viscous_x viscous_y", "viscous_y viscous_x")  # fmt: skip
+    whole = (
+        text.replace("total_x total_y", "total_y total_x")
+        .replace("pressure_x pressure_y", "pressure_y pressure_x")
+        .replace("viscous_x viscous_y", "viscous_y viscous_x")
+    )
     found = every(written(tmp_path, {"force.dat": whole}))
     assert found["Fx [N]"] == pytest.approx(total("F", 1, ("pressure", "viscous")), abs=1e-4)
 

@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.errors import CampaignError, DataError
-from pmmkit.readers.starccm import reader as starccm
 from pmmkit.readers.base import Options, Request
+from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175
 
 TIME = "Physical Time: Physical Time (s)"
@@ -107,10 +107,23 @@ def test_names_and_units_of_headers(header, offered):
     assert starccm.clean_headers(["Iteration", header])[1] == offered
 
 
-@given(st.lists(st.sampled_from(
-    ["Fx Monitor: Force (N)", "Fx Monitor 2: Force (N)", "Fx 2 Monitor: Force (N)", "Fx (N)",
-     "Fx Monitor: Moment (N-m)", "Fx  Monitor: Force (N)", "Fx: Residual", "Fx"]), max_size=8)
-)  # fmt: skip
+@given(
+    st.lists(
+        st.sampled_from(
+            [
+                "Fx Monitor: Force (N)",
+                "Fx Monitor 2: Force (N)",
+                "Fx 2 Monitor: Force (N)",
+                "Fx (N)",
+                "Fx Monitor: Moment (N-m)",
+                "Fx  Monitor: Force (N)",
+                "Fx: Residual",
+                "Fx",
+            ]
+        ),
+        max_size=8,
+    )
+)
 def test_names_stay_unique(headers):
     names = [header.rsplit(" [", 1)[0] for header in starccm.clean_headers(headers)]
     assert len(set(names)) == len(names)
@@ -119,9 +132,18 @@ def test_names_stay_unique(headers):
 @pytest.mark.parametrize("bom", [False, True])
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 @pytest.mark.parametrize(
-    "first", [TIME, "Physical Time (s)", "Physikalische Zeit (s)", "物理时间 (s)", "时间", "Zeit",
-              "Solution Time: Solution Time (s)", "Fizikai idő (s)"],
-)  # fmt: skip
+    "first",
+    [
+        TIME,
+        "Physical Time (s)",
+        "Physikalische Zeit (s)",
+        "物理时间 (s)",
+        "时间",
+        "Zeit",
+        "Solution Time: Solution Time (s)",
+        "Fizikai idő (s)",
+    ],
+)
 def test_an_export_reads_without_being_mapped(read, first, bom, ends):
     data = read({"a.csv": export((first, *FORCES), T, X, Y, N, bom=bom, ends=ends)}, "a.csv")
     for name, expected in {"t": T, "X": X, "Y": Y, "N": N}.items():
@@ -131,8 +153,12 @@ def test_an_export_reads_without_being_mapped(read, first, bom, ends):
 
 
 def test_units_become_si(read):
-    headers = ("Physical Time (ms)", "Fx Monitor: Force (kN)", "Fy Monitor: Force (lbf)",
-               "Mz Monitor: Moment (kN-m)")  # fmt: skip
+    headers = (
+        "Physical Time (ms)",
+        "Fx Monitor: Force (kN)",
+        "Fy Monitor: Force (lbf)",
+        "Mz Monitor: Moment (kN-m)",
+    )
     data = read({"a.csv": export(headers, T * 1e3, X, Y, N)}, "a.csv")
     assert data["t"].values == pytest.approx(T)
     assert data["X"].values == pytest.approx(1e3 * X)
@@ -290,9 +316,14 @@ def cut_in_time(first, second, change=0.0):
 
 @pytest.mark.parametrize(
     ("first", "second"),
-    [((0, 30), (30, 60)), ((30, 60), (0, 30)), ((0, 40), (25, 60)), ((0, 60), (10, 20)),
-     ((0, 40), (0, 60))],
-)  # fmt: skip
+    [
+        ((0, 30), (30, 60)),
+        ((30, 60), (0, 30)),
+        ((0, 40), (25, 60)),
+        ((0, 60), (10, 20)),
+        ((0, 40), (0, 60)),
+    ],
+)
 def test_restarts_that_agree_are_joined(read, first, second):
     data = read(cut_in_time(first, second))
     for name, expected in {"t": T, "X": X, "Y": Y, "N": N}.items():
@@ -345,8 +376,13 @@ def test_folders_without_exports(read):
 
 
 def test_exports_are_recognised_by_content(tmp_path):
-    yes = [(TIME, FORCES[0]), ("Iteration", FORCES[0]), ("时间", "Cd Monitor: Cd Monitor"),
-           ("Iteration", "Continuity: Residual"), ("Zeit (s)", "Fx Monitor (N)")]  # fmt: skip
+    yes = [
+        (TIME, FORCES[0]),
+        ("Iteration", FORCES[0]),
+        ("时间", "Cd Monitor: Cd Monitor"),
+        ("Iteration", "Continuity: Residual"),
+        ("Zeit (s)", "Fx Monitor (N)"),
+    ]
     for headers in yes:
         for bom in (False, True):
             assert starccm.recognises(tmp_path / "a.csv", export(headers, T, X, bom=bom))
@@ -465,12 +501,31 @@ def test_rows_of_another_length_are_named(read, row):
 
 @pytest.mark.parametrize(
     "content",
-    [b"", b"\n", GOOD.split(b"\n")[0], GOOD.split(b"\n")[0] + b"\n", b"\0" * 400,
-     b"\x89HDF\r\n\x1a\n", GOOD.split(b"\n")[0] + b"\n1.0,2", b'"' * 99, b'"Physical Time (s)',
-     b"Case 7\n\nno names here\n" + GOOD.split(b"\n", 1)[1]],
-    ids=["0 bytes", "blank", "cut header", "header only", "zeros", "HDF5", "half a row", "quotes",
-         "half a name", "no header"],
-)  # fmt: skip
+    [
+        b"",
+        b"\n",
+        GOOD.split(b"\n")[0],
+        GOOD.split(b"\n")[0] + b"\n",
+        b"\0" * 400,
+        b"\x89HDF\r\n\x1a\n",
+        GOOD.split(b"\n")[0] + b"\n1.0,2",
+        b'"' * 99,
+        b'"Physical Time (s)',
+        b"Case 7\n\nno names here\n" + GOOD.split(b"\n", 1)[1],
+    ],
+    ids=[
+        "0 bytes",
+        "blank",
+        "cut header",
+        "header only",
+        "zeros",
+        "HDF5",
+        "half a row",
+        "quotes",
+        "half a name",
+        "no header",
+    ],
+)
 def test_files_that_hold_no_export(read, content):
     with pytest.raises(CampaignError, match=r"a\.csv"):
         read({"a.csv": content}, "a.csv")

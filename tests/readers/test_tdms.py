@@ -144,10 +144,13 @@ def test_channels_sampled_differently_have_no_common_time(tmp_path):
 
 
 SCALE = {
-    "NI_Scaling_Status": "unscaled", "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Linear",
-    "NI_Scale[0]_Linear_Slope": 2.0, "NI_Scale[0]_Linear_Y_Intercept": 10.0,
+    "NI_Scaling_Status": "unscaled",
+    "NI_Number_Of_Scales": 1,
+    "NI_Scale[0]_Scale_Type": "Linear",
+    "NI_Scale[0]_Linear_Slope": 2.0,
+    "NI_Scale[0]_Linear_Y_Intercept": 10.0,
     "NI_Scale[0]_Linear_Input_Source": 0xFFFFFFFF,
-}  # fmt: skip
+}
 
 
 def test_scales_are_applied_and_unknown_ones_refused(tmp_path):
@@ -165,9 +168,13 @@ def test_scales_are_applied_and_unknown_ones_refused(tmp_path):
 def test_texts_stand_in_tables_and_are_told_where_a_channel_is_missed(tmp_path):
     path = write(
         tmp_path / "tests.tdms",
-        [RootObject({"author": "tank"}), GroupObject("PMM"),
-         channel("Run", ["SD1", "SD2"]), channel("Y", [1.0, 2.0])],
-    )  # fmt: skip
+        [
+            RootObject({"author": "tank"}),
+            GroupObject("PMM"),
+            channel("Run", ["SD1", "SD2"]),
+            channel("Y", [1.0, 2.0]),
+        ],
+    )
     table = cells(path)
     assert table.headers == ("Run", "Y")
     assert table.rows == (("SD1", 1.0), ("SD2", 2.0))

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.errors import CampaignError, DataError
-from pmmkit.readers.text import csv
 from pmmkit.readers.base import Options, Request
+from pmmkit.readers.text import csv
 from pmmkit.readers.text.decoding import CUT, cut_apart
 
 TABLE = np.array([[0.0, 1.25, -20.5], [0.5, 1.5, -21.25], [1.0, 1.75, -22.0], [1.5, 2.0, -22.75]])
@@ -172,9 +172,16 @@ def test_numbers_in_a_preamble_are_no_rows(read):
 def test_comments_above_between_and_below(read, mark):
     lines = rows(" ").splitlines()
     text = "\n".join(
-        [f"{mark} measured with care", f"{mark}", "t u X", *lines[:2],
-         f"{mark} carriage stopped", *lines[2:], f"{mark} end of the record"]
-    )  # fmt: skip
+        [
+            f"{mark} measured with care",
+            f"{mark}",
+            "t u X",
+            *lines[:2],
+            f"{mark} carriage stopped",
+            *lines[2:],
+            f"{mark} end of the record",
+        ]
+    )
     found = read(text + "\n")
     assert found.headers == ("t", "u", "X")
     assert same(found)
@@ -241,8 +248,10 @@ def test_lines_of_fixed_width_that_do_not_fit(read):
     st.tuples(*[st.integers(1, 9)] * 3),
 )
 def test_fields_of_fixed_width_are_the_slices_of_the_line(table, widths):
-    lines = ["".join(cell[:width].ljust(width) for cell, width in zip(row, widths, strict=True))
-             for row in table]  # fmt: skip
+    lines = [
+        "".join(cell[:width].ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in table
+    ]
     cut = cut_apart("\n".join(lines).encode(), widths).decode().split("\n")
     for line, fields in zip(lines, cut, strict=False):
         a, b = widths[0], widths[0] + widths[1]

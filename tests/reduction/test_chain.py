@@ -12,8 +12,11 @@ from pmmkit.reduction import reduce_campaign
 from scripts.datasets.s175_truth import load_truth
 
 PUBLISHED = {
-    "steady_diameter": 0.2269, "tactical_diameter": 0.2193, "transfer": 0.1879, "advance": 0.1373,
-}  # fmt: skip
+    "steady_diameter": 0.2269,
+    "tactical_diameter": 0.2193,
+    "transfer": 0.1879,
+    "advance": 0.1373,
+}
 
 
 @pytest.fixture(scope="module")

@@ -25,24 +25,58 @@ SHIP = Ship(name="KVLCC2 L7", L=7.0, B=1.27, d=0.46, volume=3.27, mass=3270.0, I
 WATER = Water(rho=1000.0, g=9.81)
 U0, REVOLUTIONS = 1.179, 10.4
 HULL = {
-    "R0": 0.022, "Xvv": -0.040, "Xvr": 0.225, "Xrr": 0.011, "Xvvvv": 0.771,
-    "Yv": -0.315, "Yr": 0.061, "Yvvv": -1.607, "Yvvr": 0.379, "Yvrr": -0.391, "Yrrr": 0.008,
-    "Nv": -0.137, "Nr": -0.049, "Nvvv": -0.030, "Nvvr": -0.294, "Nvrr": 0.055, "Nrrr": -0.013,
-}  # fmt: skip
+    "R0": 0.022,
+    "Xvv": -0.040,
+    "Xvr": 0.225,
+    "Xrr": 0.011,
+    "Xvvvv": 0.771,
+    "Yv": -0.315,
+    "Yr": 0.061,
+    "Yvvv": -1.607,
+    "Yvvr": 0.379,
+    "Yvrr": -0.391,
+    "Yrrr": 0.008,
+    "Nv": -0.137,
+    "Nr": -0.049,
+    "Nvvv": -0.030,
+    "Nvvr": -0.294,
+    "Nvrr": 0.055,
+    "Nrrr": -0.013,
+}
 """Of ½ρLdU², as captive tests measure them: Yr - mx, Xvr + my."""
 SCREW = {
-    "D": 0.216, "t": 0.22, "wp": 0.40, "xp": -0.48, "C1": 2.0, "C2_positive": 1.6,
-    "C2_negative": 1.1, "kt0": 0.2931, "kt1": -0.2753, "kt2": -0.1385,
-}  # fmt: skip
+    "D": 0.216,
+    "t": 0.22,
+    "wp": 0.40,
+    "xp": -0.48,
+    "C1": 2.0,
+    "C2_positive": 1.6,
+    "C2_negative": 1.1,
+    "kt0": 0.2931,
+    "kt1": -0.2753,
+    "kt2": -0.1385,
+}
 BLADE = {
-    "area": 0.0539, "height": 0.345, "lift_slope": 2.747, "epsilon": 1.09, "kappa": 0.50,
-    "gamma_positive": 0.640, "gamma_negative": 0.395, "lR": -0.710, "tR": 0.387, "aH": 0.312,
+    "area": 0.0539,
+    "height": 0.345,
+    "lift_slope": 2.747,
+    "epsilon": 1.09,
+    "kappa": 0.50,
+    "gamma_positive": 0.640,
+    "gamma_negative": 0.395,
+    "lR": -0.710,
+    "tR": 0.387,
+    "aH": 0.312,
     "xH": -0.464,
-}  # fmt: skip
+}
 KNOWN = {
-    "area": 0.0539, "height": 0.345, "lift_slope": 2.747, "lR": -0.710, "rate_deg_s": 15.8,
+    "area": 0.0539,
+    "height": 0.345,
+    "lift_slope": 2.747,
+    "lR": -0.710,
+    "rate_deg_s": 15.8,
     "assumed": "library: Yasukawa and Yoshimura 2015",
-}  # fmt: skip
+}
 
 
 def kt(J):
@@ -71,10 +105,14 @@ def mmg(U, beta=0.0, yaw=0.0, delta=0.0, n=REVOLUTIONS):
     X = -h["R0"] * math.cos(beta) ** 2 + h["Xvv"] * v**2 + h["Xvvvv"] * v**4
     X += h["Xvr"] * v * r + h["Xrr"] * r**2
     Y, N = (
-        h[f"{a}v"] * v + h[f"{a}r"] * r + h[f"{a}vvv"] * v**3 + h[f"{a}vvr"] * v**2 * r
-        + h[f"{a}vrr"] * v * r**2 + h[f"{a}rrr"] * r**3
+        h[f"{a}v"] * v
+        + h[f"{a}r"] * r
+        + h[f"{a}vvv"] * v**3
+        + h[f"{a}vvr"] * v**2 * r
+        + h[f"{a}vrr"] * v * r**2
+        + h[f"{a}rrr"] * r**3
         for a in "YN"
-    )  # fmt: skip
+    )
     side, arm = 1.0 + BLADE["aH"], -0.5 + BLADE["aH"] * BLADE["xH"]
     return {
         "X": q * X + (1 - SCREW["t"]) * thrust - (1 - BLADE["tR"]) * FN * math.sin(delta),
@@ -175,12 +213,11 @@ def test_a_rudder_not_quite_amidships_is_noticed_and_costs_nothing():
     """A rudder that stands 2° to starboard of its mark: a note, and the same ε, κ and aH."""
     shifted = [
         towed("static_rudder", U, rudder_deg=delta + 2).with_(
-            settings=Settings(
-                speed=U, rudder=math.radians(delta), propeller_rps=REVOLUTIONS
-            )
+            settings=Settings(speed=U, rudder=math.radians(delta), propeller_rps=REVOLUTIONS)
         )
-        for U in (1.179, 0.9, 0.6) for delta in (-30, -20, -10, 0, 10, 20, 30)
-    ]  # fmt: skip
+        for U in (1.179, 0.9, 0.6)
+        for delta in (-30, -20, -10, 0, 10, 20, 30)
+    ]
     found = parts_of(reduced(*resistance_tests(), *shifted, *drift_tests()), **KNOWN)
     assert any("+2.00°" in note for note in found.notes)
     assert found.rudder.values["epsilon"] == pytest.approx(1.09, rel=1e-6)

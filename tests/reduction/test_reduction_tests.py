@@ -28,9 +28,12 @@ def still(name, test, forces, *, speed=1.5, kind="history", **settings):
     else:
         data = xr.Dataset({channel: ((), value) for channel, value in forces.items()})
     return Run(
-        id=name, test=test, kind=kind, loader=lambda: data,
+        id=name,
+        test=test,
+        kind=kind,
+        loader=lambda: data,
         settings=Settings(speed=speed, **settings),
-    )  # fmt: skip
+    )
 
 
 def of(*runs, **more):
@@ -133,9 +136,12 @@ def test_pure_surge_gives_the_surge_added_mass():
     q = 0.5 * WATER.rho * SHIP.L**2
     X = q * -0.0004226 * u**2 + 0.5 * WATER.rho * SHIP.L**3 * -0.000238 * udot
     run = Run(
-        id="s", test="pure_surge", kind="history", loader=lambda: history(t, {"X": X}),
+        id="s",
+        test="pure_surge",
+        kind="history",
+        loader=lambda: history(t, {"X": X}),
         settings=Settings(speed=U, period=period, amplitude=a),
-    )  # fmt: skip
+    )
     values = reduce_campaign(of(run), structure="Xuu Xudot", check=False).table.at()
     assert values["Xuu"] == pytest.approx(-0.0004226, rel=1e-8)
     assert values["Xudot"] == pytest.approx(-0.000238, rel=1e-8)
@@ -158,9 +164,7 @@ def test_resistance_and_self_propulsion():
     J = np.linspace(0, 1.1, 23)
     curve = {"J": J, "KT": 0.527 - 0.455 * J, "KQ": 0.06 - 0.04 * J}
     found = reduce_campaign(
-        of(*runs, propeller={"D": D, "open_water": curve}),
-        structure="Xuu",
-        check=False,
+        of(*runs, propeller={"D": D, "open_water": curve}), structure="Xuu", check=False
     )
     assert found.resistance.at(np.array([1.5]))[0] == pytest.approx(resistance(1.5), rel=1e-9)
     assert np.isnan(found.resistance.at(np.array([2.5]))[0])

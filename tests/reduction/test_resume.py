@@ -17,9 +17,9 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.errors import CampaignError
+from pmmkit.readers.base import Options, Request
 from pmmkit.readers.text import csv as csv_reader
 from pmmkit.readers.text import splitting as text
-from pmmkit.readers.base import Options, Request
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.reading import all_runs, resume
 from pmmkit.reduction.reading import pool as workers

@@ -17,9 +17,13 @@ from pmmkit.simulation import imo_turning, imo_verdicts, monte_carlo, simulate, 
 
 SHIPS = {"kcs": 12.347, "kvlcc2": 7.974, "s175": 9.0, "s175-3dof": 6.0, "mariner": 7.7175}
 TO_EACH_SIDE = {
-    "advance", "tactical_diameter", "initial_turning", "first_overshoot_10_10",
-    "second_overshoot_10_10", "first_overshoot_20_20",
-}  # fmt: skip
+    "advance",
+    "tactical_diameter",
+    "initial_turning",
+    "first_overshoot_10_10",
+    "second_overshoot_10_10",
+    "first_overshoot_20_20",
+}
 
 
 def by_name(verdicts):
@@ -82,10 +86,14 @@ def test_every_criterion_is_applied_to_both_sides(name, speed):
 def test_limits_are_those_of_the_standard_and_the_margin_decides(name, speed):
     first, second = zigzag_limits(load_model(name).ship.L, speed)
     limits = {
-        "advance": (4.5, "L"), "tactical_diameter": (5.0, "L"), "initial_turning": (2.5, "L"),
-        "first_overshoot_10_10": (first, "deg"), "second_overshoot_10_10": (second, "deg"),
-        "first_overshoot_20_20": (25.0, "deg"), "track_reach": (15.0, "L"),
-    }  # fmt: skip
+        "advance": (4.5, "L"),
+        "tactical_diameter": (5.0, "L"),
+        "initial_turning": (2.5, "L"),
+        "first_overshoot_10_10": (first, "deg"),
+        "second_overshoot_10_10": (second, "deg"),
+        "first_overshoot_20_20": (25.0, "deg"),
+        "track_reach": (15.0, "L"),
+    }
     for verdict in imo_verdicts(name, speed):
         assert (verdict.limit, verdict.unit) == limits[verdict.criterion]
         assert verdict.scale == load_model(name).scale
@@ -105,22 +113,26 @@ def test_values_are_those_of_the_manoeuvres_that_the_standard_asks_for(name, spe
         "advance": ("turning", "advance_L", {"rudder_deg": sign * 35.0}),
         "tactical_diameter": ("turning", "tactical_diameter_L", {"rudder_deg": sign * 35.0}),
         "initial_turning": (
-            "initial_turning", "initial_turning_distance_L",
+            "initial_turning",
+            "initial_turning_distance_L",
             {"rudder_deg": sign * 10.0, "heading_deg": 10.0},
         ),
         "first_overshoot_10_10": (
-            "zigzag", "overshoot_1_deg",
+            "zigzag",
+            "overshoot_1_deg",
             {"rudder_deg": sign * 10.0, "switch_deg": 10.0, "executes": 3},
         ),
         "second_overshoot_10_10": (
-            "zigzag", "overshoot_2_deg",
+            "zigzag",
+            "overshoot_2_deg",
             {"rudder_deg": sign * 10.0, "switch_deg": 10.0, "executes": 3},
         ),
         "first_overshoot_20_20": (
-            "zigzag", "overshoot_1_deg",
+            "zigzag",
+            "overshoot_1_deg",
             {"rudder_deg": sign * 20.0, "switch_deg": 20.0, "executes": 2},
         ),
-    }  # fmt: skip
+    }
     for criterion, (manoeuvre, metric, settings) in asked.items():
         value = simulate(name, manoeuvre, speed=speed, **settings).metrics[metric]
         assert found[criterion, side].value == pytest.approx(value, rel=1e-9), criterion
@@ -210,9 +222,8 @@ def test_a_probability_is_the_share_of_ships_within_the_limit():
     found = by_name(imo_verdicts("kvlcc2-l7", 1.179, n=400, spread=0.1, seed=3))
     turns = monte_carlo("kvlcc2-l7", speed=1.179, n=400, spread=0.1, seed=3, rudder_deg=35.0)
     zigzags = monte_carlo(
-        "kvlcc2-l7", "zigzag", speed=1.179, n=400, spread=0.1, seed=3, rudder_deg=-10.0,
-        executes=3,
-    )  # fmt: skip
+        "kvlcc2-l7", "zigzag", speed=1.179, n=400, spread=0.1, seed=3, rudder_deg=-10.0, executes=3
+    )
     assert turns.failed == zigzags.failed == 0
     expected = np.mean(turns.metrics["advance_L"] <= 4.5)
     assert found["advance", "starboard"].probability == expected

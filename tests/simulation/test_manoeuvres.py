@@ -38,9 +38,14 @@ def swing(ready, n, t, y, order, rate, lag, end):
 
     def solved(t, y, turning, *events):
         return solve_ivp(
-            lambda t, y: [*ready.rates(y[:-1], y[-1], n), turning(y[-1])], (t, t + 1e4), y,
-            method="DOP853", rtol=1e-10, atol=1e-12, events=events,
-        )  # fmt: skip
+            lambda t, y: [*ready.rates(y[:-1], y[-1], n), turning(y[-1])],
+            (t, t + 1e4),
+            y,
+            method="DOP853",
+            rtol=1e-10,
+            atol=1e-12,
+            events=events,
+        )
 
     def there(t, y):
         return y[-1] - order
@@ -106,9 +111,15 @@ def zigzag_by_scipy(name, rudder_deg, switch_deg, executes, lag):
 def test_a_zigzag_is_that_of_another_integrator(name, rudder_deg, switch_deg, lag):
     overshoots, times = zigzag_by_scipy(name, rudder_deg, switch_deg, 5, lag)
     found = simulate(
-        name, "zigzag", speed=SPEEDS[name], rudder_deg=rudder_deg, switch_deg=switch_deg,
-        rudder_law="lag" if lag else "ramp", rudder_lag=lag or 1.0, rtol=1e-10,
-    ).metrics  # fmt: skip
+        name,
+        "zigzag",
+        speed=SPEEDS[name],
+        rudder_deg=rudder_deg,
+        switch_deg=switch_deg,
+        rudder_law="lag" if lag else "ramp",
+        rudder_lag=lag or 1.0,
+        rtol=1e-10,
+    ).metrics
     assert len(overshoots) == len(times) == 4
     for i, (overshoot, time) in enumerate(zip(overshoots, times, strict=True), start=1):
         assert found[f"overshoot_{i}_deg"] == pytest.approx(overshoot, abs=1e-5)
@@ -142,9 +153,13 @@ def test_zigzags_as_other_programs_compute_them(name, speed, rudder_deg, rate, e
     Its S175 has a steering gear of 2.34°/s; its KCS runs 24 knots.
     """
     found = simulate(
-        name, "zigzag", speed=speed, rudder_deg=rudder_deg, switch_deg=abs(rudder_deg),
+        name,
+        "zigzag",
+        speed=speed,
+        rudder_deg=rudder_deg,
+        switch_deg=abs(rudder_deg),
         rudder_rate_deg=rate,
-    ).metrics  # fmt: skip
+    ).metrics
     assert found["overshoot_1_deg"] == pytest.approx(expected[0], abs=near)
     assert found["overshoot_2_deg"] == pytest.approx(expected[1], abs=near)
 
@@ -384,9 +399,10 @@ def test_the_numbers_of_a_crash_stop_are_integrals_of_the_velocities():
     assert track.u[-1] == pytest.approx(0.0, abs=1e-6)
     assert np.all(track.u[:-1] > 0.0)
     for key, rate in (
-        ("head_reach", along), ("lateral_deviation", across),
+        ("head_reach", along),
+        ("lateral_deviation", across),
         ("track_reach", np.hypot(track.u, track.v)),
-    ):  # fmt: skip
+    ):
         whole = float(CubicSpline(track.t, rate).integrate(0.0, end))
         assert found[key] == pytest.approx(whole, rel=1e-5), key
         assert found[f"{key}_L"] == pytest.approx(found[key] / 304.8)
@@ -450,9 +466,13 @@ def test_a_course_change_lays_the_rudder_over_on_the_heading_and_ends_without_tu
     name, rudder_deg
 ):
     track = simulate(
-        name, "course_change", speed=SPEEDS[name], rudder_deg=rudder_deg, heading_deg=40.0,
+        name,
+        "course_change",
+        speed=SPEEDS[name],
+        rudder_deg=rudder_deg,
+        heading_deg=40.0,
         dt=0.01 * load_model(name).ship.L / SPEEDS[name],
-    )  # fmt: skip
+    )
     found, side = track.metrics, math.copysign(1.0, rudder_deg)
     assert found["time_counter"] == pytest.approx(
         crossing(track, "psi", side * math.radians(40.0)), rel=1e-5
@@ -519,9 +539,15 @@ def test_a_williamson_turn_goes_back_along_its_own_track(name, rudder_deg):
 def test_a_current_carries_the_whole_manoeuvre_along(manoeuvre, given):
     still = simulate("s175", manoeuvre, speed=9.0, rtol=1e-11, dt=2.0, **given)
     drift = simulate(
-        "s175", manoeuvre, speed=9.0, rtol=1e-11, dt=2.0, current_speed=1.5,
-        current_direction_deg=120.0, **given,
-    )  # fmt: skip
+        "s175",
+        manoeuvre,
+        speed=9.0,
+        rtol=1e-11,
+        dt=2.0,
+        current_speed=1.5,
+        current_direction_deg=120.0,
+        **given,
+    )
     assert len(still) == len(drift)
     along, across = 1.5 * math.cos(math.radians(120)), 1.5 * math.sin(math.radians(120))
     np.testing.assert_allclose(drift.x, still.x + along * still.t, rtol=0, atol=1e-4)
@@ -591,9 +617,14 @@ def test_wind_from_the_other_side_mirrors_the_turn():
 def test_air_and_water_that_move_together_are_calm():
     calm = sail("zigzag", rtol=1e-11, dt=2.0)
     moving = sail(
-        "zigzag", rtol=1e-11, dt=2.0, wind_speed=8.0, wind_direction_deg=-30.0, current_speed=8.0,
+        "zigzag",
+        rtol=1e-11,
+        dt=2.0,
+        wind_speed=8.0,
+        wind_direction_deg=-30.0,
+        current_speed=8.0,
         current_direction_deg=150.0,
-    )  # fmt: skip
+    )
     for channel in ("psi", "u", "v", "r"):
         np.testing.assert_allclose(
             getattr(moving, channel), getattr(calm, channel), rtol=0, atol=1e-7

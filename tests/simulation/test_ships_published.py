@@ -115,9 +115,14 @@ def test_the_old_misprint_of_the_added_mass_of_the_s175_turns_wide():
 
 def overshoots(name: str, speed: float, angle: float, rate: float | None = None) -> list[float]:
     found = simulate(
-        name, "zigzag", speed=speed, rudder_deg=angle, switch_deg=abs(angle), executes=3,
+        name,
+        "zigzag",
+        speed=speed,
+        rudder_deg=angle,
+        switch_deg=abs(angle),
+        executes=3,
         rudder_rate_deg=rate,
-    ).metrics  # fmt: skip
+    ).metrics
     return [found["overshoot_1_deg"], found["overshoot_2_deg"]]
 
 
@@ -203,20 +208,32 @@ def van_berlekom_goddard(u, v, r, delta, n, depth):
     bent = c2 * beta * abs(beta) * abs(delta)
     Yuvz = -0.85 * (1 - 0.8 / z) if z >= 0.8 else 0.0
     X = (
-        -0.0377 * u * u + 2.020 * L * v * r + 0.3 * v * v - 0.093 * c2 * delta**2
-        + 0.152 * c2 * beta * delta + L * thrust * (1 - t)
+        -0.0377 * u * u
+        + 2.020 * L * v * r
+        + 0.3 * v * v
+        - 0.093 * c2 * delta**2
+        + 0.152 * c2 * beta * delta
+        + L * thrust * (1 - t)
         + z * (-0.0061 * u * u + 0.387 * L * v * r + 0.0125 * v * v * z)
-    ) / L  # fmt: skip
+    ) / L
     Y = (
-        -1.205 * u * v - 2.4 * v * abs(v) - 0.752 * L * u * r + 0.208 * c2 * delta - 2.16 * bent
+        -1.205 * u * v
+        - 2.4 * v * abs(v)
+        - 0.752 * L * u * r
+        + 0.208 * c2 * delta
+        - 2.16 * bent
         + 0.04 * L * thrust
         + z * (0.182 * L * u * r + Yuvz * u * v - 1.5 * v * abs(v) - 0.191 * bent)
-    ) / L  # fmt: skip
+    ) / L
     N = (
-        -0.451 * u * v - 0.3 * L * abs(v) * r - 0.231 * L * u * r - 0.098 * c2 * delta
-        + 0.688 * bent - 0.02 * L * thrust
+        -0.451 * u * v
+        - 0.3 * L * abs(v) * r
+        - 0.231 * L * u * r
+        - 0.098 * c2 * delta
+        + 0.688 * bent
+        - 0.02 * L * thrust
         + z * (-0.047 * L * u * r - 0.241 * u * v - 0.120 * L * abs(v) * r + 0.344 * bent)
-    ) / L**2  # fmt: skip
+    ) / L**2
     return X / (1.05 + 0.05 * z), Y / (2.02 + 0.387 * z), N / (0.1232 + 0.0045 * z)
 
 

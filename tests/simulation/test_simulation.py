@@ -65,35 +65,67 @@ def son_nomoto(u, v, r, p, phi, delta, n):
     FN = -(6.13 * aspect / (aspect + 2.25)) * area / L**2 * (uR**2 + vR**2)
     FN *= math.sin(delta + math.atan2(vR, uR))
     X = (
-        -0.0004226 * u**2 - 0.00311 * v * r + 0.0002 * r**2 - 0.0002 * phi**2 - 0.00386 * v**2
-        + (1 - t) * T + 0.71 * FN * math.sin(delta) + (m + my) * v * r
-    )  # fmt: skip
+        -0.0004226 * u**2
+        - 0.00311 * v * r
+        + 0.0002 * r**2
+        - 0.0002 * phi**2
+        - 0.00386 * v**2
+        + (1 - t) * T
+        + 0.71 * FN * math.sin(delta)
+        + (m + my) * v * r
+    )
     Y = (
-        -0.0116 * v + 0.00242 * r - 0.000063 * phi - 0.109 * v**3 + 0.00177 * r**3
-        + 0.0214 * v**2 * r - 0.0405 * v * r**2 + 0.04605 * v**2 * phi + 0.00304 * v * phi**2
-        + 0.009325 * r**2 * phi - 0.001368 * r * phi**2
-        + 1.237 * FN * math.cos(delta) - (m + mx) * u * r
-    )  # fmt: skip
+        -0.0116 * v
+        + 0.00242 * r
+        - 0.000063 * phi
+        - 0.109 * v**3
+        + 0.00177 * r**3
+        + 0.0214 * v**2 * r
+        - 0.0405 * v * r**2
+        + 0.04605 * v**2 * phi
+        + 0.00304 * v * phi**2
+        + 0.009325 * r**2 * phi
+        - 0.001368 * r * phi**2
+        + 1.237 * FN * math.cos(delta)
+        - (m + mx) * u * r
+    )
     N = (
-        -0.0038545 * v - 0.00222 * r + 0.000213 * p - 0.0001424 * phi + 0.001492 * v**3
-        - 0.00229 * r**3 - 0.0424 * v**2 * r + 0.00156 * v * r**2 - 0.019058 * v**2 * phi
-        - 0.0053766 * v * phi**2 - 0.0038592 * r**2 * phi + 0.0024195 * r * phi**2
+        -0.0038545 * v
+        - 0.00222 * r
+        + 0.000213 * p
+        - 0.0001424 * phi
+        + 0.001492 * v**3
+        - 0.00229 * r**3
+        - 0.0424 * v**2 * r
+        + 0.00156 * v * r**2
+        - 0.019058 * v**2 * phi
+        - 0.0053766 * v * phi**2
+        - 0.0038592 * r**2 * phi
+        + 0.0024195 * r * phi**2
         + (-0.5 + 0.237 * -0.48) * FN * math.cos(delta)
-    )  # fmt: skip
+    )
     K = (
-        0.0003026 * v - 0.000063 * r - 0.0000075 * p - 0.000021 * phi + 0.002843 * v**3
-        - 0.0000462 * r**3 - 0.000588 * v**2 * r + 0.0010565 * v * r**2 - 0.0012012 * v**2 * phi
-        - 0.0000793 * v * phi**2 - 0.000243 * r**2 * phi + 0.00003569 * r * phi**2
-        - 1.237 * 0.033 * FN * math.cos(delta) + mx * lx * u * r
+        0.0003026 * v
+        - 0.000063 * r
+        - 0.0000075 * p
+        - 0.000021 * phi
+        + 0.002843 * v**3
+        - 0.0000462 * r**3
+        - 0.000588 * v**2 * r
+        + 0.0010565 * v * r**2
+        - 0.0012012 * v**2 * phi
+        - 0.0000793 * v * phi**2
+        - 0.000243 * r**2 * phi
+        + 0.00003569 * r * phi**2
+        - 1.237 * 0.033 * FN * math.cos(delta)
+        + mx * lx * u * r
         - g * volume / (0.5 * L**2 * U**2) * (GM / L) * phi
-    )  # fmt: skip
+    )
     mass = np.array(
         [[m + my, my * alpha, -my * ly], [my * alpha, Iz + Jz, 0.0], [-my * ly, 0.0, Ix + Jx]]
     )
     vdot, rdot, pdot = np.linalg.solve(mass, [Y, N, K])
-    return (
-        X / (m + mx) * U**2 / L, vdot * U**2 / L, rdot * (U / L) ** 2, pdot * (U / L) ** 2,
-    )  # fmt: skip
+    return (X / (m + mx) * U**2 / L, vdot * U**2 / L, rdot * (U / L) ** 2, pdot * (U / L) ** 2)
 
 
 @given(state=STATE)
@@ -105,10 +137,7 @@ def test_four_degrees_of_freedom_are_son_and_nomoto_as_printed(state):
 
 
 @given(
-    u=st.floats(-5.0, 9.0),
-    v=st.floats(-4.0, 4.0),
-    r=st.floats(-0.1, 0.1),
-    xG=st.floats(-5.0, 5.0),
+    u=st.floats(-5.0, 9.0), v=st.floats(-4.0, 4.0), r=st.floats(-0.1, 0.1), xG=st.floats(-5.0, 5.0)
 )
 def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
     """With the Munk moment and no other force the power of all forces is zero."""
@@ -121,8 +150,7 @@ def test_a_body_in_a_perfect_fluid_keeps_its_energy(u, v, r, xG):
                 THREE.parts["hull_polynomial"], values={"Nuv": -(my - mx), "Xuu": 0.0}
             ),
             "added_mass": replace(
-                THREE.parts["added_mass"],
-                values={"Xudot": -mx, "Yvdot": -my, "Nrdot": -0.000419},
+                THREE.parts["added_mass"], values={"Xudot": -mx, "Yvdot": -my, "Nrdot": -0.000419}
             ),
         },
     )
@@ -264,9 +292,12 @@ def test_metrics_of_a_steady_turn(side):
     plan = turning(0.05, rudder_deg=side * 35.0)
     state = [0.0, 0.0, 0.0, 8 * math.cos(drift), -side * 8 * math.sin(drift), side * turn]
     answers = Answers(
-        places=plan.places, states=("x", "y", "psi", "u", "v", "r"),
-        values=[[1.0, *state] for _ in plan.probes], speed=10.0, L=100.0,
-    )  # fmt: skip
+        places=plan.places,
+        states=("x", "y", "psi", "u", "v", "r"),
+        values=[[1.0, *state] for _ in plan.probes],
+        speed=10.0,
+        L=100.0,
+    )
     found = plan.measure(answers)
     assert found["steady_diameter"] == pytest.approx(2 * 8.0 / turn, rel=1e-12)
     assert found["steady_drift_deg"] == pytest.approx(math.degrees(drift), rel=1e-12)
@@ -400,9 +431,16 @@ def test_trajectories_of_the_public_model_in_octave(shared_data, file, speed, ru
         pytest.skip("the Octave trajectories are not on this machine")
     theirs = pd.read_csv(folder / f"s175_mss_turn_{file}.csv")
     track = simulate(
-        "s175", speed=speed, rudder_deg=rudder_deg, rudder_law="lag", rudder_lag=1.0,
-        rudder_rate_deg=5.0, dt=1.0, duration=float(theirs["t"].iloc[-1]), rtol=1e-10,
-    )  # fmt: skip
+        "s175",
+        speed=speed,
+        rudder_deg=rudder_deg,
+        rudder_law="lag",
+        rudder_lag=1.0,
+        rudder_rate_deg=5.0,
+        dt=1.0,
+        duration=float(theirs["t"].iloc[-1]),
+        rtol=1e-10,
+    )
     assert 60 * track.n[0] == pytest.approx(theirs["n_rpm"][0], rel=1e-8)
     for channel in ("u", "v", "r", "x", "y", "psi", "p", "phi", "delta"):
         expected = theirs[channel].to_numpy()
@@ -422,9 +460,11 @@ def test_the_truth_of_the_s175_programme_turns_as_published(datasets):
         metrics.append(simulate(to_model(table, "s175-3dof"), speed=speed).metrics)
     low, high = metrics
     published = {
-        "steady_diameter": 0.2269, "tactical_diameter": 0.2193, "transfer": 0.1879,
+        "steady_diameter": 0.2269,
+        "tactical_diameter": 0.2193,
+        "transfer": 0.1879,
         "advance": 0.1373,
-    }  # fmt: skip
+    }
     for name, change in published.items():
         assert high[name] / low[name] - 1 == pytest.approx(change, abs=5e-5)
         stated = data["trend"]["steady_radius" if name == "steady_diameter" else name]
@@ -438,8 +478,9 @@ def test_the_truth_of_the_s175_programme_turns_as_published(datasets):
 def test_imo_limits_of_a_turn():
     verdicts = {v.criterion: v for v in imo_turning(simulate("s175-3dof", speed=9.0))}
     assert {name: v.limit for name, v in verdicts.items()} == {
-        "advance": 4.5, "tactical_diameter": 5.0,
-    }  # fmt: skip
+        "advance": 4.5,
+        "tactical_diameter": 5.0,
+    }
     for verdict in verdicts.values():
         assert verdict.passed
         assert verdict.margin == pytest.approx(verdict.limit - verdict.value)
@@ -504,9 +545,15 @@ def test_a_sweep_takes_the_froude_numbers_of_the_model():
 def test_all_wrong_arguments_are_named_at_once():
     with pytest.raises(DataError) as caught:
         simulate(
-            THREE, speed=-1.0, rudder_deg=0.0, duration=math.inf, dt=0.0, rtol=1.0,
-            rudder_rate_deg=-2.0, rudder_law="jump",
-        )  # fmt: skip
+            THREE,
+            speed=-1.0,
+            rudder_deg=0.0,
+            duration=math.inf,
+            dt=0.0,
+            rtol=1.0,
+            rudder_rate_deg=-2.0,
+            rudder_law="jump",
+        )
     assert len(caught.value.problems) == 7
 
 

@@ -95,9 +95,13 @@ def test_a_small_turn_grows_or_dies_as_the_verdict_says(name, speed):
         y = straight(ready, n)
         y[5] = side * pace
         result = solve_ivp(
-            lambda t, y: ready.rates(y, 0.0, n), (0.0, 100 / pace), y, method="LSODA", rtol=1e-9,
+            lambda t, y: ready.rates(y, 0.0, n),
+            (0.0, 100 / pace),
+            y,
+            method="LSODA",
+            rtol=1e-9,
             atol=1e-12,
-        )  # fmt: skip
+        )
         ends.append(result.y[5, -1] / pace)
     # what is there without the disturbance (the tanker, the Mariner) is in both
     grown = abs(ends[0] - ends[1]) > 2e-4 or abs(ends[0]) > 0.1
@@ -111,9 +115,13 @@ def test_kvlcc2_is_not_called_stable_where_it_turns_away_to_port():
     y = straight(ready, n)
     y[4], y[5] = 1e-4 * 7.97, -1e-4 * pace
     result = solve_ivp(
-        lambda t, y: ready.rates(y, 0.0, n), (0.0, 200 / pace), y, method="LSODA", rtol=1e-9,
+        lambda t, y: ready.rates(y, 0.0, n),
+        (0.0, 200 / pace),
+        y,
+        method="LSODA",
+        rtol=1e-9,
         atol=1e-12,
-    )  # fmt: skip
+    )
     turned = abs(result.y[5, -1] / pace) > 0.1
     assert turned == (spiral_curve("kvlcc2", 7.97).loop_width_deg > 0.1)
     assert stability("kvlcc2", 7.97).stable != turned
@@ -225,10 +233,7 @@ def test_a_fin_at_the_stern_steadies_and_one_at_the_bow_does_not():
 
 @pytest.mark.parametrize(
     ("model", "speed"),
-    [
-        (load_model("s175-3dof"), 6.0),
-        (kept_on_one_side("kcs"), 12.0),
-    ],
+    [(load_model("s175-3dof"), 6.0), (kept_on_one_side("kcs"), 12.0)],
     ids=["s175-3dof", "kcs"],
 )
 def test_a_small_rudder_gives_the_yaw_rate_k_delta(model, speed):
@@ -251,9 +256,13 @@ def test_a_step_of_the_rudder_is_answered_as_nomoto_says(model, speed):
     """r/(Kδ) = 1 - (T1 - T3)/(T1 - T2) exp(-t/T1) + (T2 - T3)/(T1 - T2) exp(-t/T2)."""
     found = stability(model, speed)
     track = simulate(
-        model, speed=speed, rudder_deg=1e-4, rudder_rate_deg=1e5, rtol=1e-11,
+        model,
+        speed=speed,
+        rudder_deg=1e-4,
+        rudder_rate_deg=1e5,
+        rtol=1e-11,
         duration=12.0 * model.ship.L / speed,
-    )  # fmt: skip
+    )
     t = track.t * speed / model.ship.L
     T1, T2, T3 = found.T1, found.T2, found.T3
     slow, fast = (T1 - T3) / (T1 - T2) * np.exp(-t / T1), (T2 - T3) / (T1 - T2) * np.exp(-t / T2)
@@ -337,9 +346,13 @@ def turn_left_after(start_deg, rudder_deg):
     y = straight(ready, n)
     for angle, lengths in ((start_deg, 100.0), (rudder_deg, 600.0)):
         result = solve_ivp(
-            lambda t, y, angle=angle: ready.rates(y, math.radians(angle), n), (0.0, lengths / pace),
-            y, method="LSODA", rtol=1e-8, atol=1e-10,
-        )  # fmt: skip
+            lambda t, y, angle=angle: ready.rates(y, math.radians(angle), n),
+            (0.0, lengths / pace),
+            y,
+            method="LSODA",
+            rtol=1e-8,
+            atol=1e-10,
+        )
         y = result.y[:, -1]
     return math.degrees(y[5])
 

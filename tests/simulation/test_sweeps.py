@@ -145,10 +145,7 @@ def test_intervals_widen_with_the_spread_of_the_derivatives():
 def test_intervals_are_those_of_the_conditions_swept():
     """The wind counts for the ships of the interval as for the ship alone."""
     windy = TANKER.with_(
-        parts={
-            **TANKER.parts,
-            "wind": Part(effect="wind", values={"AF": 0.5, "AL": 1.5}),
-        }
+        parts={**TANKER.parts, "wind": Part(effect="wind", values={"AF": 0.5, "AL": 1.5})}
     )
     found = sweep(
         windy, "wind_speed", [6.0], speed=SPEED, wind_direction_deg=90.0, n=60, spread=0.002

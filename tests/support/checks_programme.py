@@ -27,11 +27,23 @@ SHIP = Ship(
 )
 WATER = Water(rho=999.1, g=9.81, tank_width=10.0, tank_depth=5.0)
 HULL = {
-    "mx": 0.00024, "my": 0.00705, "Jz": 0.00042, "Ya": -0.00035,
-    "X0": -0.0009, "Xvv": -0.0039, "Xvr": 0.0039, "Xrr": 0.0002,
-    "Yv": -0.0116, "Yvvv": -0.109, "Yr": 0.0022, "Yvrr": -0.0405,
-    "Nv": -0.00385, "Nr": -0.00222, "Nvvr": -0.0424, "Nrrr": -0.0023,
-}  # fmt: skip
+    "mx": 0.00024,
+    "my": 0.00705,
+    "Jz": 0.00042,
+    "Ya": -0.00035,
+    "X0": -0.0009,
+    "Xvv": -0.0039,
+    "Xvr": 0.0039,
+    "Xrr": 0.0002,
+    "Yv": -0.0116,
+    "Yvvv": -0.109,
+    "Yr": 0.0022,
+    "Yvrr": -0.0405,
+    "Nv": -0.00385,
+    "Nr": -0.00222,
+    "Nvvr": -0.0424,
+    "Nrrr": -0.0023,
+}
 
 Change = Callable[[Run, xr.Dataset], xr.Dataset]
 
@@ -45,13 +57,21 @@ def forces(run: Run, state, inside: bool = False, hull=HULL) -> dict[str, np.nda
     h = hull
     X = h["X0"] * u**2 + h["Xvv"] * v**2 + h["Xvr"] * v * r + h["Xrr"] * r**2 - h["mx"] * udot
     Y = (
-        h["Yv"] * v + h["Yvvv"] * v**3 + h["Yr"] * r * u + h["Yvrr"] * v * r**2
-        - h["my"] * vdot + h["Ya"] * rdot
-    )  # fmt: skip
+        h["Yv"] * v
+        + h["Yvvv"] * v**3
+        + h["Yr"] * r * u
+        + h["Yvrr"] * v * r**2
+        - h["my"] * vdot
+        + h["Ya"] * rdot
+    )
     N = (
-        h["Nv"] * v + h["Nr"] * r * u + h["Nvvr"] * v**2 * r + h["Nrrr"] * r**3
-        + h["Ya"] * vdot - h["Jz"] * rdot
-    )  # fmt: skip
+        h["Nv"] * v
+        + h["Nr"] * r * u
+        + h["Nvvr"] * v**2 * r
+        + h["Nrrr"] * r**3
+        + h["Ya"] * vdot
+        - h["Jz"] * rdot
+    )
     unit = 0.5 * WATER.rho * L**2 * U**2
     X, Y, N = X * unit, Y * unit, N * unit * L
     if inside:

@@ -15,9 +15,13 @@ def polynomial_forces(values, motion, *, ship, water, convention, approach):
     reference = math.sqrt(water.g * ship.L) if bis else U
     lost = approach if convention.surge == "delta-u" else 0.0
     primed = {
-        "u": (u - lost) / reference, "v": v / reference, "r": r * ship.L / reference,
-        "p": p * ship.L / reference, "phi": phi, "d": delta,
-    }  # fmt: skip
+        "u": (u - lost) / reference,
+        "v": v / reference,
+        "r": r * ship.L / reference,
+        "p": p * ship.L / reference,
+        "phi": phi,
+        "d": delta,
+    }
     primed |= {f"|{name}|": abs(value) for name, value in primed.items()}
     sums = dict.fromkeys("XYNK", 0.0)
     for places, numbers in polynomial(values, ship=ship, water=water, convention=convention):

@@ -12,12 +12,28 @@ import numpy as np
 
 L, RHO = 4.861111, 999.1
 TRUTH = {
-    "Xudot": -0.000238, "Xuu": -0.0004226, "Xvv": -0.00386, "Xrr": 0.0002, "Xvr": 0.003939,
-    "Yv": -0.0116, "Yr": 0.002182, "Yvvv": -0.109, "Yrrr": 0.00177, "Yvvr": 0.0214,
-    "Yvrr": -0.0405, "Yvdot": -0.007049, "Yrdot": -0.00035245,
-    "Nv": -0.0038545, "Nr": -0.00222, "Nvvv": 0.001492, "Nrrr": -0.00229, "Nvvr": -0.0424,
-    "Nvrr": 0.00156, "Nvdot": -0.00035245, "Nrdot": -0.000419,
-}  # fmt: skip
+    "Xudot": -0.000238,
+    "Xuu": -0.0004226,
+    "Xvv": -0.00386,
+    "Xrr": 0.0002,
+    "Xvr": 0.003939,
+    "Yv": -0.0116,
+    "Yr": 0.002182,
+    "Yvvv": -0.109,
+    "Yrrr": 0.00177,
+    "Yvvr": 0.0214,
+    "Yvrr": -0.0405,
+    "Yvdot": -0.007049,
+    "Yrdot": -0.00035245,
+    "Nv": -0.0038545,
+    "Nr": -0.00222,
+    "Nvvv": 0.001492,
+    "Nrrr": -0.00229,
+    "Nvvr": -0.0424,
+    "Nvrr": 0.00156,
+    "Nvdot": -0.00035245,
+    "Nrdot": -0.000419,
+}
 """Son and Nomoto's derivatives as captive tests measure them (Yr - mx, Xvr + my)."""
 NOISE = {"X": 0.4, "Y": 1.0, "N": 1.5}
 SPEEDS = (1.0, 2.0)
@@ -51,17 +67,28 @@ def forces(u, v, r, udot, vdot, rdot) -> dict[str, np.ndarray]:
     a1, b1, c1 = udot * L / speed**2, vdot * L / speed**2, rdot * L**2 / speed**2
     t = TRUTH
     surge = (
-        t["Xudot"] * a1 + t["Xuu"] * a * a + t["Xvv"] * b * b + t["Xrr"] * c * c
-        + t["Xvr"] * b * c
-    )  # fmt: skip
+        t["Xudot"] * a1 + t["Xuu"] * a * a + t["Xvv"] * b * b + t["Xrr"] * c * c + t["Xvr"] * b * c
+    )
     sway = (
-        t["Yv"] * b + t["Yr"] * c + t["Yvvv"] * b**3 + t["Yrrr"] * c**3
-        + t["Yvvr"] * b * b * c + t["Yvrr"] * b * c * c + t["Yvdot"] * b1 + t["Yrdot"] * c1
-    )  # fmt: skip
+        t["Yv"] * b
+        + t["Yr"] * c
+        + t["Yvvv"] * b**3
+        + t["Yrrr"] * c**3
+        + t["Yvvr"] * b * b * c
+        + t["Yvrr"] * b * c * c
+        + t["Yvdot"] * b1
+        + t["Yrdot"] * c1
+    )
     yaw = (
-        t["Nv"] * b + t["Nr"] * c + t["Nvvv"] * b**3 + t["Nrrr"] * c**3
-        + t["Nvvr"] * b * b * c + t["Nvrr"] * b * c * c + t["Nvdot"] * b1 + t["Nrdot"] * c1
-    )  # fmt: skip
+        t["Nv"] * b
+        + t["Nr"] * c
+        + t["Nvvv"] * b**3
+        + t["Nrrr"] * c**3
+        + t["Nvvr"] * b * b * c
+        + t["Nvrr"] * b * c * c
+        + t["Nvdot"] * b1
+        + t["Nrdot"] * c1
+    )
     pressure = 0.5 * RHO * L**2 * speed**2
     return {"X": pressure * surge, "Y": pressure * sway, "N": pressure * L * yaw}
 
@@ -70,9 +97,13 @@ def sway(speed: float, amplitude: float, t: np.ndarray, omega: float) -> dict[st
     """Motion of a pure sway test."""
     still = np.zeros_like(t)
     return {
-        "u": np.full_like(t, speed), "v": amplitude * omega * np.cos(omega * t), "r": still,
-        "udot": still, "vdot": -amplitude * omega**2 * np.sin(omega * t), "rdot": still,
-    }  # fmt: skip
+        "u": np.full_like(t, speed),
+        "v": amplitude * omega * np.cos(omega * t),
+        "r": still,
+        "udot": still,
+        "vdot": -amplitude * omega**2 * np.sin(omega * t),
+        "rdot": still,
+    }
 
 
 def yaw(
@@ -84,10 +115,13 @@ def yaw(
     along = speed / np.cos(psi)
     gain = along * np.tan(psi) * r
     return {
-        "u": along * math.cos(drift), "v": -along * math.sin(drift), "r": r,
-        "udot": gain * math.cos(drift), "vdot": -gain * math.sin(drift),
+        "u": along * math.cos(drift),
+        "v": -along * math.sin(drift),
+        "r": r,
+        "udot": gain * math.cos(drift),
+        "vdot": -gain * math.sin(drift),
         "rdot": -amplitude * omega**2 * np.sin(omega * t),
-    }  # fmt: skip
+    }
 
 
 def write_campaign(folder: Path, *, seed: int = 1, noise: float = 1.0) -> Path:
@@ -112,9 +146,13 @@ def write_campaign(folder: Path, *, seed: int = 1, noise: float = 1.0) -> Path:
             columns[channel] = clean + noise * NOISE[channel] * generator.normal(size=len(t))
         table = np.stack(list(columns.values()), axis=1)
         np.savetxt(
-            folder / "runs" / f"{name}.csv", table, fmt="%.6g", delimiter=",",
-            header=",".join(columns), comments="",
-        )  # fmt: skip
+            folder / "runs" / f"{name}.csv",
+            table,
+            fmt="%.6g",
+            delimiter=",",
+            header=",".join(columns),
+            comments="",
+        )
         text.append(
             f'\n[[runs]]\nid = "{name}"\nfile = "runs/{name}.csv"\nspeed = {speed}\n{keys}\n'
         )
@@ -126,8 +164,11 @@ def write_campaign(folder: Path, *, seed: int = 1, noise: float = 1.0) -> Path:
             motion = {
                 "u": np.full_like(t, speed * math.cos(beta)),
                 "v": np.full_like(t, -speed * math.sin(beta)),
-                "r": still, "udot": still, "vdot": still, "rdot": still,
-            }  # fmt: skip
+                "r": still,
+                "udot": still,
+                "vdot": still,
+                "rdot": still,
+            }
             keys = f'test = "static_drift"\ndrift_deg = {degrees}.0'
             add(f"SD_U{speed:g}_b{degrees:+03d}", keys, speed, t, motion)
         period = 12.5 / speed

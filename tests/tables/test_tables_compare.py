@@ -52,9 +52,11 @@ def test_the_reference_is_brought_to_the_convention_of_the_table():
         TRUTH, ship=FULL, water=Water(), convention=Convention(coriolis="separate")
     )
     table = from_values(
-        {"Yv": 0.0, "Nv": 0.0, "Yr": 0.0}, ship=MODEL, water=Water(),
+        {"Yv": 0.0, "Nv": 0.0, "Yr": 0.0},
+        ship=MODEL,
+        water=Water(),
         convention=Convention(system="prime-d", sway="beta", moment_reference_x=0.1),
-    )  # fmt: skip
+    )
     reference = compare(table, separate).set_index("derivative")["reference"]
     scale, arm = 175 / 8.5, 0.1 / MODEL.L
     assert reference["Yv"] == pytest.approx(0.0116 * scale)

@@ -23,12 +23,26 @@ from pmmkit.tables import DerivativeTable, converted, from_values, identical, to
 WATER = Water(rho=1000.0, g=9.81)
 S175 = Ship(name="S175", L=175.0, B=25.4, d=9.5, volume=21222.0, mass=2.12e7, Izz=3.7e10)
 SON_NOMOTO = {
-    "Xudot": -0.000238, "Xuu": -0.0004226, "Xvr": -0.00311, "Xrr": 0.00020, "Xvv": -0.00386,
-    "Yvdot": -0.007049, "Yv": -0.0116, "Yr": 0.00242, "Yvvv": -0.109, "Yrrr": 0.00177,
-    "Yvvr": 0.0214, "Yvrr": -0.0405,
-    "Nrdot": -0.000419, "Nv": -0.0038545, "Nr": -0.00222, "Nvvv": 0.001492, "Nrrr": -0.00229,
-    "Nvvr": -0.0424, "Nvrr": 0.00156,
-}  # fmt: skip
+    "Xudot": -0.000238,
+    "Xuu": -0.0004226,
+    "Xvr": -0.00311,
+    "Xrr": 0.00020,
+    "Xvv": -0.00386,
+    "Yvdot": -0.007049,
+    "Yv": -0.0116,
+    "Yr": 0.00242,
+    "Yvvv": -0.109,
+    "Yrrr": 0.00177,
+    "Yvvr": 0.0214,
+    "Yvrr": -0.0405,
+    "Nrdot": -0.000419,
+    "Nv": -0.0038545,
+    "Nr": -0.00222,
+    "Nvvv": 0.001492,
+    "Nrrr": -0.00229,
+    "Nvvr": -0.0424,
+    "Nvrr": 0.00156,
+}
 
 
 def son_nomoto(**convention: object) -> DerivativeTable:
@@ -66,9 +80,13 @@ def random_state(seed: int, size: int = 20, speed: float | None = None, small=1.
 def forces(table: DerivativeTable, state: State, channel: str, row: int = 0) -> np.ndarray:
     names = [name for name in table.names if name[0] == channel]
     columns = regressors(
-        names, state, ship=table.ship, water=table.water, convention=table.convention,
+        names,
+        state,
+        ship=table.ship,
+        water=table.water,
+        convention=table.convention,
         approach_speed=8.0,
-    )  # fmt: skip
+    )
     return columns @ table.select(names).value[row]
 
 
@@ -96,11 +114,25 @@ class TestPublishedNumbers:
         """The S175 list of another program: values times L/d = 18.421, odd-in-v signs flipped,
         added-mass Coriolis terms inside (there Yr = .0402 + .0044, Xvr = -.0726 + .1299)."""
         published = {
-            "Yv": 0.2137, "Yvvv": 2.008, "Yvvr": 0.3942, "Yvrr": 0.7461, "Yrrr": 0.0326,
-            "Nv": 0.0710, "Nr": -0.0409, "Nvvv": -0.0275, "Nvvr": -0.7811, "Nvrr": -0.0287,
-            "Nrrr": -0.0422, "Xvv": -0.0711, "Xrr": 0.0037, "Xvr": -0.0726, "Yr": 0.0402,
-            "Xudot": -0.0044, "Yvdot": 0.1299, "Nrdot": -0.0077,
-        }  # fmt: skip
+            "Yv": 0.2137,
+            "Yvvv": 2.008,
+            "Yvvr": 0.3942,
+            "Yvrr": 0.7461,
+            "Yrrr": 0.0326,
+            "Nv": 0.0710,
+            "Nr": -0.0409,
+            "Nvvv": -0.0275,
+            "Nvvr": -0.7811,
+            "Nvrr": -0.0287,
+            "Nrrr": -0.0422,
+            "Xvv": -0.0711,
+            "Xrr": 0.0037,
+            "Xvr": -0.0726,
+            "Yr": 0.0402,
+            "Xudot": -0.0044,
+            "Yvdot": 0.1299,
+            "Nrdot": -0.0077,
+        }
         table = converted(son_nomoto(), system="prime-d", sway="beta", coriolis="in-derivatives")
         values = table.at()
         for name, number in published.items():
@@ -115,15 +147,30 @@ class TestPublishedNumbers:
         """Yoshimura and Ueno list Xβr - my = -.1084 and Yr - mx = .0398, mx .00627, my .1552."""
         kcs = Ship(name="KCS", L=230.0, B=32.2, d=10.8, volume=52030.0, mass=5.2e7, Izz=1.7e11)
         table = from_values(
-            {"Xvr": -0.1084, "Yr": 0.0398, "Yv": 0.2252, "Yvvv": 1.7179, "Nvvr": -0.6168,
-             "Nvrr": 0.0512, "Xudot": -0.00627, "Yvdot": 0.1552},
-            ship=kcs, water=WATER, convention=Convention(system="prime-d", sway="beta"),
-        )  # fmt: skip
+            {
+                "Xvr": -0.1084,
+                "Yr": 0.0398,
+                "Yv": 0.2252,
+                "Yvvv": 1.7179,
+                "Nvvr": -0.6168,
+                "Nvrr": 0.0512,
+                "Xudot": -0.00627,
+                "Yvdot": 0.1552,
+            },
+            ship=kcs,
+            water=WATER,
+            convention=Convention(system="prime-d", sway="beta"),
+        )
         values = converted(table, sway="v", coriolis="separate").at()
         expected = {
-            "Xvr": 0.1084 - 0.1552, "Yr": 0.0398 + 0.00627, "Yv": -0.2252, "Yvvv": -1.7179,
-            "Nvvr": -0.6168, "Nvrr": -0.0512, "Yvdot": -0.1552,
-        }  # fmt: skip
+            "Xvr": 0.1084 - 0.1552,
+            "Yr": 0.0398 + 0.00627,
+            "Yv": -0.2252,
+            "Yvvv": -1.7179,
+            "Nvvr": -0.6168,
+            "Nvrr": -0.0512,
+            "Yvdot": -0.1552,
+        }
         for name, number in expected.items():
             assert values[name] == pytest.approx(number, abs=1e-12)
 
@@ -178,13 +225,15 @@ class TestTheSameForces:
         mass = 0.5 * WATER.rho * S175.L**3
         mx, my = -mass * plain["Xudot"][0], -mass * plain["Yvdot"][0]
         np.testing.assert_allclose(
-            forces(separate, state, "X") + my * state.v * state.r, forces(total, state, "X"),
+            forces(separate, state, "X") + my * state.v * state.r,
+            forces(total, state, "X"),
             rtol=1e-10,
-        )  # fmt: skip
+        )
         np.testing.assert_allclose(
             forces(separate, straight, "Y") - mx * straight.u * straight.r,
-            forces(total, straight, "Y"), rtol=1e-10,
-        )  # fmt: skip
+            forces(total, straight, "Y"),
+            rtol=1e-10,
+        )
         assert forces(separate, state, "N") == pytest.approx(forces(total, state, "N"))
 
     @pytest.mark.parametrize("structure", ["linear", "abkowitz3", "mmg"])
@@ -192,9 +241,10 @@ class TestTheSameForces:
         table, state, arm = random_table(9, structure), random_state(10), 4.2
         moved = converted(table, moment_reference_x=arm)
         np.testing.assert_allclose(
-            forces(moved, state, "N"), forces(table, state, "N") - arm * forces(table, state, "Y"),
+            forces(moved, state, "N"),
+            forces(table, state, "N") - arm * forces(table, state, "Y"),
             rtol=1e-9,
-        )  # fmt: skip
+        )
 
     @staticmethod
     def elsewhere(state: State, x: float) -> State:
@@ -208,9 +258,11 @@ class TestTheSameForces:
         state = random_state(12)
         for channel in "XYN":
             np.testing.assert_allclose(
-                forces(moved, self.elsewhere(state, x), channel), forces(table, state, channel),
-                rtol=1e-9, atol=1e-9 * np.abs(forces(table, state, channel)).max(),
-            )  # fmt: skip
+                forces(moved, self.elsewhere(state, x), channel),
+                forces(table, state, channel),
+                rtol=1e-9,
+                atol=1e-9 * np.abs(forces(table, state, channel)).max(),
+            )
 
     def test_motion_point_is_exact_for_terms_of_the_second_power_of_speed(self):
         table = random_table(13).select(["Xuu", "Xvv", "Xvr", "Xrr", "Xudot", "Yvdot", "Nrdot"])
@@ -221,8 +273,9 @@ class TestTheSameForces:
             for channel in "XYN":
                 np.testing.assert_allclose(
                     forces(moved, self.elsewhere(state, 17.0), channel),
-                    forces(start, state, channel), rtol=1e-10,
-                )  # fmt: skip
+                    forces(start, state, channel),
+                    rtol=1e-10,
+                )
 
     def test_motion_point_is_right_to_the_fifth_order_with_instantaneous_speed(self):
         """What a cubic table cannot hold falls with the fifth power of the motion."""
@@ -260,9 +313,13 @@ class TestCovariance:
         """The map, column by column from tables that hold a single one, gives J C Jᵀ."""
         table = random_table(20, "abkowitz3", rows=2)
         change = {
-            "system": "bis", "sway": "beta", "surge": "constant", "coriolis": "separate",
-            "moment_reference_x": 5.0, "motion_reference_x": 9.0,
-        }  # fmt: skip
+            "system": "bis",
+            "sway": "beta",
+            "surge": "constant",
+            "coriolis": "separate",
+            "moment_reference_x": 5.0,
+            "motion_reference_x": 9.0,
+        }
         stated = converted(table, **change)
         columns = [
             converted(table.with_(value=one.reshape(table.value.shape)), **change).value.ravel()
@@ -291,11 +348,13 @@ class TestCovariance:
         assert {name for name, value in spread.items() if math.isnan(value)} == {"Xvv"}
 
     def test_degrees_of_freedom_and_runs_are_those_of_the_weakest_part(self):
-        table = from_values({"Xuu": 1.0, "Xvv": 2.0}, std={"Xuu": 1, "Xvv": 1}, ship=S175,
-                            water=WATER).with_(
-            dof=np.array([[4.0, 9.0]]), runs=np.array([[6, 3]]),
+        table = from_values(
+            {"Xuu": 1.0, "Xvv": 2.0}, std={"Xuu": 1, "Xvv": 1}, ship=S175, water=WATER
+        ).with_(
+            dof=np.array([[4.0, 9.0]]),
+            runs=np.array([[6, 3]]),
             method=np.array([["resistance", "drift"]]),
-        )  # fmt: skip
+        )
         result = converted(table, surge="constant")
         assert result.dof.tolist() == [[4.0, 4.0]]
         assert result.runs.tolist() == [[6, 3]]

@@ -69,9 +69,13 @@ def tables(draw) -> DerivativeTable:
     pooled = draw(st.booleans())
     k = 1 if pooled else draw(st.integers(1, 3))
     names = draw(
-        st.lists(st.sampled_from(["Yv", "Nr", "X0", "Kphi", "Nv|v|", "Yd", "XT"]), min_size=1,
-                 max_size=3, unique=True)
-    )  # fmt: skip
+        st.lists(
+            st.sampled_from(["Yv", "Nr", "X0", "Kphi", "Nv|v|", "Yd", "XT"]),
+            min_size=1,
+            max_size=3,
+            unique=True,
+        )
+    )
     n = len(names)
     value = np.array(draw(st.lists(finite | st.just(np.nan), min_size=k * n, max_size=k * n)))
     root = np.array(
@@ -197,9 +201,12 @@ class TestOthersRead:
     def test_pandas_reads_the_workbook(self, tmp_path):
         table = example()
         sheets = pd.read_excel(
-            write(table, tmp_path / "t.xlsx"), sheet_name=None, na_values=[""],
-            keep_default_na=False, engine="calamine",
-        )  # fmt: skip
+            write(table, tmp_path / "t.xlsx"),
+            sheet_name=None,
+            na_values=[""],
+            keep_default_na=False,
+            engine="calamine",
+        )
         assert list(sheets) == ["derivatives", "covariance", "about"]
         frame = sheets["derivatives"]
         assert list(frame.columns) == [*COLUMNS, "dof"]
@@ -219,8 +226,10 @@ class TestLatex:
         table = from_values(
             {"Xuu": -0.0004226, "Yv": [-0.0116, -0.01234], "Yvvr": np.nan, "Nrdot": -0.000419},
             std={"Yv": [0.000234, 0.00099], "Nrdot": 0.0000021},
-            Fn=[0.145, 0.29], ship=SHIP, water=Water(),
-        )  # fmt: skip
+            Fn=[0.145, 0.29],
+            ship=SHIP,
+            water=Water(),
+        )
         rows = to_latex(table).splitlines()
         assert rows[0] == r"\begin{tabular}{lrr}"
         assert r"$Y'_{v}$ & $-0.01160(23)$ & $-0.01234(99)$ \\" in rows
@@ -229,8 +238,13 @@ class TestLatex:
         assert rows.count(r"\midrule") == 3
 
     def test_plus_minus_and_the_drift_angle(self):
-        table = from_values({"Yvvr": 0.4}, std={"Yvvr": 0.0997}, ship=SHIP, water=Water(),
-                            convention=Convention(system="bis", sway="beta"))  # fmt: skip
+        table = from_values(
+            {"Yvvr": 0.4},
+            std={"Yvvr": 0.0997},
+            ship=SHIP,
+            water=Water(),
+            convention=Convention(system="bis", sway="beta"),
+        )
         assert r"$Y''_{\beta \beta r}$ & $0.40 \pm 0.10$ \\" in to_latex(table, style="plus-minus")
 
     def test_braces_and_dollars_are_balanced(self, tmp_path):

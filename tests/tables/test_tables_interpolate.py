@@ -104,8 +104,9 @@ def test_linear_covariance_over_derivatives_and_froude_numbers_is_that_of_the_we
 @pytest.mark.parametrize("method", METHODS)
 def test_a_gap_is_bridged_only_within_the_range_of_the_values_that_are_there(method):
     values = {"Yv": 1 + np.array(SPEEDS), "Yr": [np.nan, 2.0, np.nan, 4.0, np.nan], "Nv": np.nan}
-    result = interpolate(table_of(values, std={"Yv": 0.1, "Yr": 0.1}), [0.15, 0.217, 0.28],
-                         method=method)  # fmt: skip
+    result = interpolate(
+        table_of(values, std={"Yv": 0.1, "Yr": 0.1}), [0.15, 0.217, 0.28], method=method
+    )
     np.testing.assert_allclose(result["Yv"], [1.15, 1.217, 1.28])
     np.testing.assert_allclose(result["Yr"], [np.nan, 2 + 2 * 0.027 / 0.06, np.nan])
     assert np.isnan(result["Nv"]).all()

@@ -36,20 +36,48 @@ from pmmkit.test_planning.planned import Piece, measured_noise, planned_views, s
 from pmmkit.test_planning.programme import plan, sights
 from pmmkit.test_planning.separation import Likely, expected_odds
 
-BASE = ("Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot", "Nv", "Nr",
-        "Nvvv", "Nrrr", "Nvdot", "Nrdot")  # fmt: skip
+BASE = (
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 NAMES = {c: tuple(name for name in (*BASE, "Xdd", "Yd", "Nd") if name[0] == c) for c in "XYN"}
 LIMITS = Limits(
-    speeds=(1.0, 1.5, 2.0), drift=math.radians(12), rudder=math.radians(25), sway=0.8,
-    yaw=math.radians(20), sway_velocity=0.25, yaw_rate=0.5, tests=(*USUAL, "sway_yaw"),
-)  # fmt: skip
+    speeds=(1.0, 1.5, 2.0),
+    drift=math.radians(12),
+    rudder=math.radians(25),
+    sway=0.8,
+    yaw=math.radians(20),
+    sway_velocity=0.25,
+    yaw_rate=0.5,
+    tests=(*USUAL, "sway_yaw"),
+)
 RULER = LIMITS.with_(speeds=(1.5,), frequencies=(2.0,))
 
 
 def base(**values):
     zero = {name: 0.0 for own in NAMES.values() for name in own}
-    return Base(names=NAMES, values=zero | values, ship=SHIP, water=WATER,
-                convention=Convention(), reference=1.5)  # fmt: skip
+    return Base(
+        names=NAMES,
+        values=zero | values,
+        ship=SHIP,
+        water=WATER,
+        convention=Convention(),
+        reference=1.5,
+    )
 
 
 def cubic_model():
@@ -123,8 +151,9 @@ def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
     blocks = [block for name in given for block in best_blocks(system, name, 2)]
-    rows = rows.knowing({name: [b.value for b in blocks if b.candidate.name == name]
-                         for name in given})  # fmt: skip
+    rows = rows.knowing(
+        {name: [b.value for b in blocks if b.candidate.name == name] for name in given}
+    )
     system = knowing(system, blocks)
     ids = list(rows.of_run)
     whole, part = known(rows, ids).reduced(), known(rows, ids[:-1]).reduced()
@@ -143,10 +172,15 @@ def test_expected_odds_are_the_mean_of_the_log_of_the_ratio():
 
     rng = np.random.default_rng(2)
     columns = rng.normal(size=(4, 3))
-    one = Likely(share=1.0, places=np.array([0]), mean=np.array([1.5]),
-                 covariance=np.array([[0.3]]))  # fmt: skip
-    two = Likely(share=1.0, places=np.array([1, 2]), mean=np.array([0.5, -1.0]),
-                 covariance=np.diag([0.5, 0.1]))  # fmt: skip
+    one = Likely(
+        share=1.0, places=np.array([0]), mean=np.array([1.5]), covariance=np.array([[0.3]])
+    )
+    two = Likely(
+        share=1.0,
+        places=np.array([1, 2]),
+        mean=np.array([0.5, -1.0]),
+        covariance=np.diag([0.5, 0.1]),
+    )
     p, q = (multivariate_normal(*rival.predicted(columns)) for rival in (one, two))
     drawn = p.rvs(size=40000, random_state=rng)
     expected = np.mean(p.logpdf(drawn) - q.logpdf(drawn))
@@ -161,8 +195,11 @@ def test_expected_odds_are_the_mean_of_the_log_of_the_ratio():
 def slow_runs():
     """Two dozen options, so that a test is short."""
     shorter = LIMITS.with_(frequencies=(2.0, 5.0), tests=("static_drift", "pure_sway"))
-    return [x for x in options_of(shorter.with_(speeds=(1.0, 1.5)), SHIP, WATER)
-            if abs(x.settings.drift) != 0.25 * shorter.drift]  # fmt: skip
+    return [
+        x
+        for x in options_of(shorter.with_(speeds=(1.0, 1.5)), SHIP, WATER)
+        if abs(x.settings.drift) != 0.25 * shorter.drift
+    ]
 
 
 def made(effect, seed, advice):
@@ -184,9 +221,7 @@ def test_the_advised_run_leaves_the_truth_alone():
         assert set(advice.wanted) >= {effect}
         after = made(effect, seed, advice)
         resolved.append([names for names, _ in after.group] == [(effect,)])
-        lead = [
-            {x.names: x.log_evidence for x in found.entries} for found in (before, after)
-        ]  # fmt: skip
+        lead = [{x.names: x.log_evidence for x in found.entries} for found in (before, after)]
         other = next(names for names, _ in before.group if names != (effect,))
         first, last = (x[effect,] - x[other] for x in lead)
         gains.append((advice.runs[0].gains[effect], last - first))
@@ -209,8 +244,11 @@ def test_rivals_that_no_run_separates_get_a_check():
 
 def test_an_invisible_effect_is_shown_by_another_speed():
     campaign = hidden_campaign("small", seed=6)
-    offered = [x for x in options_of(LIMITS.with_(frequencies=(2.0,)), SHIP, WATER)
-               if x.test in ("resistance", "pure_sway")]  # fmt: skip
+    offered = [
+        x
+        for x in options_of(LIMITS.with_(frequencies=(2.0,)), SHIP, WATER)
+        if x.test in ("resistance", "pure_sway")
+    ]
     advice = next_runs(BASE, campaign, options=offered, effects=("froude_linear",))
     assert advice.wanted == ("froude_linear",)
     assert advice.runs
@@ -272,8 +310,10 @@ def test_limits_come_from_what_the_campaign_has_done():
     assert math.degrees(limits.rudder) == pytest.approx(20.0)
     assert limits.heel == 0.0
     campaign = hidden_campaign("small")
-    runs = [run.with_(settings=replace(run.settings, speed=1.0 + 0.1 * i))
-            for i, run in enumerate(campaign.runs)]  # fmt: skip
+    runs = [
+        run.with_(settings=replace(run.settings, speed=1.0 + 0.1 * i))
+        for i, run in enumerate(campaign.runs)
+    ]
     many = limits_of(campaign.with_(runs=tuple(runs)))
     assert many.speeds == (1.0, 1.3, 1.6, 1.9, 2.2)
     assert limits.yaw == pytest.approx(0.25)
@@ -338,9 +378,19 @@ def test_the_command_plans_before_any_test(tmp_path, capsys):
     listed = [option for option in options("small", LIMITS) if option.test != "sway_yaw"]
     (tmp_path / "limits.toml").write_text("[limits]\nwait_min = 6\n" + entries_text(listed))
     status = main(
-        ["plan", "s175-3dof", str(tmp_path), "--limits", str(tmp_path / "limits.toml"), "--runs",
-         "4", "--out", str(tmp_path / "out"), "--json"]
-    )  # fmt: skip
+        [
+            "plan",
+            "s175-3dof",
+            str(tmp_path),
+            "--limits",
+            str(tmp_path / "limits.toml"),
+            "--runs",
+            "4",
+            "--out",
+            str(tmp_path / "out"),
+            "--json",
+        ]
+    )
     said = SimpleNamespace(**json.loads(capsys.readouterr().out))
     assert status == 0
     assert said.made == 0

@@ -41,17 +41,20 @@ def vincenty(north, east, origin=ORIGIN):
     for _ in range(30):
         m = np.cos(2 * sigma1 + sigma)
         sigma = s / (b * big_a) + big_b * np.sin(sigma) * (
-            m + big_b / 4 * (np.cos(sigma) * (2 * m**2 - 1)
-            - big_b / 6 * m * (4 * np.sin(sigma) ** 2 - 3) * (4 * m**2 - 3))
-        )  # fmt: skip
+            m
+            + big_b
+            / 4
+            * (
+                np.cos(sigma) * (2 * m**2 - 1)
+                - big_b / 6 * m * (4 * np.sin(sigma) ** 2 - 3) * (4 * m**2 - 3)
+            )
+        )
     m = np.cos(2 * sigma1 + sigma)
     su, cu, ss, cs, ca = math.sin(u1), math.cos(u1), np.sin(sigma), np.cos(sigma), np.cos(azimuth)
     lat = np.arctan2(su * cs + cu * ss * ca, (1 - F) * np.hypot(sin_a, su * ss - cu * cs * ca))
     lam = np.arctan2(ss * np.sin(azimuth), cu * cs - su * ss * ca)
     c = F / 16 * cos2_a * (4 + F * (4 - 3 * cos2_a))
-    turned = lam - (1 - c) * F * sin_a * (
-        sigma + c * ss * (m + c * cs * (2 * m**2 - 1))
-    )  # fmt: skip
+    turned = lam - (1 - c) * F * sin_a * (sigma + c * ss * (m + c * cs * (2 * m**2 - 1)))
     return np.degrees(lat), origin[1] + np.degrees(turned)
 
 
@@ -201,12 +204,15 @@ def many(turn, stop, zigzag, tmp_path_factory):
 def folder(turn, port_turn, stop, zigzag, tmp_path_factory):
     path = tmp_path_factory.mktemp("trial") / "trial"
     port = 'test = "turning"\nrudder_deg = -35'
-    write_campaign(path, {
-        "T1": (TURN, recorded(turn, Logger())),
-        "T2": (port, recorded(port_turn, Logger(seed=1), heading=120.0)),
-        "S": (STOP, recorded(stop, Logger(seed=2), heading=200.0)),
-        "Z": (ZIGZAG, recorded(zigzag, Logger(seed=3))),
-    })  # fmt: skip
+    write_campaign(
+        path,
+        {
+            "T1": (TURN, recorded(turn, Logger())),
+            "T2": (port, recorded(port_turn, Logger(seed=1), heading=120.0)),
+            "S": (STOP, recorded(stop, Logger(seed=2), heading=200.0)),
+            "Z": (ZIGZAG, recorded(zigzag, Logger(seed=3))),
+        },
+    )
     return path
 
 
@@ -312,9 +318,17 @@ def test_the_current_is_found_within_its_uncertainty(many, part):
 
 @pytest.mark.parametrize(
     "name",
-    ["advance", "transfer", "tactical_diameter", "steady_diameter", "speed_ratio", "time_90",
-     "time_180", "steady_yaw_rate_deg_s"],
-)  # fmt: skip
+    [
+        "advance",
+        "transfer",
+        "tactical_diameter",
+        "steady_diameter",
+        "speed_ratio",
+        "time_90",
+        "time_180",
+        "steady_yaw_rate_deg_s",
+    ],
+)
 def test_measures_of_a_turn_lie_within_their_uncertainty(many, turn, name):
     values = [trials[0].metrics[name] for trials in many]
     stds = [trials[0].std[name] for trials in many]
@@ -368,9 +382,14 @@ def test_approach_wind_and_order(many, place):
 def test_the_current_under_other_ships(ship, degrees):
     speed = {"s175": 9.0, "kcs": 12.35, "mariner": 7.7}[ship]
     track = pk.simulate(
-        ship, "turning", rudder_deg=35, speed=speed, dt=1.0, current_speed=0.8,
+        ship,
+        "turning",
+        rudder_deg=35,
+        speed=speed,
+        dt=1.0,
+        current_speed=0.8,
         current_direction_deg=50.0,
-    )  # fmt: skip
+    )
     count = int(np.searchsorted(track.psi, math.radians(degrees)))
     rng = np.random.default_rng(5)
     t, x, y, psi = (part[:count] for part in (track.t, track.x, track.y, track.psi))
@@ -606,18 +625,24 @@ def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
     from pmmkit.trials.verdicts import conditions_of, verdicts_of
 
     for L, advance, diameter, rudder in (
-        (170.0, 3.61, 2.99, -35.0), (170.0, 3.62, 3.08, 35.0), (44.0, 4.05, 4.10, -30.0),
+        (170.0, 3.61, 2.99, -35.0),
+        (170.0, 3.62, 3.08, 35.0),
+        (44.0, 4.05, 4.10, -30.0),
         (44.0, 3.75, 3.24, 30.0),
-    ):  # fmt: skip
+    ):
         metrics = {"advance_L": advance, "tactical_diameter_L": diameter}
         found = verdicts_of("turning", metrics, {}, L=L, speed=7.7, rudder_deg=rudder)
         limits = [item.limit * L for item in found]
         assert limits == ([765.0, 850.0] if L == 170.0 else [198.0, 220.0])
         assert all(item.passed for item in found)
     (found,) = verdicts_of(
-        "stopping", {"track_reach_L": 14.2}, {"track_reach_L": 0.5}, L=170.0, speed=7.25,
+        "stopping",
+        {"track_reach_L": 14.2},
+        {"track_reach_L": 0.5},
+        L=170.0,
+        speed=7.25,
         rudder_deg=0.0,
-    )  # fmt: skip
+    )
     assert (found.limit, found.passed) == (15.0, True)
     assert found.probability == pytest.approx(0.945, abs=0.001)
     said = conditions_of(L=44.0, draught=1.65, depth=5.0, wind=12.0, current_known=False)
@@ -665,8 +690,11 @@ def test_the_command_for_one_run(folder, tmp_path, capsys):
     assert "track reach" in said
     assert "T1:" not in said
     assert {file.name for file in out.iterdir()} == {
-        "trial.csv", "trial.json", "path_S.csv", "trial_S.svg",
-    }  # fmt: skip
+        "trial.csv",
+        "trial.json",
+        "path_S.csv",
+        "trial_S.svg",
+    }
 
 
 @pytest.mark.parametrize(

@@ -284,15 +284,16 @@ def test_the_numerical_uncertainty_and_the_floor_count(small, one_set):
 def mean_run(name, Y, N, *, drift=0.1, repeat_of=None, **more):
     data = xr.Dataset({"Y": Y, "N": N, **more})
     return Run(
-        id=name, test="static_drift", kind="means", loader=lambda: data,
+        id=name,
+        test="static_drift",
+        kind="means",
+        loader=lambda: data,
         settings=Settings(speed=2.0, drift=drift, repeat_of=repeat_of),
-    )  # fmt: skip
+    )
 
 
 def table_campaign(small, *runs, **changes):
-    return Campaign(
-        title="tables", ship=small.ship, water=small.water, runs=runs, **changes
-    )  # fmt: skip
+    return Campaign(title="tables", ship=small.ship, water=small.water, runs=runs, **changes)
 
 
 def test_forces_of_tables_are_kept_when_they_are_asked_for(small):
@@ -315,9 +316,7 @@ def test_the_noise_of_tables_comes_from_repeats_then_statements_then_the_numeric
     assert dict(first.noise) == {"Y": "repeats", "N": "stated"}
     assert first.covariance["Y"][0, 0] == pytest.approx(2.0)
     assert first.covariance["N"][0, 0] == pytest.approx(0.5**2)
-    alone = views_of(
-        table_campaign(small, runs[0], numerical=numerical), unknown_noise=True
-    )[0]  # fmt: skip
+    alone = views_of(table_campaign(small, runs[0], numerical=numerical), unknown_noise=True)[0]
     assert dict(alone.noise) == {"Y": "numerical", "N": "numerical"}
     assert alone.covariance["Y"][0, 0] == 49.0
     assert alone.known("Y")
@@ -401,9 +400,15 @@ def test_a_law_of_speed_is_told_where_it_is(s175, truth):
 
 def test_speeds_are_merged_listed_or_counted():
     item = Standout(
-        channel="Y", test="static_drift", harmonic=0, speeds=(1.0, 2.0), tested=(1.0, 2.0),
-        ratio=4.4, growth={}, known=True,
-    )  # fmt: skip
+        channel="Y",
+        test="static_drift",
+        harmonic=0,
+        speeds=(1.0, 2.0),
+        tested=(1.0, 2.0),
+        ratio=4.4,
+        growth={},
+        known=True,
+    )
     assert str(item) == "Y, static drift, mean, all speeds: 4 times the uncertainty"
     assert "1 and 2 m/s" in str(replace(item, tested=(1.0, 2.0, 3.0)))
     assert "4 of 5 speeds" in str(replace(item, speeds=(1, 2, 3, 4), tested=(1, 2, 3, 4, 5)))
@@ -413,9 +418,23 @@ def test_speeds_are_merged_listed_or_counted():
 
 
 BASE = (
-    "Xudot", "Xuu", "Xvv", "Xrr", "Yv", "Yr", "Yvvv", "Yrrr", "Yvdot", "Yrdot",
-    "Nv", "Nr", "Nvvv", "Nrrr", "Nvdot", "Nrdot",
-)  # fmt: skip
+    "Xudot",
+    "Xuu",
+    "Xvv",
+    "Xrr",
+    "Yv",
+    "Yr",
+    "Yvvv",
+    "Yrrr",
+    "Yvdot",
+    "Yrdot",
+    "Nv",
+    "Nr",
+    "Nvvv",
+    "Nrrr",
+    "Nvdot",
+    "Nrdot",
+)
 
 
 def in_the_tank(effects, seed):
@@ -428,9 +447,12 @@ def in_the_tank(effects, seed):
         home = "added_mass" if name.endswith("dot") else steered
         parts[home][name] = float(table[name][0])
     model = pk.Model(
-        name="base", ship=campaign.ship, water=campaign.water, convention=table.convention,
+        name="base",
+        ship=campaign.ship,
+        water=campaign.water,
+        convention=table.convention,
         parts={effect: Part(effect=effect, values=values) for effect, values in parts.items()},
-    )  # fmt: skip
+    )
     return campaign, model
 
 
@@ -510,8 +532,9 @@ def free_campaign(model, *, noise=0.0, seed=0):
     runs = []
     rng = np.random.default_rng(seed)
     for test, settings in (
-        ("zigzag", {"rudder_deg": 20.0, "switch_deg": 20.0}), ("turning", {"rudder_deg": 35.0}),
-    ):  # fmt: skip
+        ("zigzag", {"rudder_deg": 20.0, "switch_deg": 20.0}),
+        ("turning", {"rudder_deg": 35.0}),
+    ):
         track = pk.simulate(model, test, speed=1.179, dt=0.1, **settings)
         t = np.concatenate([np.arange(-10.0, 0.0, 0.1), track.t])
         before = len(t) - len(track.t)
@@ -527,13 +550,17 @@ def free_campaign(model, *, noise=0.0, seed=0):
         data = xr.Dataset({name: ("t", x) for name, x in channels.items()}, coords={"t": t})
         runs.append(
             Run(
-                id=test, test=test, kind="history", loader=lambda data=data: data,
+                id=test,
+                test=test,
+                kind="history",
+                loader=lambda data=data: data,
                 settings=Settings(
-                    speed=1.179, rudder=math.radians(settings["rudder_deg"]),
+                    speed=1.179,
+                    rudder=math.radians(settings["rudder_deg"]),
                     switch=math.radians(20.0) if test == "zigzag" else None,
                 ),
             )
-        )  # fmt: skip
+        )
     return Campaign(
         title="free", kind="free-running", ship=model.ship, water=model.water, runs=tuple(runs)
     )
@@ -559,8 +586,12 @@ def test_a_model_sails_its_own_records(tanker, sea):
         assert table.loc[(run, "heading"), "error"] < 1.0
         assert table.loc[(run, "Y"), "relative"] < 0.1
     metrics = found.metrics().set_index(["run", "measure"])
-    for key in (("zigzag", "overshoot_1_deg"), ("zigzag", "overshoot_2_deg"),
-                ("turning", "advance"), ("turning", "tactical_diameter")):  # fmt: skip
+    for key in (
+        ("zigzag", "overshoot_1_deg"),
+        ("zigzag", "overshoot_2_deg"),
+        ("turning", "advance"),
+        ("turning", "tactical_diameter"),
+    ):
         assert abs(metrics.loc[key, "relative"]) < 0.02
     assert found.kind == "free-running"
     assert len(found.residuals("zigzag")) > 100
@@ -569,9 +600,7 @@ def test_a_model_sails_its_own_records(tanker, sea):
 def test_too_much_yaw_damping_shows_in_overshoots_and_in_the_moment(tanker, sea):
     damped = tanker.with_values("hull_polynomial", Nr=-0.049 * 1.6)
     found = pk.compare(damped, sea)
-    errors = {
-        (row["run"], row["channel"]): row["error"] for row in found.rows()
-    }  # fmt: skip
+    errors = {(row["run"], row["channel"]): row["error"] for row in found.rows()}
     own = {(row["run"], row["channel"]): row["error"] for row in pk.compare(tanker, sea).rows()}
     for run in ("zigzag", "turning"):
         assert errors[run, "N"] > 5 * own[run, "N"]
@@ -651,5 +680,7 @@ def test_figures_of_free_running_tests(tanker, sea):
     figures = comparison_figures(pk.compare(tanker, sea))
     assert set(figures) == {"sailed", "force_residuals"}
     assert [axis.get_ylabel() for axis in figures["force_residuals"].axes][::2] == [
-        "X [N]", "Y [N]", "N [N m]",
-    ]  # fmt: skip
+        "X [N]",
+        "Y [N]",
+        "N [N m]",
+    ]

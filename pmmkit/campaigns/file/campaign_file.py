@@ -230,9 +230,12 @@ def _assemble(
     for name in raw:
         if name not in schema.TABLES:
             problems.append(
-                Problem(message=f"not known{did_you_mean(name, schema.TABLES) or '.'}",
-                        file=toml, entry=f"[{name}]")
-            )  # fmt: skip
+                Problem(
+                    message=f"not known{did_you_mean(name, schema.TABLES) or '.'}",
+                    file=toml,
+                    entry=f"[{name}]",
+                )
+            )
     for name in ("campaign", "ship"):
         if name not in raw:
             problems.append(Problem(message="this table is missing.", file=toml, entry=f"[{name}]"))

@@ -41,11 +41,25 @@ _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, 
 """Stands in where the particulars are wrong, so that all other problems are still found."""
 
 _UNCERTAIN_UNITS: Final[dict[str, str]] = {
-    "X_gauge": "N", "Y_gauge": "N", "N_gauge": "N m", "K_gauge": "N m", "speed": "m/s",
-    "drift_deg": "deg", "heel_deg": "deg", "rudder_deg": "deg", "yaw_amplitude_deg": "deg",
-    "phase_deg": "deg", "period": "s", "amplitude_m": "m", "mass": "kg", "xG": "m",
-    "moment_reference_x": "m", "motion_reference_x": "m", "rho": "kg/m3", "Izz": "kg m2",
-}  # fmt: skip
+    "X_gauge": "N",
+    "Y_gauge": "N",
+    "N_gauge": "N m",
+    "K_gauge": "N m",
+    "speed": "m/s",
+    "drift_deg": "deg",
+    "heel_deg": "deg",
+    "rudder_deg": "deg",
+    "yaw_amplitude_deg": "deg",
+    "phase_deg": "deg",
+    "period": "s",
+    "amplitude_m": "m",
+    "mass": "kg",
+    "xG": "m",
+    "moment_reference_x": "m",
+    "motion_reference_x": "m",
+    "rho": "kg/m3",
+    "Izz": "kg m2",
+}
 _SHARED: Final = frozenset({"rho", "mass", "xG", "Izz", "moment_reference_x", "motion_reference_x"})
 """What there is only one of in a campaign: its error is the same in all runs."""
 

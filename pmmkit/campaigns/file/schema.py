@@ -355,10 +355,13 @@ class CorrectionEntry(SettingsEntry):
     @model_validator(mode="after")
     def _complete(self) -> CorrectionEntry:
         needs: dict[str, tuple[str, ...]] = {
-            "scale": ("channels", "factor"), "shift": ("channels", "value", "unit?"),
-            "flip": ("channels",), "drop": ("channels",), "trim": ("t_start?", "t_end?"),
+            "scale": ("channels", "factor"),
+            "shift": ("channels", "value", "unit?"),
+            "flip": ("channels",),
+            "drop": ("channels",),
+            "trim": ("t_start?", "t_end?"),
             "set": tuple(f"{name}?" for name in SettingsEntry.model_fields),
-        }  # fmt: skip
+        }
         wanted = needs.get(self.action, ())
         allowed = {name.rstrip("?") for name in wanted} | {"runs", "action", "reason"}
         given = {name for name in self.model_fields_set if getattr(self, name) not in (None, [])}
@@ -397,11 +400,21 @@ def known_columns(value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
 
 
 TABLES: Final[dict[str, type[Entry] | None]] = {
-    "campaign": CampaignEntry, "ship": ShipEntry, "water": WaterEntry, "source": SourceEntry,
-    "columns": None, "axes": AxesEntry, "cfd": CfdEntry, "propeller": None, "rudder": None,
-    "trial": TrialEntry, "uncertainty": None, "corrections": CorrectionEntry,
-    "runs": RunEntry, "tables": TableEntry,
-}  # fmt: skip
+    "campaign": CampaignEntry,
+    "ship": ShipEntry,
+    "water": WaterEntry,
+    "source": SourceEntry,
+    "columns": None,
+    "axes": AxesEntry,
+    "cfd": CfdEntry,
+    "propeller": None,
+    "rudder": None,
+    "trial": TrialEntry,
+    "uncertainty": None,
+    "corrections": CorrectionEntry,
+    "runs": RunEntry,
+    "tables": TableEntry,
+}
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
 
 
@@ -476,19 +489,27 @@ def _words(model: type[Entry], found: dict[str, Any], place: list[str]) -> str:
     if kind in ("value_error", "assertion_error"):
         return str(extra.get("error", found["msg"])).rstrip(".") + "."
     bounds = {
-        "greater_than": "greater than", "greater_than_equal": "at least", "less_than": "less than",
+        "greater_than": "greater than",
+        "greater_than_equal": "at least",
+        "less_than": "less than",
         "less_than_equal": "at most",
-    }  # fmt: skip
+    }
     if kind in bounds:
         limit = next(iter(extra.values()))
         return f"must be {bounds[kind]} {limit:g}, it is {_shown(given)}."
     plain = {
-        "float_type": "a number", "int_type": "a whole number", "string_type": "text in quotes",
-        "bool_type": "true or false", "list_type": "a list", "dict_type": "a table",
-        "model_type": "a table", "model_attributes_type": "a table",
-        "finite_number": "a finite number", "int_from_float": "a whole number",
+        "float_type": "a number",
+        "int_type": "a whole number",
+        "string_type": "text in quotes",
+        "bool_type": "true or false",
+        "list_type": "a list",
+        "dict_type": "a table",
+        "model_type": "a table",
+        "model_attributes_type": "a table",
+        "finite_number": "a finite number",
+        "int_from_float": "a whole number",
         "string_too_short": "not empty",
-    }  # fmt: skip
+    }
     if kind in plain:
         return f"must be {plain[kind]}, it is {_shown(given)}."
     return f"{found['msg'].rstrip('.')}: {_shown(given)}."
@@ -500,8 +521,10 @@ def _options(expected: str) -> Iterable[str]:
 
 def _keys(model: type[Entry], place: list[str]) -> list[str]:
     nested: dict[str, type[Entry]] = {
-        "source": SourceEntry, "U_SN": NumericalEntry, "columns": ColumnEntry,
-    }  # fmt: skip
+        "source": SourceEntry,
+        "U_SN": NumericalEntry,
+        "columns": ColumnEntry,
+    }
     if len(place) > 1 and place[0] in nested:
         return list(nested[place[0]].model_fields)
     return list(model.model_fields)

@@ -10,8 +10,11 @@ from pmmkit.campaigns.run import Settings
 from pmmkit.campaigns.samples.conversions import Frame
 
 _MEASURED_BY: Final[dict[str, str]] = {
-    "drift_deg": "v", "heel_deg": "phi", "rudder_deg": "delta", "yaw_rate": "r",
-}  # fmt: skip
+    "drift_deg": "v",
+    "heel_deg": "phi",
+    "rudder_deg": "delta",
+    "yaw_rate": "r",
+}
 """Channel that tells a setting where the file measures it."""
 
 _NEEDED: Final[dict[str, tuple[str, ...]]] = {
@@ -106,12 +109,7 @@ def _frequency_known(given: Mapping[str, Any]) -> bool:
 
 
 def settings_of(
-    test: str,
-    given: Mapping[str, Any],
-    frame: Frame,
-    length: float,
-    *,
-    turn_phase: bool = True,
+    test: str, given: Mapping[str, Any], frame: Frame, length: float, *, turn_phase: bool = True
 ) -> tuple[Settings, tuple[str, ...]]:
     """Settings in SI and our signs, and the conversions in words.
 

@@ -15,23 +15,31 @@ from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.motion.nominal import YAW_TESTS, require_settings, tank_motion
 from pmmkit.campaigns.run import Kind, Run, Settings
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
 PLACE: Final = ("x", "y", "psi")
 _SET: Final = (
-    "resistance", "propulsion", "static_drift", "static_heel", "static_rudder", "drift_rudder",
-    "pure_surge", "pure_sway", "sway_yaw", *YAW_TESTS,
-)  # fmt: skip
+    "resistance",
+    "propulsion",
+    "static_drift",
+    "static_heel",
+    "static_rudder",
+    "drift_rudder",
+    "pure_surge",
+    "pure_sway",
+    "sway_yaw",
+    *YAW_TESTS,
+)
 _ORDERS: Final = range(1, 64, 2)
 _GRID: Final = 512
 
 
 def hull_path(
     values: Mapping[str, Array], run: Run, needed: Sequence[str]
-) -> tuple[dict[str, Array], str]:  # fmt: skip
+) -> tuple[dict[str, Array], str]:
     """Place and heading of the hull at the samples, from rest, and where they come from.
 
     Parameters

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmmkit.campaigns.motion.nominal import (
     YAW_LEAD,
@@ -29,6 +29,7 @@ from pmmkit.campaigns.motion.series import fit_series
 from pmmkit.campaigns.run import Run
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +43,6 @@ __all__ = [
     "nominal_motion",
 ]
 
-Array = NDArray[np.float64]
 
 _HEADING: Final = (("psi", False, "yaw_amplitude"), ("r", True, "yaw_amplitude"))
 _DISPLACEMENT: Final = {

@@ -29,13 +29,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from pmmkit.campaigns.run import FREE_TESTS, Run, Settings
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
-
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 YAW_LEAD: Final = -math.pi / 2
 """Lead of the heading over the sway displacement in ``sway_yaw`` [rad]."""
@@ -132,11 +131,7 @@ def motion_at_phase(run: Run, theta: ArrayLike) -> State:
 def fixed_settings(settings: Settings) -> dict[str, float | Array]:
     """Heel, rudder and revolutions that the test holds, by their names in `State`."""
     """Heel, rudder and propeller as they were set."""
-    return {
-        "phi": settings.heel,
-        "delta": settings.rudder,
-        "rps": settings.propeller_rps or 0.0,
-    }
+    return {"phi": settings.heel, "delta": settings.rudder, "rps": settings.propeller_rps or 0.0}
 
 
 def as_times(run: Run, times: ArrayLike) -> Array:

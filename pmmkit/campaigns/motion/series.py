@@ -7,14 +7,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.nominal import check_settings, omega_of
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import coefficients
-
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array, coefficients
 
 HARMONICS: Final = 5
 """Highest harmonic of the series through which measured motions are differentiated."""

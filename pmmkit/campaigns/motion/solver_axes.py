@@ -19,7 +19,7 @@ import numpy as np
 from pmmkit.campaigns.motion.hull_path import PLACE, hull_path
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 _PAIRS: Final = (("X", "Y"), ("FX_rudder", "FY_rudder"))
 
@@ -90,7 +90,7 @@ def without_ramp(
 
 def seen_from_hull(
     values: Mapping[str, Array], solver: Solver, run: Run
-) -> tuple[dict[str, Array], list[str]]:  # fmt: skip
+) -> tuple[dict[str, Array], list[str]]:
     """Forces and moments in ship axes, about the ship's own moment reference.
 
     Parameters

@@ -21,7 +21,8 @@ from pmmkit.channels import (
     unit_of,
 )
 from pmmkit.errors import DataError, Problem
-from pmmkit.readers.base import Array, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Request
 
 _NONE: Final[Mapping[str, str]] = MappingProxyType({})
 

@@ -10,15 +10,33 @@ import numpy as np
 
 from pmmkit.channels import FORCE_CHANNELS, MOMENTS, harmonic_part
 from pmmkit.conventions import force_unit
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 
 _AXIS_PARITY: Final[dict[str, str]] = {
-    "X": "x", "u": "x", "udot": "x", "x": "x", "xdot": "x", "FX_rudder": "x",
-    "Y": "y", "v": "y", "vdot": "y", "y": "y", "ydot": "y", "FY_rudder": "y",
-    "N": "xy", "r": "xy", "rdot": "xy", "psi": "xy", "cog": "xy", "wind_direction": "xy",
-    "K": "yz", "p": "yz", "pdot": "yz", "phi": "yz",
-}  # fmt: skip
+    "X": "x",
+    "u": "x",
+    "udot": "x",
+    "x": "x",
+    "xdot": "x",
+    "FX_rudder": "x",
+    "Y": "y",
+    "v": "y",
+    "vdot": "y",
+    "y": "y",
+    "ydot": "y",
+    "FY_rudder": "y",
+    "N": "xy",
+    "r": "xy",
+    "rdot": "xy",
+    "psi": "xy",
+    "cog": "xy",
+    "wind_direction": "xy",
+    "K": "yz",
+    "p": "yz",
+    "pdot": "yz",
+    "phi": "yz",
+}
 """Axes whose reversal changes the sign of a channel."""
 
 

@@ -10,7 +10,7 @@ from pmmkit.campaigns.run import Correction
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop"})
 """Actions that change the numbers of a run; the others change what is said of it."""

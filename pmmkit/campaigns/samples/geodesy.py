@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 SEMI_MAJOR: Final = 6378137.0
 """Semi-major axis of the WGS84 ellipsoid [m]."""

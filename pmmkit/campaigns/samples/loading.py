@@ -20,8 +20,9 @@ from pmmkit.campaigns.samples.geodesy import out_of_range, placed
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import sha256
+from pmmkit.numerics import Array
 from pmmkit.readers import files_of, reader_for, usual_of
-from pmmkit.readers.base import Array, Columns, Request
+from pmmkit.readers.base import Columns, Request
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
@@ -170,11 +171,7 @@ def _motion_of(request: Request, context: Context) -> dict[str, Array]:
         if column.name in ("t", *PLACE, "u", "v", "r")
     }
     return to_ours(
-        values,
-        frame=context.frame,
-        ship=context.ship,
-        water=context.water,
-        speed=context.speed,
+        values, frame=context.frame, ship=context.ship, water=context.water, speed=context.speed
     )[0]
 
 

@@ -8,18 +8,17 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.conditioning import knowing
 from pmmkit.diagnosis.captive.evidence import evidence_at, price
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import Piece, whitened
 
-Array = NDArray[np.float64]
 SMOOTH: Final = 3.0
 """ln evidence from which something smooth is left that the answer does not explain."""
 LACK: Final = 6.0
@@ -63,9 +62,7 @@ class Lack:
     log_evidence: float
 
 
-def chosen(
-    system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
-) -> Entry | None:  # fmt: skip
+def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()) -> Entry | None:
     """The best set of which every effect is needed.
 
     Parameters
@@ -129,9 +126,8 @@ def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
 
 
 def flags(
-    system: System, blocks: Sequence[Block], given: Sequence[Block] = (),
-    first: Entry | None = None,
-) -> tuple[str, ...]:  # fmt: skip
+    system: System, blocks: Sequence[Block], given: Sequence[Block] = (), first: Entry | None = None
+) -> tuple[str, ...]:
     """Reasons to think that something else is left beside an answer.
 
     Parameters
@@ -258,11 +254,13 @@ def _lacks(
         top = float(tried.max())
         found.append(
             Lack(
-                channel=channel.name, test=test, harmonic=harmonic,
+                channel=channel.name,
+                test=test,
+                harmonic=harmonic,
                 size=SIZES[int(np.argmax(tried))],
                 log_evidence=top + math.log(float(np.mean(np.exp(tried - top)))),
             )
-        )  # fmt: skip
+        )
     return found
 
 

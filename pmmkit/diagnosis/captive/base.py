@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 from pmmkit.ship import Ship, Water
 
-Array = NDArray[np.float64]
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
 
@@ -47,9 +44,13 @@ class Base:
     def columns(self, names: Sequence[str], motion: State, speed: float) -> Array:
         """What derivatives multiply along a motion [N, N m], (n, len(names))."""
         return regressors(
-            names, motion, ship=self.ship, water=self.water, convention=self.convention,
+            names,
+            motion,
+            ship=self.ship,
+            water=self.water,
+            convention=self.convention,
             approach_speed=speed,
-        )  # fmt: skip
+        )
 
     def forces(self, motion: State, speed: float) -> Forces:
         """Predicted forces of the water along a motion [N, N m]."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -26,19 +25,23 @@ from pmmkit.diagnosis.captive.system import (
     run_columns,
     transient_columns,
 )
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import FLOOR, Piece, Projection, estimated_scatter, whitened
 
-Array = NDArray[np.float64]
 ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
 """Run scatter for the first fit of the base."""
 
 
 def build(
-    views: Sequence[View], base: Base, candidates: Sequence[Candidate], *, floor: float = FLOOR,
+    views: Sequence[View],
+    base: Base,
+    candidates: Sequence[Candidate],
+    *,
+    floor: float = FLOOR,
     scatter: Scatter | None = None,
-) -> System:  # fmt: skip
+) -> System:
     """The system of a campaign.
 
     Parameters
@@ -82,10 +85,14 @@ def build(
     for number, c in enumerate(channels):
         at = layout.of_channel(number, c.name, raw)
         columns = np.column_stack(
-            [item.columns[c.name] * prior_sizes(item.candidate) for item in raw
-             if c.name in item.columns]
-            + [WIDER * TYPICAL_TRANSIENT * x for x in fading[number]] + [floors[c.name]]
-        )  # fmt: skip
+            [
+                item.columns[c.name] * prior_sizes(item.candidate)
+                for item in raw
+                if c.name in item.columns
+            ]
+            + [WIDER * TYPICAL_TRANSIENT * x for x in fading[number]]
+            + [floors[c.name]]
+        )
         projection = _projection(c, floors[c.name], own[c.name], scatter)
         left = projection.left(np.column_stack([columns, c.y]))
         piece = Piece(projection=projection, columns=left[:, :-1], places=at, data=left[:, -1])
@@ -100,10 +107,21 @@ def build(
         if block.candidate.centre:
             centre[block.columns] = np.array(block.candidate.centre) / prior[block.columns]
     return System(
-        views=tuple(views), base=base, channels=channels, scatter=scatter, blocks=layout.blocks,
-        gram=gram, score=score, square=square, rows=rows, floor=floor, floor_columns=layout.floor,
-        prior=prior, centre=centre, pieces=tuple(pieces),
-    )  # fmt: skip
+        views=tuple(views),
+        base=base,
+        channels=channels,
+        scatter=scatter,
+        blocks=layout.blocks,
+        gram=gram,
+        score=score,
+        square=square,
+        rows=rows,
+        floor=floor,
+        floor_columns=layout.floor,
+        prior=prior,
+        centre=centre,
+        pieces=tuple(pieces),
+    )
 
 
 def fitted(base: Base, channels: Sequence[Channel], views: Sequence[View]) -> Base:
@@ -179,18 +197,19 @@ def _layout(raw: Sequence[_Raw], runs: Sequence[int]) -> _Layout:
             transients[number].append(np.arange(at, at + count))
             at += count
         if at > begin:
-            blocks.append(
-                Block(candidate=TRANSIENT_FAULT, value=decay, columns=slice(begin, at))
-            )  # fmt: skip
+            blocks.append(Block(candidate=TRANSIENT_FAULT, value=decay, columns=slice(begin, at)))
     begin = at
     floors = []
     for _ in runs:
         floors.append(np.arange(at, at + FEATURES))
         at += FEATURES
     return _Layout(
-        blocks=tuple(blocks), transients=tuple(tuple(x) for x in transients),
-        floors=tuple(floors), floor=slice(begin, at), width=at,
-    )  # fmt: skip
+        blocks=tuple(blocks),
+        transients=tuple(tuple(x) for x in transients),
+        floors=tuple(floors),
+        floor=slice(begin, at),
+        width=at,
+    )
 
 
 def _projection(c: Channel, floor: Array, own: Array, scatter: Scatter) -> Projection:

@@ -8,14 +8,13 @@ from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.channels import did_you_mean
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.errors import UnknownNameError
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
-Array = NDArray[np.float64]
 Columns = Callable[[View, Base, float], Mapping[str, Array]]
 """Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
 
@@ -74,9 +73,15 @@ class Candidate:
 
 
 def polynomial(
-    name: str, family: str, summary: str, sizes: Mapping[str, float], *, check: str = "",
-    law: Callable[[Base, float], Mapping[str, float]] | None = None, excites: tuple[str, ...] = (),
-) -> Candidate:  # fmt: skip
+    name: str,
+    family: str,
+    summary: str,
+    sizes: Mapping[str, float],
+    *,
+    check: str = "",
+    law: Callable[[Base, float], Mapping[str, float]] | None = None,
+    excites: tuple[str, ...] = (),
+) -> Candidate:
     """An effect whose forces are derivatives that the base does not have.
 
     Parameters
@@ -119,9 +124,16 @@ def polynomial(
         return MappingProxyType(found)
 
     return Candidate(
-        name=name, family=family, kind="physics", summary=summary, coefficients=names,
-        typical=tuple(sizes.values()), columns=columns, check=check, excites=excites,
-    )  # fmt: skip
+        name=name,
+        family=family,
+        kind="physics",
+        summary=summary,
+        coefficients=names,
+        typical=tuple(sizes.values()),
+        columns=columns,
+        check=check,
+        excites=excites,
+    )
 
 
 def plain(label: str) -> str:

@@ -39,9 +39,11 @@ def knowing(system: System, blocks: Sequence[Block]) -> System:
     data = system.score[own] - system.gram[np.ix_(own, own)] @ centre
     explained = np.linalg.solve(root, data)
     square = (
-        system.square - 2.0 * float(centre @ system.score[own])
-        + float(centre @ system.gram[np.ix_(own, own)] @ centre) - float(explained @ explained)
-    )  # fmt: skip
+        system.square
+        - 2.0 * float(centre @ system.score[own])
+        + float(centre @ system.gram[np.ix_(own, own)] @ centre)
+        - float(explained @ explained)
+    )
     names = {block.candidate.name for block in blocks}
     return replace(
         system,

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -14,8 +13,7 @@ from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
-
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
 
 
 def coverage(system: System) -> tuple[Visible, ...]:

@@ -171,9 +171,13 @@ def captive_system(
         names = {**names, "X": tuple(dict.fromkeys((*names["X"], "XT")))}
     speeds = sorted({round(view.speed, 6) for view in usable})
     base = Base(
-        names=names, values={}, ship=campaign.ship, water=campaign.water, convention=Convention(),
+        names=names,
+        values={},
+        ship=campaign.ship,
+        water=campaign.water,
+        convention=Convention(),
         reference=float(np.median(speeds)),
-    )  # fmt: skip
+    )
     every = contestants(base, speeds) if candidates is None else tuple(candidates)
     every = (*every, *(candidate_of(item) for item in own))
     with threadpool_limits(1):
@@ -252,9 +256,7 @@ def _usable(views: Sequence[View], noise: float | None) -> list[View]:
 
 def _with_known(view: View) -> View:
     """A view without the channels of unknown noise."""
-    return replace(
-        view, force={name: x for name, x in view.force.items() if view.known(name)}
-    )  # fmt: skip
+    return replace(view, force={name: x for name, x in view.force.items() if view.known(name)})
 
 
 def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
@@ -278,10 +280,7 @@ def contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
         Of the tests [m/s].
     """
     known = {name for names in base.names.values() for name in names}
-    found = [
-        item for item in (*PHYSICS, *FAULTS)
-        if not set(item.coefficients) <= known
-    ]  # fmt: skip
+    found = [item for item in (*PHYSICS, *FAULTS) if not set(item.coefficients) <= known]
     if len(speeds) > 1:
         found.append(carriage_fault(tuple(speeds)))
     return tuple(found)

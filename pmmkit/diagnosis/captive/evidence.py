@@ -8,14 +8,13 @@ from itertools import combinations
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.conditioning import knowing
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 
-Array = NDArray[np.float64]
 MOST: Final = 3
 """Effects in a set."""
 MANY: Final = 200
@@ -50,9 +49,10 @@ def evidence_at(system: System, at: Places, size: Array | None = None) -> float:
     """`log_evidence` of some columns of a system, of other size where asked for."""
     scale = np.ones(len(at)) if size is None else size
     return log_evidence(
-        system.gram[np.ix_(at, at)] * np.outer(scale, scale), system.score[at] * scale,
+        system.gram[np.ix_(at, at)] * np.outer(scale, scale),
+        system.score[at] * scale,
         system.centre[at] / scale,
-    )  # fmt: skip
+    )
 
 
 def price(system: System) -> float:
@@ -66,14 +66,17 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
     for block in system.blocks:
         by_name.setdefault(block.candidate.name, []).append(block)
     paid = price(system)
-    index = {id(block): np.arange(block.columns.start, block.columns.stop)
-             for block in system.blocks}  # fmt: skip
+    index = {
+        id(block): np.arange(block.columns.start, block.columns.stop) for block in system.blocks
+    }
 
     near = {name: _near(system, index, own) for name, own in by_name.items()}
     beside = {
         id(block): (evidence_at(system, block.places), knowing(system, [block]))
-        for own in near.values() for block in own if wide(block)
-    }  # fmt: skip
+        for own in near.values()
+        for block in own
+        if wide(block)
+    }
 
     def value_of(blocks: Sequence[Block]) -> float:
         """ln evidence of a set; one with many columns is taken into account once for all sets."""
@@ -95,9 +98,10 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
         total = sum(math.exp(value - top[0]) for value, _ in found)
         share = math.prod(len(by_name[name]) for name in names)
         return Entry(
-            names=tuple(names), values=top[1],
+            names=tuple(names),
+            values=top[1],
             log_evidence=top[0] + math.log(total / share) - paid * len(names),
-        )  # fmt: skip
+        )
 
     singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
     found = list(singles)

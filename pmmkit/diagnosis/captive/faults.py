@@ -7,15 +7,14 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base, Forces
 from pmmkit.diagnosis.captive.candidate import Candidate, Columns, spread_over
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
-Array = NDArray[np.float64]
 STEP: Final = 1e-4
 SWAY: Final = ("pure_sway", "sway_yaw")
 YAW: Final = ("pure_yaw", "yaw_drift", "yaw_rudder")
@@ -33,9 +32,11 @@ def _turned(view: View, base: Base, value: float) -> Mapping[str, Array]:
         m = view.motion
         c, s = math.cos(STEP), math.sin(STEP)
         return m.with_(
-            u=c * m.u + s * m.v, v=c * m.v - s * m.u, udot=c * m.udot + s * m.vdot,
+            u=c * m.u + s * m.v,
+            v=c * m.v - s * m.u,
+            udot=c * m.udot + s * m.vdot,
             vdot=c * m.vdot - s * m.udot,
-        ), view.speed  # fmt: skip
+        ), view.speed
 
     return _one(view, base.change(view, moved, math.degrees(STEP)))
 
@@ -48,9 +49,11 @@ def _drift_of_the_tank(view: View, base: Base, value: float) -> Mapping[str, Arr
     def moved(view: View) -> tuple[State, float]:
         m, psi = view.motion, view.heading
         return m.with_(
-            u=m.u - step * np.sin(psi), v=m.v - step * np.cos(psi),
-            udot=m.udot - step * np.cos(psi) * m.r, vdot=m.vdot + step * np.sin(psi) * m.r,
-        ), view.speed  # fmt: skip
+            u=m.u - step * np.sin(psi),
+            v=m.v - step * np.cos(psi),
+            udot=m.udot - step * np.cos(psi) * m.r,
+            vdot=m.vdot + step * np.sin(psi) * m.r,
+        ), view.speed
 
     return _one(view, base.change(view, moved, step))
 
@@ -90,8 +93,9 @@ def _clock(view: View, base: Base, value: float) -> Mapping[str, Array]:
 
 def _filter(view: View, base: Base, corner: float) -> Mapping[str, Array]:
     """A one-pole filter of a corner frequency [Hz] on the forces."""
-    factors = [1.0 / (1.0 + 1j * n * view.omega / (2 * math.pi * corner)) - 1.0
-               for n in _orders(view)]  # fmt: skip
+    factors = [
+        1.0 / (1.0 + 1j * n * view.omega / (2 * math.pi * corner)) - 1.0 for n in _orders(view)
+    ]
     return _one(view, {c: view.pick(_turn(x, factors)) for c, x in base.expected(view).items()})
 
 
@@ -121,9 +125,11 @@ def _inertia(view: View, base: Base, value: float) -> Mapping[str, Array]:
     m, mass = view.motion, base.ship.mass
     return _one(
         view,
-        {"X": view.project(-mass * (m.udot - m.v * m.r)),
-         "Y": view.project(-mass * (m.vdot + m.u * m.r))},
-    )  # fmt: skip
+        {
+            "X": view.project(-mass * (m.udot - m.v * m.r)),
+            "Y": view.project(-mass * (m.vdot + m.u * m.r)),
+        },
+    )
 
 
 def _amplitude(view: View, base: Base, value: float) -> Mapping[str, Array]:
@@ -180,19 +186,31 @@ def _creep(view: View, base: Base, value: float) -> Mapping[str, Array]:
 
 
 def fault_of(
-    name: str, columns: Columns, *, grid: tuple[float, ...] = (0.0,),
-    centre: tuple[float, ...] = (), continuous: bool = False,
-) -> Candidate:  # fmt: skip
+    name: str,
+    columns: Columns,
+    *,
+    grid: tuple[float, ...] = (0.0,),
+    centre: tuple[float, ...] = (),
+    continuous: bool = False,
+) -> Candidate:
     """A fault of the catalogue with its columns."""
     effect = effect_of(name)
     inner = [item.text for item in effect.parameters if item.typical is None]
     return Candidate(
-        name=name, family=effect.family, kind="fault", summary=effect.summary,
+        name=name,
+        family=effect.family,
+        kind="fault",
+        summary=effect.summary,
         coefficients=tuple(f"{item.name} [{item.unit}]" for item in effect.coefficients),
-        typical=tuple(item.typical or 0.0 for item in effect.coefficients), columns=columns,
-        grid=grid, parameter="".join(inner), centre=centre, continuous=continuous,
-        check=effect.check, excites=effect.excites,
-    )  # fmt: skip
+        typical=tuple(item.typical or 0.0 for item in effect.coefficients),
+        columns=columns,
+        grid=grid,
+        parameter="".join(inner),
+        centre=centre,
+        continuous=continuous,
+        check=effect.check,
+        excites=effect.excites,
+    )
 
 
 FAULTS: Final = (

@@ -7,18 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.views import View
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Array = NDArray[np.float64]
 ALONE: Final = 1e-6
 """A condition whose rows have less than this to do with all others cannot be predicted."""
 CHANGED: Final = 0.02
@@ -74,12 +73,17 @@ class HeldOut:
 
         return pd.DataFrame(
             [
-                {"condition": name, "test": test, "channel": channel,
-                 "error": self.error[i, j], "force": self.force[i, j]}
+                {
+                    "condition": name,
+                    "test": test,
+                    "channel": channel,
+                    "error": self.error[i, j],
+                    "force": self.force[i, j],
+                }
                 for i, (name, test) in enumerate(zip(self.conditions, self.tests, strict=True))
                 for j, channel in enumerate(self.channels)
             ]
-        )  # fmt: skip
+        )
 
 
 def _rms(values: Array) -> Array:
@@ -140,9 +144,12 @@ def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
                     np.mean([_mean_square(stack.plain[at, -1]) for _, at in mine])
                 )
     return HeldOut(
-        conditions=tuple(groups), channels=channels, error=error, force=force,
+        conditions=tuple(groups),
+        channels=channels,
+        error=error,
+        force=force,
         tests=tuple(own[0][1].run.test for own in groups.values()),
-    )  # fmt: skip
+    )
 
 
 def _mean_square(harmonics: Array) -> float:
@@ -173,13 +180,15 @@ def condition(run: Run) -> str:
     s = run.settings
     parts = [run.test.replace("_", " "), f"{s.speed:.3g} m/s"]
     for name, value, unit in (
-        ("drift", np.degrees(s.drift), "°"), ("heel", np.degrees(s.heel), "°"),
+        ("drift", np.degrees(s.drift), "°"),
+        ("heel", np.degrees(s.heel), "°"),
         ("rudder", np.degrees(s.rudder), "°"),
         ("yaw", np.degrees(s.yaw_amplitude or 0.0), "°"),
-        ("sway", s.amplitude or 0.0, " m"), ("period", s.period or 0.0, " s"),
+        ("sway", s.amplitude or 0.0, " m"),
+        ("period", s.period or 0.0, " s"),
         ("yaw rate", np.degrees(s.yaw_rate or 0.0), "°/s"),
         ("propeller", s.propeller_rps or 0.0, "/s"),
-    ):  # fmt: skip
+    ):
         if value:
             parts.append(f"{name} {value:.3g}{unit}")
     return ", ".join(parts)

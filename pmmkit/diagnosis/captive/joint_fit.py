@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.least_squares import DEPENDENT, Stack, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
-Array = NDArray[np.float64]
 PARAMETER: Final = "nonlinear parameter"
 """Name of what a fit moves a nonlinear parameter by, to know its uncertainty."""
 
@@ -99,15 +98,18 @@ def _tangent(block: Block, sizes: Array) -> Block:
 
     def columns(view: View, base: Base, _: float) -> Mapping[str, Array]:
         more, less = c.columns(view, base, value + step), c.columns(view, base, value - step)
-        return {
-            name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more
-        }  # fmt: skip
+        return {name: ((more[name] - less[name]) @ sizes / (2 * step))[:, None] for name in more}
 
     spread = 0.5 * (max(c.grid) - min(c.grid)) / len(c.grid)
     own = Candidate(
-        name=c.name, family=c.family, kind=c.kind, summary=c.summary, columns=columns,
-        coefficients=(PARAMETER,), typical=(spread,),
-    )  # fmt: skip
+        name=c.name,
+        family=c.family,
+        kind=c.kind,
+        summary=c.summary,
+        columns=columns,
+        coefficients=(PARAMETER,),
+        typical=(spread,),
+    )
     return Block(candidate=own, value=0.0, columns=slice(0, 1))
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -20,9 +19,9 @@ from pmmkit.diagnosis.captive.system import (
     floor_features,
     transient_columns,
 )
+from pmmkit.numerics import Array
 from pmmkit.observations.whitening import whitened
 
-Array = NDArray[np.float64]
 DEPENDENT: Final = 1e-10
 """A column with less than this that others do not explain is left out."""
 
@@ -103,14 +102,17 @@ def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> 
     expected = [x for block in effects for x in _expected(block)]
     centre[: len(expected)] = expected / unit[len(known) :]
     return Stack(
-        plain=np.concatenate(plain), white=np.concatenate(white), places=places,
-        names=tuple(names), unit=unit, centre=centre, begin=len(known),
-    )  # fmt: skip
+        plain=np.concatenate(plain),
+        white=np.concatenate(white),
+        places=places,
+        names=tuple(names),
+        unit=unit,
+        centre=centre,
+        begin=len(known),
+    )
 
 
-def _columns(
-    block: Block, system: System, predicted: Mapping[str, Array]
-) -> Mapping[str, Array]:  # fmt: skip
+def _columns(block: Block, system: System, predicted: Mapping[str, Array]) -> Mapping[str, Array]:
     """Columns of an effect in units of its prior."""
     if block.candidate is not TRANSIENT_FAULT:
         found = candidate_columns(
@@ -189,6 +191,8 @@ def solved(stack: Stack) -> Solved:
     pivots = np.abs(np.diagonal(R))
     R = R + np.diag(np.where(pivots > DEPENDENT, 0.0, 1.0 / DEPENDENT))
     return Solved(
-        Q=Q[: len(stack.white)], R=R, size=size,
+        Q=Q[: len(stack.white)],
+        R=R,
+        size=size,
         solution=np.linalg.solve(R, Q.T @ whole[:, -1]) / size,
-    )  # fmt: skip
+    )

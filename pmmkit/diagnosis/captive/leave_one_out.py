@@ -6,14 +6,12 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 from pmmkit.observations.whitening import Piece
-
-Array = NDArray[np.float64]
 
 
 def columns_at(piece: Piece, at: Places) -> Array:

@@ -8,7 +8,6 @@ from inspect import signature
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate, polynomial, spread_over
@@ -18,9 +17,9 @@ from pmmkit.effects.memory import kept
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.speed import resistance
 from pmmkit.effects.terms import BY_SPEED
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
-Array = NDArray[np.float64]
 CHANNELS: Final = ("X", "Y", "N")
 ON_A_CARRIAGE: Final[Mapping[str, Callable[..., Any]]] = {"resistance_curve": resistance}
 """Effects that take the Froude number of the run, whose waves are those of the carriage's speed."""
@@ -48,11 +47,19 @@ def histories(
     """
     motion, ship, water = view.motion, base.ship, base.water
     there: dict[str, Any] = {
-        "u": motion.u, "v": motion.v, "r": motion.r, "U": motion.speed, "L": ship.L, "d": ship.d,
-        "rho": water.rho, "g": water.g, "Fn": ship.froude(view.speed, water.g),
+        "u": motion.u,
+        "v": motion.v,
+        "r": motion.r,
+        "U": motion.speed,
+        "L": ship.L,
+        "d": ship.d,
+        "rho": water.rho,
+        "g": water.g,
+        "Fn": ship.froude(view.speed, water.g),
         "Fn0": ship.froude(base.reference, water.g),
-        **dict.fromkeys(effect.states, 0.0), **dict.fromkeys(effect.options, 0),
-    }  # fmt: skip
+        **dict.fromkeys(effect.states, 0.0),
+        **dict.fromkeys(effect.options, 0),
+    }
     for item in effect.parameters:
         if item.name in values:
             there[item.name] = values[item.name]
@@ -105,9 +112,14 @@ def from_catalogue(name: str) -> Candidate:
     family = effect.family.replace("_", " ")
     if effect.kind == "terms":
         return polynomial(
-            name, family, effect.summary, sizes, check=effect.check, excites=effect.excites,
+            name,
+            family,
+            effect.summary,
+            sizes,
+            check=effect.check,
+            excites=effect.excites,
             law=_by_speed if any(label.endswith(BY_SPEED) for label in sizes) else None,
-        )  # fmt: skip
+        )
     known = effect.nonlinear
     inner, grid = (known.name, known.grid) if known else ("", (0.0,))
 
@@ -123,11 +135,19 @@ def from_catalogue(name: str) -> Candidate:
         return spread_over(view, parts, len(sizes))
 
     return Candidate(
-        name=name, family=family, kind="physics", summary=effect.summary,
-        coefficients=tuple(sizes), typical=tuple(sizes.values()), columns=columns, grid=grid,
-        parameter=known.text if known else "", continuous=known is not None,
-        check=effect.check, excites=effect.excites,
-    )  # fmt: skip
+        name=name,
+        family=family,
+        kind="physics",
+        summary=effect.summary,
+        coefficients=tuple(sizes),
+        typical=tuple(sizes.values()),
+        columns=columns,
+        grid=grid,
+        parameter=known.text if known else "",
+        continuous=known is not None,
+        check=effect.check,
+        excites=effect.excites,
+    )
 
 
 FROUDE: Final = ("froude_linear", "froude_nonlinear", "froude_coupling", "froude_surge")

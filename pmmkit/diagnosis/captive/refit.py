@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, parse_derivative
@@ -26,15 +25,17 @@ from pmmkit.models.model import Part, needs_roll
 from pmmkit.models.terms import HULL
 from pmmkit.tables import DerivativeTable, converted
 
-Array = NDArray[np.float64]
 ADDED: Final = "Added "
 """How a step begins in the history of a model."""
 
 
 def fitted_table(
-    fit: JointFit, base: Base, campaign: Campaign, Fn: Sequence[float] = (),
+    fit: JointFit,
+    base: Base,
+    campaign: Campaign,
+    Fn: Sequence[float] = (),
     own: Sequence[OwnEffect] = (),
-) -> DerivativeTable:  # fmt: skip
+) -> DerivativeTable:
     """The derivatives of a joint fit, those of effects that are derivatives among them.
 
     Parameters
@@ -74,11 +75,17 @@ def fitted_table(
     covariance = flat @ fit.covariance[np.ix_(known, known)] @ flat.T
     covariance[lost.ravel()], covariance[:, lost.ravel()] = np.nan, np.nan
     return DerivativeTable(
-        names=names, Fn=rows, value=value, covariance=covariance.reshape(*shape, *shape),
-        dof=np.full(shape, np.inf), method=np.full(shape, "joint fit"),
-        runs=np.full(shape, len(campaign.runs)), convention=base.convention, ship=campaign.ship,
+        names=names,
+        Fn=rows,
+        value=value,
+        covariance=covariance.reshape(*shape, *shape),
+        dof=np.full(shape, np.inf),
+        method=np.full(shape, "joint fit"),
+        runs=np.full(shape, len(campaign.runs)),
+        convention=base.convention,
+        ship=campaign.ship,
         water=campaign.water,
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,9 +130,13 @@ class Refit:
 
 
 def refitted(
-    model: Model, fit: JointFit, effects: Sequence[Block], base: Base, campaign: Campaign,
+    model: Model,
+    fit: JointFit,
+    effects: Sequence[Block],
+    base: Base,
+    campaign: Campaign,
     own: Sequence[OwnEffect] = (),
-) -> Refit:  # fmt: skip
+) -> Refit:
     """A model with the values of a joint fit.
 
     Parameters
@@ -182,9 +193,12 @@ def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -
     values, _ = fit.of(labels(c))
     bare = without_effect(model, c.name) if c.name in model.parts else model
     made = with_effect(
-        bare, c.name, value=block.value, Fn=Fn,
+        bare,
+        c.name,
+        value=block.value,
+        Fn=Fn,
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
-    )  # fmt: skip
+    )
     return made.with_(history=model.history)
 
 
@@ -203,9 +217,12 @@ def _froude_numbers(campaign: Campaign) -> tuple[float, ...]:
 
 
 def _with_table(
-    model: Model, table: DerivativeTable, Fn: Sequence[float], rudder: Sequence[str],
+    model: Model,
+    table: DerivativeTable,
+    Fn: Sequence[float],
+    rudder: Sequence[str],
     campaign: Campaign,
-) -> Model:  # fmt: skip
+) -> Model:
     """A model with the values and the covariance of a table."""
     parts = dict(model.parts)
     source = f"measured: {campaign.title or campaign.ship.name}"
@@ -215,18 +232,22 @@ def _with_table(
         column = table[name]
         value = tuple(column.tolist()) if len(Fn) else float(column[0])
         parts[home] = replace(
-            part, values=MappingProxyType({**part.values, name: value}),
+            part,
+            values=MappingProxyType({**part.values, name: value}),
             sources=MappingProxyType({**part.sources, name: source}),
-        )  # fmt: skip
+        )
     size = table.value.size
     covariance = table.covariance.reshape(size, size)
     rows = model.Fn or tuple(Fn)
     copies = max(len(rows), 1) // max(len(Fn), 1)
     spread = np.tile(covariance, (copies, copies))
     return model.with_(
-        parts=MappingProxyType(parts), Fn=rows, covariance=(spread + spread.T) / 2,
-        covariance_names=table.names, convention=_target(model.convention),
-    )  # fmt: skip
+        parts=MappingProxyType(parts),
+        Fn=rows,
+        covariance=(spread + spread.T) / 2,
+        covariance_names=table.names,
+        convention=_target(model.convention),
+    )
 
 
 def _home(name: str, rudder: Sequence[str]) -> str:

@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.nominal import nominal_motion
 from pmmkit.campaigns.run import Run, Settings
@@ -18,6 +17,7 @@ from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.models import load_model, scaled
+from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 from pmmkit.structures import STRUCTURES
 from pmmkit.tables import converted, from_values
@@ -25,7 +25,6 @@ from pmmkit.tables import converted, from_values
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 CHANNELS: Final = ("X", "Y", "N")
 LENGTH: Final = 4.86
 """Of the S175 model that stands for all [m]."""
@@ -90,8 +89,9 @@ def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
     views, base = _standard()
     sizes = _sizes(views, base)
     hull = {c: np.concatenate([base.design(view, c) for view in views]) for c in CHANNELS}
-    over = {c: np.concatenate([np.full(v.rows, sizes[v.speed, c]) for v in views])
-            for c in CHANNELS}  # fmt: skip
+    over = {
+        c: np.concatenate([np.full(v.rows, sizes[v.speed, c]) for v in views]) for c in CHANNELS
+    }
     outside = {c: _projector(hull[c] / over[c][:, None]) for c in CHANNELS}
     plain = {
         (item.name, value): [
@@ -142,9 +142,12 @@ def _stacked(
 
 
 def _acts(
-    candidate: Candidate, value: float, views: Sequence[View], base: Base,
+    candidate: Candidate,
+    value: float,
+    views: Sequence[View],
+    base: Base,
     sizes: Mapping[tuple[float, str], float],
-) -> dict[str, dict[str, dict[str, float]]]:  # fmt: skip
+) -> dict[str, dict[str, dict[str, float]]]:
     """By test the harmonics of the run in which they are largest."""
     found: dict[str, dict[str, dict[str, float]]] = {}
     for view in views:
@@ -205,17 +208,22 @@ def _standard() -> tuple[tuple[View, ...], Base]:
     names = (*STRUCTURES["cubic"].derivatives, "Yd", "Nd", "Xdd")
     known = {"Yd": -0.0026, "Nd": 0.00126, "Xdd": -0.0015}
     table = from_values(
-        {name: x for name, x in values.items() if name[0] in CHANNELS}, ship=model.ship,
-        water=model.water, convention=model.convention,
-    )  # fmt: skip
+        {name: x for name, x in values.items() if name[0] in CHANNELS},
+        ship=model.ship,
+        water=model.water,
+        convention=model.convention,
+    )
     total = converted(table, Convention()).at()
     base = Base(
         names=MappingProxyType({c: tuple(n for n in names if n[0] == c) for c in CHANNELS}),
-        values=MappingProxyType({name: float(known.get(name, total.get(name, 0.0)))
-                                 for name in names}),
-        ship=model.ship, water=model.water, convention=Convention(),
+        values=MappingProxyType(
+            {name: float(known.get(name, total.get(name, 0.0))) for name in names}
+        ),
+        ship=model.ship,
+        water=model.water,
+        convention=Convention(),
         reference=model.ship.speed(FROUDE[1], model.water.g),
-    )  # fmt: skip
+    )
     views = [
         _view(test, speed, **settings)
         for speed in (model.ship.speed(Fn, model.water.g) for Fn in FROUDE)
@@ -240,10 +248,18 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
     for omega_prime, v in ((1.5, 0.1), (1.5, 0.2), (3.0, 0.2)):
         omega = omega_prime * speed / LENGTH
         found.append(("pure_sway", {"period": 2 * math.pi / omega, "amplitude": v * speed / omega}))
-    for omega_prime, r, degrees in ((1.5, 0.2, 0), (1.5, 0.4, 0), (3.0, 0.4, 0), (1.5, 0.4, 8),
-                                    (1.5, 0.4, -8)):  # fmt: skip
-        yaw = {"period": 2 * math.pi * LENGTH / (omega_prime * speed),
-               "yaw_amplitude": r / omega_prime, "drift": math.radians(degrees)}  # fmt: skip
+    for omega_prime, r, degrees in (
+        (1.5, 0.2, 0),
+        (1.5, 0.4, 0),
+        (3.0, 0.4, 0),
+        (1.5, 0.4, 8),
+        (1.5, 0.4, -8),
+    ):
+        yaw = {
+            "period": 2 * math.pi * LENGTH / (omega_prime * speed),
+            "yaw_amplitude": r / omega_prime,
+            "drift": math.radians(degrees),
+        }
         found.append(("yaw_drift" if degrees else "pure_yaw", yaw))
     return found
 
@@ -256,9 +272,12 @@ def _nothing() -> xr.Dataset:
 
 def _view(test: str, speed: float, **settings: float) -> View:
     run = Run(
-        id=test, test=test, kind="history", loader=_nothing,
+        id=test,
+        test=test,
+        kind="history",
+        loader=_nothing,
         settings=Settings(speed=speed, **settings),  # type: ignore[arg-type]
-    )  # fmt: skip
+    )
     omega = run.settings.omega
     t = np.arange(SAMPLES) * (2 * math.pi / omega if omega else 30.0) / SAMPLES
     motion = nominal_motion(run, t)
@@ -270,7 +289,12 @@ def _view(test: str, speed: float, **settings: float) -> View:
             rows += [2 * np.cos(n * omega * t) / SAMPLES, 2 * np.sin(n * omega * t) / SAMPLES]
     size = len(rows)
     return View(
-        run=run, early=False, projection=np.stack(rows), motion=motion, t=t,
+        run=run,
+        early=False,
+        projection=np.stack(rows),
+        motion=motion,
+        t=t,
         force=dict.fromkeys(CHANNELS, np.zeros(size)),
-        covariance=dict.fromkeys(CHANNELS, np.eye(size)), heading=settings.get("drift", 0) + turned,
-    )  # fmt: skip
+        covariance=dict.fromkeys(CHANNELS, np.eye(size)),
+        heading=settings.get("drift", 0) + turned,
+    )

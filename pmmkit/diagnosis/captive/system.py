@@ -9,17 +9,16 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.state import State
+from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
 from pmmkit.observations.views import View
 from pmmkit.observations.whitening import Piece
 
-Array = NDArray[np.float64]
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
 FEATURES: Final = 96
@@ -112,8 +111,9 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
         y = np.concatenate([views[i].force[name] for i in having])
         design = (
             np.concatenate([base.design(views[i], name) for i in having])
-            if names else np.zeros((len(y), 0))
-        )  # fmt: skip
+            if names
+            else np.zeros((len(y), 0))
+        )
         sizes = [float(np.linalg.norm(views[i].force[name])) / views[i].speed ** 2 for i in having]
         scale = float(np.sqrt(np.mean(np.square(sizes))))
         groups: dict[str, list[int]] = {}
@@ -121,7 +121,11 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
             groups.setdefault(views[i].run.id, []).append(place)
         found.append(
             Channel(
-                name=name, views=tuple(having), rows=rows, y=y, design=design,
+                name=name,
+                views=tuple(having),
+                rows=rows,
+                y=y,
+                design=design,
                 runs=tuple(
                     np.concatenate([np.arange(rows[p].start, rows[p].stop) for p in own])
                     for own in groups.values()
@@ -132,7 +136,7 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
                 ),
                 scale=scale,
             )
-        )  # fmt: skip
+        )
     return tuple(found)
 
 
@@ -210,10 +214,17 @@ def _variables(view: View, base: Base) -> Array:
     m, L = view.motion, base.ship.L
     U = m.speed
     return np.stack(
-        [m.v / U, m.r * L / U, m.vdot * L / U**2, m.rdot * L**2 / U**2, m.delta, m.phi,
-         np.full_like(U, base.law(view.speed))],
+        [
+            m.v / U,
+            m.r * L / U,
+            m.vdot * L / U**2,
+            m.rdot * L**2 / U**2,
+            m.delta,
+            m.phi,
+            np.full_like(U, base.law(view.speed)),
+        ],
         axis=1,
-    )  # fmt: skip
+    )
 
 
 def transient_columns(
@@ -236,9 +247,12 @@ def transient_columns(
 
 
 def candidate_columns(
-    candidate: Candidate, value: float, channels: Sequence[Channel], views: Sequence[View],
+    candidate: Candidate,
+    value: float,
+    channels: Sequence[Channel],
+    views: Sequence[View],
     base: Base,
-) -> Mapping[str, Array]:  # fmt: skip
+) -> Mapping[str, Array]:
     """Columns of a candidate by channel (n, q)."""
     by_view = [candidate.columns(view, base, value) for view in views]
     found = {}

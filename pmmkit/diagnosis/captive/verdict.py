@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags
@@ -25,16 +24,13 @@ from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
 from pmmkit.effects.terms import BY_SPEED
 
-Array = NDArray[np.float64]
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding."""
 RIVALS: Final = math.log(20.0)
 """Sets within these odds of the best cannot be told from it."""
 
 
-def answer(
-    system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0
-) -> Diagnosis:  # fmt: skip
+def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int = 0) -> Diagnosis:
     """Ask a system which effects the base lacks.
 
     Parameters
@@ -72,16 +68,20 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     doubts = flags(system, blocks, known.used, entries[0] if chance < CHANCE else None)
     verdict: Verdict = "missing_effect" if best else "unexplained" if doubts else "noise"
     return Diagnosis(
-        verdict=verdict, group=_group(entries, best) if best else (), flags=doubts,
+        verdict=verdict,
+        group=_group(entries, best) if best else (),
+        flags=doubts,
         findings=_findings(system, best, known.blocks, blocks, covered, floor) if best else (),
         chance=chance,
-        covered=covered, entries=tuple(entries), floor=floor, base=system.base.values, given=given,
-    )  # fmt: skip
+        covered=covered,
+        entries=tuple(entries),
+        floor=floor,
+        base=system.base.values,
+        given=given,
+    )
 
 
-def _group(
-    entries: Sequence[Entry], best: Entry
-) -> tuple[tuple[tuple[str, ...], float], ...]:  # fmt: skip
+def _group(entries: Sequence[Entry], best: Entry) -> tuple[tuple[tuple[str, ...], float], ...]:
     """Sets of no greater size within `RIVALS` of the best, which stands first."""
     rivals = [
         item
@@ -138,20 +138,25 @@ def _askable(system: System, given: Sequence[Block]) -> System:
     known = {name for names in system.base.names.values() for name in names}
     known |= {name for block in given for name in block.candidate.coefficients}
     blocks = [
-        block for block in system.blocks
+        block
+        for block in system.blocks
         if all(
             name.removesuffix(BY_SPEED) in known
             for name in block.candidate.coefficients
             if name.endswith(BY_SPEED)
         )
-    ]  # fmt: skip
+    ]
     return replace(system, blocks=tuple(blocks))
 
 
 def _findings(
-    system: System, entry: Entry, given: Sequence[Block], blocks: Sequence[Block],
-    covered: Sequence[Visible], floor: float,
-) -> tuple[Finding, ...]:  # fmt: skip
+    system: System,
+    entry: Entry,
+    given: Sequence[Block],
+    blocks: Sequence[Block],
+    covered: Sequence[Visible],
+    floor: float,
+) -> tuple[Finding, ...]:
     """Each effect of a set, with the held-out errors without and with it; the largest first."""
     if not blocks:
         return ()
@@ -171,7 +176,7 @@ def _findings(
         )
         for block in blocks
     ]
-    return tuple(sorted(found, key=lambda item: -item.error_before))  # fmt: skip
+    return tuple(sorted(found, key=lambda item: -item.error_before))
 
 
 def _finding(
@@ -181,15 +186,22 @@ def _finding(
     values, std = _coefficients(block, fit)
     old, new = before.of_channel(), after.of_channel()
     return Finding(
-        effect=c.name, family=c.family, kind=c.kind, summary=c.summary,
+        effect=c.name,
+        family=c.family,
+        kind=c.kind,
+        summary=c.summary,
         coefficients=dict(zip(c.coefficients, values, strict=True)),
         std=dict(zip(c.coefficients, std, strict=True)),
         typical=dict(zip(c.coefficients, c.typical, strict=True)),
-        value=block.value, parameter=c.parameter, evidence=evidence,
-        rivals=tuple(visible.mimics), separating_test=c.check,
-        error_before=before.share(), error_after=after.share(),
+        value=block.value,
+        parameter=c.parameter,
+        evidence=evidence,
+        rivals=tuple(visible.mimics),
+        separating_test=c.check,
+        error_before=before.share(),
+        error_after=after.share(),
         errors={name: (old[name], new[name]) for name in new},
-    )  # fmt: skip
+    )
 
 
 def _coefficients(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:

@@ -10,7 +10,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.adequacy import LEAST
@@ -63,8 +62,8 @@ from pmmkit.identification.from_run import free_records
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 WINDOW: Final = 5.0
 """Length of the windows by which sets are judged, in ship lengths over the speed."""
 TOLERANCE: Final = (math.radians(0.5), 0.005)
@@ -89,9 +88,13 @@ BASE: Final = {
 
 
 def base_prior(
-    model: Model, speed: float, *, spread: float = 0.05, loose: float = 0.1,
+    model: Model,
+    speed: float,
+    *,
+    spread: float = 0.05,
+    loose: float = 0.1,
     extrapolate: bool = False,
-) -> Prior:  # fmt: skip
+) -> Prior:
     """What is known of the values of a model before records are looked at.
 
     Parameters
@@ -122,12 +125,18 @@ def base_prior(
     """
     known = catalogue()
     names = [
-        name for part in ("hull_polynomial", "rudder_abkowitz", "added_mass") if part in model.parts
-        for name in model.parts[part].values if known[part].parameter(name) is None
+        name
+        for part in ("hull_polynomial", "rudder_abkowitz", "added_mass")
+        if part in model.parts
+        for name in model.parts[part].values
+        if known[part].parameter(name) is None
     ] + [
-        f"{part}.{name}" for part, own in BASE.items() if part in model.parts
-        for name in own if name in model.parts[part].values
-    ]  # fmt: skip
+        f"{part}.{name}"
+        for part, own in BASE.items()
+        if part in model.parts
+        for name in own
+        if name in model.parts[part].values
+    ]
     relative = {name: loose for name in names if name not in model.covariance_names}
     found = prior_of(model, names, speed, spread=relative, extrapolate=extrapolate)
     more = np.diag((spread * found.mean) ** 2)
@@ -135,15 +144,25 @@ def base_prior(
 
 
 def diagnose_free(
-    model: Model, records: Sequence[FreeRecord] | Campaign, *, prior: Prior | None = None,
-    spread: float = 0.05, loose: float = 0.1, floor: float = 0.02,
-    tolerance: tuple[float, float] = TOLERANCE, window: float | None = None,
-    held_out: Sequence[FreeRecord] = (), held_out_window: float | None = None,
+    model: Model,
+    records: Sequence[FreeRecord] | Campaign,
+    *,
+    prior: Prior | None = None,
+    spread: float = 0.05,
+    loose: float = 0.1,
+    floor: float = 0.02,
+    tolerance: tuple[float, float] = TOLERANCE,
+    window: float | None = None,
+    held_out: Sequence[FreeRecord] = (),
+    held_out_window: float | None = None,
     candidates: Sequence[FreeCandidate] | None = None,
-    windage: tuple[float, float] | None = None, sensors: Mapping[str, float] | None = None,
-    most: int = 3, extrapolate: bool = False, seed: int = 0,
+    windage: tuple[float, float] | None = None,
+    sensors: Mapping[str, float] | None = None,
+    most: int = 3,
+    extrapolate: bool = False,
+    seed: int = 0,
     progress: Callable[[str], None] | None = None,
-) -> Diagnosis:  # fmt: skip
+) -> Diagnosis:
     """Name what a model lacks that free-running records show.
 
     Parameters
@@ -214,9 +233,7 @@ def diagnose_free(
     if not records:
         raise DataError("There is no record to diagnose.")
     speed = records[0].speed
-    prior = prior or base_prior(
-        model, speed, spread=spread, loose=loose, extrapolate=extrapolate
-    )  # fmt: skip
+    prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
     every = tuple(
         candidates_for(model, records, windage=windage) if candidates is None else candidates
     )
@@ -254,9 +271,10 @@ def diagnose_free(
     chance = chance_of(seen, single, seed=seed)
     named = best is not None and chance < CHANCE and best.gain > LEAST
     group = [
-        (item.names, math.exp(item.gain - settled[0].gain)) for item in settled
+        (item.names, math.exp(item.gain - settled[0].gain))
+        for item in settled
         if item.gain > settled[0].gain - RIVALS and len(item.names) <= len(settled[0].names)
-    ]  # fmt: skip
+    ]
     many = named and len(group) > LONGEST
     left = left_over(judge, judge.kept_in((best.fit if named and best else null).z))
     forced = _forced(system, system.start + basis.T @ null.z) / wider > BEYOND
@@ -274,31 +292,41 @@ def diagnose_free(
     errors = errors_of(judge, before, best.errors if told and best else None)
     if held_out:
         errors |= errors_held_out(
-            model, refitted, made if told else None, held_out,
-            window=held_out_window or window or WINDOW * model.ship.L / speed, current=current,
-            zero=zero, sensors=sensors, extrapolate=extrapolate,
-        )  # fmt: skip
+            model,
+            refitted,
+            made if told else None,
+            held_out,
+            window=held_out_window or window or WINDOW * model.ship.L / speed,
+            current=current,
+            zero=zero,
+            sensors=sensors,
+            extrapolate=extrapolate,
+        )
     covered = coverage_of(seen, _fewer(here, basis, wider), judge.likeness(null.z), every)
     return Diagnosis(
-        verdict=verdict, group=tuple(group) if told else (),
+        verdict=verdict,
+        group=tuple(group) if told else (),
         flags=flags_of(told, many, left),
         findings=findings_of(best, judge, before, every, covered) if told and best else (),
-        chance=chance, covered=covered,
-        entries=_entries(sets, settled), floor=floor,
+        chance=chance,
+        covered=covered,
+        entries=_entries(sets, settled),
+        floor=floor,
         base=MappingProxyType({name: numbers[name] for name in prior.names}),
-        errors=MappingProxyType(errors), model=made, refitted=refitted,
-        current=current, rudder_zero=zero,
+        errors=MappingProxyType(errors),
+        model=made,
+        refitted=refitted,
+        current=current,
+        rudder_zero=zero,
         notes=(
             f"information divided by {wider:.2g}; unknown forces hang together over "
             f"{system.memories[0]:g} and {system.memories[1]:g} ship lengths",
             f"{sum(item.count for item in courses):.0f} independent windows",
         ),
-    )  # fmt: skip
+    )
 
 
-def _entries(
-    sets: Sequence[tuple[Names, float]], settled: Sequence[Settled]
-) -> tuple[Entry, ...]:  # fmt: skip
+def _entries(sets: Sequence[tuple[Names, float]], settled: Sequence[Settled]) -> tuple[Entry, ...]:
     """All sets, those that were fitted through the equations with what they gave then."""
     gains = dict(sets) | {item.names: item.gain for item in settled}
     order = sorted(gains.items(), key=lambda item: -item[1])
@@ -320,9 +348,7 @@ def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
     return found
 
 
-def _weighed(
-    system: FreeSystem, basis: Basis, every: Sequence[str]
-) -> tuple[FreeSystem, Fit]:  # fmt: skip
+def _weighed(system: FreeSystem, basis: Basis, every: Sequence[str]) -> tuple[FreeSystem, Fit]:
     """Unknown forces of their most likely size under the largest model, and its fit.
 
     It begins with large unknown forces: the filter then follows the ship whatever the values are,
@@ -361,9 +387,13 @@ def _sets(
 
 
 def _settled(
-    sets: Sequence[tuple[Names, float]], judge: Judge, null: Fit, before: Array, price: float,
+    sets: Sequence[tuple[Names, float]],
+    judge: Judge,
+    null: Fit,
+    before: Array,
+    price: float,
     asked: tuple[Model, Sequence[FreeCandidate]],
-) -> list[Settled]:  # fmt: skip
+) -> list[Settled]:
     """The best sets fitted through the equations; what no model can have is left out."""
     found = []
     for names, linear in sets[:REFITTED]:

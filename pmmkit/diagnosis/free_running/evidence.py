@@ -19,8 +19,8 @@ from pmmkit.diagnosis.free_running.system import (
     misfit,
 )
 from pmmkit.identification.prior import Prior
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Names = tuple[str, ...]
 WIDER: Final = 1.5
 """Standard deviation of a coefficient before, over its usual size."""
@@ -145,9 +145,13 @@ class Fit:
 
 
 def fitted(
-    system: FreeSystem, basis: Basis, names: Sequence[str], *, wider: float = 1.0,
+    system: FreeSystem,
+    basis: Basis,
+    names: Sequence[str],
+    *,
+    wider: float = 1.0,
     begin: Array | None = None,
-) -> Fit:  # fmt: skip
+) -> Fit:
     """Damped Gauss-Newton (Levenberg-Marquardt) through the equations, the prior in the sum.
 
     Parameters
@@ -203,9 +207,13 @@ def fitted(
         here = point(z)
     H = np.eye(len(used)) + here.G[:, used].T @ here.G[:, used] / wider
     return Fit(
-        names=tuple(names), z=z, covariance=np.array(np.linalg.inv(H), float), used=used, here=here,
+        names=tuple(names),
+        z=z,
+        covariance=np.array(np.linalg.inv(H), float),
+        used=used,
+        here=here,
         log_width=-0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(H)[1]),
-    )  # fmt: skip
+    )
 
 
 def widened(fit: Fit) -> float:
@@ -269,9 +277,11 @@ def screen(here: Point, basis: Basis, wider: float) -> Screen:
     gram = C.T @ C / wider - cross.T @ np.linalg.solve(H, cross)
     score = C.T @ here.y / wider - cross.T @ np.linalg.solve(H, B.T @ here.y / wider)
     return Screen(
-        basis=basis, gram=0.5 * (gram + gram.T), score=score,
+        basis=basis,
+        gram=0.5 * (gram + gram.T),
+        score=score,
         columns={name: at - b for name, at in basis.columns.items()},
-    )  # fmt: skip
+    )
 
 
 def chance_of(found: Screen, best: float, *, draws: int = 4000, seed: int = 0) -> float:

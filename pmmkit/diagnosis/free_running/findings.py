@@ -9,7 +9,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
 from pmmkit.diagnosis.findings import Finding, odds
@@ -21,8 +20,8 @@ from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 Names = tuple[str, ...]
 LEFT: Final = 4.0
 """Errors of fitted records over the tolerance from which something is left to explain."""
@@ -51,9 +50,10 @@ def model_of(
     value = system.start + basis.T @ fit.z
     moved = np.any(basis.T[:, fit.used] != 0.0, axis=1)
     names = [
-        (i, name) for i, name in enumerate(system.names)
+        (i, name)
+        for i, name in enumerate(system.names)
         if moved[i] and name not in (*CURRENT, RUDDER_ZERO)
-    ]  # fmt: skip
+    ]
     at = places(made, [name for _, name in names])
     return with_parameters(made, at, value[[i for i, _ in names]])
 
@@ -84,10 +84,17 @@ def errors_of(judge: Judge, before: Array, after: Array | None) -> dict[str, Map
 
 
 def errors_held_out(
-    given: Model, refitted: Model, better: Model | None, records: Sequence[FreeRecord], *,
-    window: float, current: tuple[float, float], zero: float, sensors: Mapping[str, float] | None,
+    given: Model,
+    refitted: Model,
+    better: Model | None,
+    records: Sequence[FreeRecord],
+    *,
+    window: float,
+    current: tuple[float, float],
+    zero: float,
+    sensors: Mapping[str, float] | None,
     extrapolate: bool,
-) -> dict[str, Mapping[str, float]]:  # fmt: skip
+) -> dict[str, Mapping[str, float]]:
     """Errors of `predict` over the held-out records: as given, refitted, with the effects."""
     courses = reference(given, records, sensors=sensors, extrapolate=extrapolate)
     how = {"window": window, "extrapolate": extrapolate}
@@ -101,8 +108,11 @@ def errors_held_out(
             for item in courses
         ]
         found["held out, with the effects"] = predict(
-            better, turned, current=current, **how  # type: ignore[arg-type]
-        ).pooled()  # fmt: skip
+            better,
+            turned,
+            current=current,
+            **how,  # type: ignore[arg-type]
+        ).pooled()
     return {name: MappingProxyType(row) for name, row in found.items()}
 
 
@@ -138,13 +148,16 @@ def coverage_of(
                 mimics[other.name] = share / strength
         found.append(
             Visible(
-                name=item.name, family=item.family, signal=signal[item.name],
+                name=item.name,
+                family=item.family,
+                signal=signal[item.name],
                 without_a_run=min(_signal(x, item.name, a) for x in fewer),
                 hides=math.sqrt(HIDES / max(signal[item.name], 1e-6)),
-                shown=shown, why="" if shown else _why(signal[item.name]),
+                shown=shown,
+                why="" if shown else _why(signal[item.name]),
                 mimics=dict(sorted(mimics.items(), key=lambda x: -x[1])),
             )
-        )  # fmt: skip
+        )
     return tuple(sorted(found, key=lambda item: -item.signal))
 
 
@@ -155,9 +168,12 @@ def _why(signal: float) -> str:
 
 
 def findings_of(
-    best: Settled, judge: Judge, before: Array, every: Sequence[FreeCandidate],
+    best: Settled,
+    judge: Judge,
+    before: Array,
+    every: Sequence[FreeCandidate],
     covered: Sequence[Visible],
-) -> tuple[Finding, ...]:  # fmt: skip
+) -> tuple[Finding, ...]:
     """The effects of the best set for people."""
     visible = {item.name: item for item in covered}
     price = math.log(2.0 * len(every))
@@ -177,7 +193,10 @@ def findings_of(
         numbers = zip(size.items(), own, strict=True)
         found.append(
             Finding(
-                effect=item.name, family=item.family, kind=item.kind, summary=item.summary,
+                effect=item.name,
+                family=item.family,
+                kind=item.kind,
+                summary=item.summary,
                 coefficients={
                     label: factor * float(best.fit.z[column])
                     for (label, factor), column in zip(size.items(), own, strict=True)
@@ -186,11 +205,15 @@ def findings_of(
                     label: abs(factor) * float(std[place[int(column)]])
                     for (label, factor), column in numbers
                 },
-                typical=dict(item.typical), value=0.0, parameter="",
+                typical=dict(item.typical),
+                value=0.0,
+                parameter="",
                 evidence=odds(judge.gain(without, best.errors) - price),
-                rivals=tuple(visible[item.name].mimics), separating_test=item.check,
-                error_before=off[0], error_after=now[0],
+                rivals=tuple(visible[item.name].mimics),
+                separating_test=item.check,
+                error_before=off[0],
+                error_after=now[0],
                 errors={"heading": (off[0], now[0]), "speed": (off[1], now[1])},
             )
-        )  # fmt: skip
+        )
     return tuple(found)

@@ -16,8 +16,8 @@ from pmmkit.diagnosis.free_running.system import FreeSystem, Piece
 from pmmkit.errors import DataError
 from pmmkit.identification.filters import STEP
 from pmmkit.identification.smoother import smooth
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 STARTS: Final = 4
 """Windows begin at so many places in each length of a window."""
 THIN: Final = 10
@@ -96,9 +96,14 @@ def off(system: FreeSystem, piece: Piece, course: Course, values: Array) -> Arra
         inputs[:, 0] += moved.get(RUDDER_ZERO, 0.0)
         begins = np.cumsum([0, *(len(at) for at in course.windows)])
         piece.functions.windows(
-            record.t[every], inputs[every], begins.astype(np.int64), first.copy(), k,
-            STEP * system.model.ship.L / record.speed, out,
-        )  # fmt: skip
+            record.t[every],
+            inputs[every],
+            begins.astype(np.int64),
+            first.copy(),
+            k,
+            STEP * system.model.ship.L / record.speed,
+            out,
+        )
     with np.errstate(all="ignore"):
         speed = np.hypot(out[:, 3], out[:, 4]) - np.hypot(truth[:, 3], truth[:, 4])
         found: Array = np.stack([out[:, 2] - truth[:, 2], speed], axis=1)

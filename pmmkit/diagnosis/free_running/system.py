@@ -22,8 +22,8 @@ from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.identification.smoother import units
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 PACE: Final = 0.04
 """Records are thinned to instants so far apart, in ship lengths over the speed."""
 MEMORIES: Final = ((0.1, 0.5), (0.3, 3.0))
@@ -103,9 +103,14 @@ class FreeSystem:
 
 
 def build_free(
-    model: Model, records: Sequence[FreeRecord], names: Sequence[str], *,
-    sensors: Mapping[str, float] | None = None, floor: float, extrapolate: bool = False,
-) -> FreeSystem:  # fmt: skip
+    model: Model,
+    records: Sequence[FreeRecord],
+    names: Sequence[str],
+    *,
+    sensors: Mapping[str, float] | None = None,
+    floor: float,
+    extrapolate: bool = False,
+) -> FreeSystem:
     """The system of records.
 
     Parameters
@@ -133,19 +138,24 @@ def build_free(
         binding = bound(ready, given, record.speed, extrapolate=extrapolate)
         pieces.append(
             Piece(
-                record=record, binding=binding,
+                record=record,
+                binding=binding,
                 forces=bound(ready, words, record.speed, extrapolate=extrapolate),
                 functions=compiled(binding.structure, ESTIMATING),
                 first=first_state(record, binding.structure.states, known, ready.ship.L),
             )
-        )  # fmt: skip
+        )
     at = dict(zip(given, pieces[0].binding.mean.tolist(), strict=True))
     start = np.array([at.get(name, 0.0) for name in names])
     system = FreeSystem(
-        model=model, names=tuple(names), start=start, pieces=tuple(pieces),
-        sensors=MappingProxyType(known), shares=np.full(len(words), 0.003),
+        model=model,
+        names=tuple(names),
+        start=start,
+        pieces=tuple(pieces),
+        sensors=MappingProxyType(known),
+        shares=np.full(len(words), 0.003),
         least=floor * _usual(ready, pieces, words),
-    )  # fmt: skip
+    )
     return _without_outliers(system)
 
 
@@ -158,9 +168,12 @@ def _thinned(record: FreeRecord, L: float) -> FreeRecord:
         if (value := getattr(record, name)) is not None
     }
     return record.with_(
-        t=record.t[::every], delta=record.delta[::every], turns=record.turns[::every],
-        measured={name: x[::every] for name, x in record.measured.items()}, **inside,
-    )  # fmt: skip
+        t=record.t[::every],
+        delta=record.delta[::every],
+        turns=record.turns[::every],
+        measured={name: x[::every] for name, x in record.measured.items()},
+        **inside,
+    )
 
 
 def _usual(model: Model, pieces: Sequence[Piece], words: Sequence[str]) -> Array:
@@ -182,10 +195,13 @@ def _usual(model: Model, pieces: Sequence[Piece], words: Sequence[str]) -> Array
         r = rate[np.isfinite(rate)]
         size = math.sqrt(float(np.mean(r**2))) if len(r) else 0.0
         motion = {
-            "u": np.array([record.speed]), "v": np.zeros(1), "r": np.array([size]),
-            "udot": np.array([0.05 * record.speed * pace]), "vdot": np.zeros(1),
+            "u": np.array([record.speed]),
+            "v": np.zeros(1),
+            "r": np.array([size]),
+            "udot": np.array([0.05 * record.speed * pace]),
+            "vdot": np.zeros(1),
             "rdot": np.array([size * pace]),
-        }  # fmt: skip
+        }
         force, unit = rigid_body(ship, motion), units(model, record.speed)
         sizes = [force[w[-1]][0] / unit[w[-1]] if w[-1] in force else 0.0 for w in words]
         squares.append(np.array(sizes) ** 2)
@@ -199,9 +215,7 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
     moved = dict(zip(system.names, values.tolist(), strict=True))
     inputs = record.inputs
     inputs[:, 0] += moved.get(RUDDER_ZERO, 0.0)
-    k = piece.binding.constants(
-        np.array([moved[name] for name in piece.binding.names])
-    )  # fmt: skip
+    k = piece.binding.constants(np.array([moved[name] for name in piece.binding.names]))
     pace, unit = record.speed / ready.ship.L, units(ready, record.speed)
     words = piece.forces.names
     spread = np.array([s * unit[w[-1]] for s, w in zip(system.shares, words, strict=True)])
@@ -218,10 +232,29 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
     out, totals = np.empty_like(measured), np.empty_like(measured)
     means, kept = np.empty((len(record), 2 * len(z))), np.zeros((0, 1))
     status = piece.functions.extended(
-        record.t, inputs, measured, kinds, variances, k, piece.forces.starts,
-        piece.forces.places, piece.forces.slopes, np.zeros(len(words)), np.zeros(len(words)), z, P,
-        fading, diffusion, steps, STEP / pace, gate, means, out, totals, kept,
-    )  # fmt: skip
+        record.t,
+        inputs,
+        measured,
+        kinds,
+        variances,
+        k,
+        piece.forces.starts,
+        piece.forces.places,
+        piece.forces.slopes,
+        np.zeros(len(words)),
+        np.zeros(len(words)),
+        z,
+        P,
+        fading,
+        diffusion,
+        steps,
+        STEP / pace,
+        gate,
+        means,
+        out,
+        totals,
+        kept,
+    )
     if status:
         raise SimulationError(LOST[status].format(record.name))
     return out, totals
@@ -327,9 +360,13 @@ class Linear:
 
 
 def linearised(
-    system: FreeSystem, point: Array, steps: Array, *, only: Sequence[int] | None = None,
+    system: FreeSystem,
+    point: Array,
+    steps: Array,
+    *,
+    only: Sequence[int] | None = None,
     jobs: int = 2,
-) -> Linear:  # fmt: skip
+) -> Linear:
     """Residuals and their slopes about a point by differences, one pass per value.
 
     Parameters

@@ -14,20 +14,26 @@ from pmmkit.exports.text import number
 
 Values = Mapping[str, Mapping[str, Any]]
 _FACTORS: Final = {
-    "u": "u_p", "v": "v_p", "r": "r_p", "p": "p_p", "phi": "phi", "d": "delta_p",
-    "|u|": "abs(u_p)", "|v|": "abs(v_p)", "|r|": "abs(r_p)", "|p|": "abs(p_p)",
+    "u": "u_p",
+    "v": "v_p",
+    "r": "r_p",
+    "p": "p_p",
+    "phi": "phi",
+    "d": "delta_p",
+    "|u|": "abs(u_p)",
+    "|v|": "abs(v_p)",
+    "|r|": "abs(r_p)",
+    "|p|": "abs(p_p)",
     "|d|": "abs(delta_p)",
-}  # fmt: skip
-_FORCE_UNITS: Final = {
-    "prime": "0.5*rho*L^2", "prime-d": "0.5*rho*L*d", "bis": "rho*g*volume",
-}  # fmt: skip
-_MASS_UNITS: Final = {
-    "prime": "0.5*rho*L^3", "prime-d": "0.5*rho*L^2*d", "bis": "rho*volume",
-}  # fmt: skip
+}
+_FORCE_UNITS: Final = {"prime": "0.5*rho*L^2", "prime-d": "0.5*rho*L*d", "bis": "rho*g*volume"}
+_MASS_UNITS: Final = {"prime": "0.5*rho*L^3", "prime-d": "0.5*rho*L^2*d", "bis": "rho*volume"}
 _INERTIA: Final = {
-    "udot": ("kg", "kg m"), "vdot": ("kg", "kg m"), "rdot": ("kg m", "kg m2"),
+    "udot": ("kg", "kg m"),
+    "vdot": ("kg", "kg m"),
+    "rdot": ("kg m", "kg m2"),
     "pdot": ("kg m", "kg m2"),
-}  # fmt: skip
+}
 """Unit of each acceleration derivative, of a force and of a moment."""
 
 
@@ -139,9 +145,12 @@ def mass_lines(added: Mapping[str, float], convention: Convention) -> list[Line]
 
 
 def motion_lines(
-    added: Mapping[str, float], extra: Mapping[str, list[str]], convention: Convention, *,
+    added: Mapping[str, float],
+    extra: Mapping[str, list[str]],
+    convention: Convention,
+    *,
     rolls: bool,
-) -> list[Line]:  # fmt: skip
+) -> list[Line]:
     """The equations of motion: accelerations from the forces X, Y, N and K.
 
     Parameters

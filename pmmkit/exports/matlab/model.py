@@ -22,15 +22,22 @@ from pmmkit.simulation.simulate import steering
 _ANY_FROUDE: Final = 0.2
 """Where a model has one set of values for all speeds, any speed gives its structure."""
 _NO_INPUT: Final = {
-    "wind_speed": "the wind", "wind_direction": "the wind", "bucket": "the bucket of a waterjet",
-}  # fmt: skip
+    "wind_speed": "the wind",
+    "wind_direction": "the wind",
+    "bucket": "the bucket of a waterjet",
+}
 _PARTICULARS: Final = {
-    "L": "length between perpendiculars (m)", "B": "breadth (m)", "d": "draught (m)",
-    "volume": "displaced volume (m3)", "mass": "mass (kg)",
+    "L": "length between perpendiculars (m)",
+    "B": "breadth (m)",
+    "d": "draught (m)",
+    "volume": "displaced volume (m3)",
+    "mass": "mass (kg)",
     "xG": "centre of gravity forward of midship (m)",
-    "zG": "centre of gravity below the origin (m)", "GM": "metacentric height (m)",
-    "Izz": "yaw inertia about midship (kg m2)", "Ixx": "roll inertia (kg m2)",
-}  # fmt: skip
+    "zG": "centre of gravity below the origin (m)",
+    "GM": "metacentric height (m)",
+    "Izz": "yaw inertia about midship (kg m2)",
+    "Ixx": "roll inertia (kg m2)",
+}
 _BREAKS: Final = re.compile(r"(?= [-+] )|(?<=, )|(?=\*\(|\*sqrt\()")
 _HELPERS: Final = {
     "where": """\
@@ -318,8 +325,7 @@ def _steering(model: Model) -> _Section:
         Line(target="T_delta", text="1.0", note="time constant near the order (s)"),
         Line(target="wanted", text="max(min(delta_c, delta_max), -delta_max)"),
         Line(
-            target="delta_dot",
-            text="max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)",
+            target="delta_dot", text="max(min((wanted - delta)/T_delta, delta_rate), -delta_rate)"
         ),
     ]
     return _Section(title="Steering gear", lines=lines)
@@ -377,9 +383,13 @@ def _wrapped(code: str) -> list[str]:
 
 
 def _checks(
-    states: Sequence[str], inputs: Sequence[str], *, speed: float | None, turns: float | None,
+    states: Sequence[str],
+    inputs: Sequence[str],
+    *,
+    speed: float | None,
+    turns: float | None,
     approach: bool,
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     lines = []
     if approach and speed is not None:
         lines.append(f"if nargin < 3, U0 = {number(speed)}; end")

@@ -11,10 +11,14 @@ from pmmkit.exports.text import comment, is_matlab_name, matlab_string, number, 
 from pmmkit.tables.table import DerivativeTable
 
 _PARTICULARS: Final = {
-    "L": "length between perpendiculars (m)", "B": "breadth (m)", "d": "draught (m)",
-    "volume": "displaced volume (m3)", "mass": "mass (kg)", "Izz": "yaw inertia (kg m2)",
+    "L": "length between perpendiculars (m)",
+    "B": "breadth (m)",
+    "d": "draught (m)",
+    "volume": "displaced volume (m3)",
+    "mass": "mass (kg)",
+    "Izz": "yaw inertia (kg m2)",
     "xG": "centre of gravity forward of midship (m)",
-}  # fmt: skip
+}
 
 
 def table_to_mss(table: DerivativeTable, *, name: str = "derivatives") -> str:

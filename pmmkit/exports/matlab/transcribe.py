@@ -22,19 +22,32 @@ from pmmkit.exports.text import number
 
 _SUM, _PRODUCT, _ATOM = 1, 2, 3
 _OPERATORS: Final[Mapping[type[ast.operator], tuple[str, int]]] = {
-    ast.Add: (" + ", _SUM), ast.Sub: (" - ", _SUM), ast.Mult: ("*", _PRODUCT),
+    ast.Add: (" + ", _SUM),
+    ast.Sub: (" - ", _SUM),
+    ast.Mult: ("*", _PRODUCT),
     ast.Div: ("/", _PRODUCT),
-}  # fmt: skip
+}
 _COMPARISONS: Final[Mapping[type[ast.cmpop], tuple[str, Callable[[Any, Any], bool]]]] = {
-    ast.Eq: ("==", lambda a, b: a == b), ast.NotEq: ("~=", lambda a, b: a != b),
-    ast.Lt: ("<", lambda a, b: a < b), ast.LtE: ("<=", lambda a, b: a <= b),
-    ast.Gt: (">", lambda a, b: a > b), ast.GtE: (">=", lambda a, b: a >= b),
-}  # fmt: skip
+    ast.Eq: ("==", lambda a, b: a == b),
+    ast.NotEq: ("~=", lambda a, b: a != b),
+    ast.Lt: ("<", lambda a, b: a < b),
+    ast.LtE: ("<=", lambda a, b: a <= b),
+    ast.Gt: (">", lambda a, b: a > b),
+    ast.GtE: (">=", lambda a, b: a >= b),
+}
 _FUNCTIONS: Final[Mapping[Any, str]] = {
-    math.atan2: "atan2", math.cos: "cos", math.exp: "exp", math.fabs: "abs", math.sin: "sin",
-    math.sqrt: "sqrt", math.tanh: "tanh", primitives.maximum: "max", primitives.minimum: "min",
-    primitives.where: "where", primitives.interpolate: "interpolate",
-}  # fmt: skip
+    math.atan2: "atan2",
+    math.cos: "cos",
+    math.exp: "exp",
+    math.fabs: "abs",
+    math.sin: "sin",
+    math.sqrt: "sqrt",
+    math.tanh: "tanh",
+    primitives.maximum: "max",
+    primitives.minimum: "min",
+    primitives.where: "where",
+    primitives.interpolate: "interpolate",
+}
 _WORD: Final = re.compile(r"(?<![\w.])[A-Za-z]\w*")
 
 

@@ -10,11 +10,17 @@ from pmmkit.exports.text import comment, written_by
 from pmmkit.models import Model, model_text
 
 _STATES: Final = {
-    "u": ("surge velocity", "m/s"), "v": ("sway velocity", "m/s"), "r": ("yaw velocity", "rad/s"),
-    "x": ("position in x-direction", "m"), "y": ("position in y-direction", "m"),
-    "psi": ("yaw angle", "rad"), "p": ("roll velocity", "rad/s"), "phi": ("roll angle", "rad"),
-    "delta": ("actual rudder angle", "rad"), "n": ("actual shaft velocity", "rpm"),
-}  # fmt: skip
+    "u": ("surge velocity", "m/s"),
+    "v": ("sway velocity", "m/s"),
+    "r": ("yaw velocity", "rad/s"),
+    "x": ("position in x-direction", "m"),
+    "y": ("position in y-direction", "m"),
+    "psi": ("yaw angle", "rad"),
+    "p": ("roll velocity", "rad/s"),
+    "phi": ("roll angle", "rad"),
+    "delta": ("actual rudder angle", "rad"),
+    "n": ("actual shaft velocity", "rpm"),
+}
 
 
 def meaning(model: Model) -> str:
@@ -39,9 +45,15 @@ def meaning(model: Model) -> str:
 
 
 def heading(
-    model: Model, called: str, states: Sequence[str], inputs: Sequence[str], *,
-    speed: float | None, turns: float | None, about: bool,
-) -> list[str]:  # fmt: skip
+    model: Model,
+    called: str,
+    states: Sequence[str],
+    inputs: Sequence[str],
+    *,
+    speed: float | None,
+    turns: float | None,
+    about: bool,
+) -> list[str]:
     """The comment behind the first line: states, inputs, axes, sources, the program.
 
     Parameters
@@ -82,10 +94,13 @@ def heading(
             )
     if ",U0)" in called:
         lines += comment(f"U0 = nominal speed (m/s), {speed:g} m/s if left out")
-    lines += ["%", *comment(
-        "Axes: x forward, y to starboard, z down, origin midship. A positive rudder angle (delta "
-        "and delta_c) turns the ship to starboard. Calm water, no current."
-    )]  # fmt: skip
+    lines += [
+        "%",
+        *comment(
+            "Axes: x forward, y to starboard, z down, origin midship. A positive rudder angle "
+            "(delta and delta_c) turns the ship to starboard. Calm water, no current."
+        ),
+    ]
     if model.Fn:
         assert speed is not None
         froude = model.ship.froude(speed, model.water.g)

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.identification.sparse.fit import System, unit
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 ALIKE: Final = 0.95
 """Cosine between two columns from which they are named as a pair."""
 INFLATED: Final = 10.0
@@ -96,9 +95,11 @@ def collinearity_of(system: System, names: Sequence[str], channels: Sequence[str
     inverse = np.linalg.inv(np.linalg.qr(columns, mode="r"))
     inflation = np.sum(inverse**2, axis=1)
     order = [
-        (i, j) for i in range(len(names)) for j in range(i + 1, len(names))
+        (i, j)
+        for i in range(len(names))
+        for j in range(i + 1, len(names))
         if abs(angles[i, j]) > ALIKE
-    ]  # fmt: skip
+    ]
     order.sort(key=lambda pair: -abs(angles[pair]))
     return Collinearity(
         pairs=tuple((names[i], names[j], float(angles[i, j])) for i, j in order),

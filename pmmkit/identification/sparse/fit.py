@@ -11,7 +11,8 @@ from typing import Any, Final, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from pmmkit.numerics import Array
+
 Flags = NDArray[np.bool_]
 SINGULAR: Final = 1e-10
 """Singular values below this share of the largest are zero."""
@@ -255,10 +256,7 @@ class Path:
 
 
 def held_out(
-    task: Task,
-    runs: Sequence[System],
-    folds: Sequence[Sequence[int]],
-    thresholds: Sequence[float],
+    task: Task, runs: Sequence[System], folds: Sequence[Sequence[int]], thresholds: Sequence[float]
 ) -> Array:
     """Sums of squares in each run when the others are fitted, array (runs, channels, k)."""
     usual = rms(joined(runs))
@@ -335,11 +333,13 @@ def choose_threshold(task: Task, runs: Sequence[System], folds: Sequence[Sequenc
     first = max((place + 1 for place in other if place < best), default=0)
     last = min((place - 1 for place in other if place > best), default=GRID - 1)
     return Path(
-        channels=task.channels, thresholds=grid,
+        channels=task.channels,
+        thresholds=grid,
         held_out=np.sqrt(errors.sum(axis=0) / max(int(rows.sum()), 1)),
-        terms=number.astype(np.int64), score=score,
+        terms=number.astype(np.int64),
+        score=score,
         chosen=float(np.sqrt(grid[first] * grid[last])),
-    )  # fmt: skip
+    )
 
 
 def folds_of(runs: int, rng: np.random.Generator) -> tuple[tuple[int, ...], ...]:
@@ -348,12 +348,7 @@ def folds_of(runs: int, rng: np.random.Generator) -> tuple[tuple[int, ...], ...]
     return tuple(tuple(order[start::FOLDS].tolist()) for start in range(min(FOLDS, runs)))
 
 
-def bagged(
-    task: Task,
-    runs: Sequence[System],
-    draws: NDArray[np.int64],
-    threshold: float,
-) -> Array:
+def bagged(task: Task, runs: Sequence[System], draws: NDArray[np.int64], threshold: float) -> Array:
     """Coefficients of each bag, array (bags, m); zero where left out, NaN where not determined."""
     usual = rms(joined(runs))
     found = np.empty((len(draws), len(task.columns)))

@@ -17,12 +17,7 @@ from pmmkit.identification.sparse.fit import (
     folds_of,
     held_out,
 )
-from pmmkit.identification.sparse.request import (
-    Groups,
-    check_numbers,
-    physics_groups,
-    request,
-)
+from pmmkit.identification.sparse.request import Groups, check_numbers, physics_groups, request
 from pmmkit.identification.sparse.result import SparseRegression, assembled, shares_of
 from pmmkit.models import Model
 from pmmkit.structures import Structure
@@ -156,9 +151,16 @@ def sparse_regression(
     """
     check_numbers(bags, share, threshold, weak)
     asked = request(
-        model, records, library, fixed=fixed, always=always, groups=groups, method=method,
-        weak=weak, extrapolate=extrapolate,
-    )  # fmt: skip
+        model,
+        records,
+        library,
+        fixed=fixed,
+        always=always,
+        groups=groups,
+        method=method,
+        weak=weak,
+        extrapolate=extrapolate,
+    )
     rng = np.random.default_rng(seed)
     folds = folds_of(len(records), rng)
     draws = rng.integers(len(records), size=(bags, len(records)))
@@ -185,9 +187,14 @@ def sparse_regression(
             f"always, or state smaller standard deviations where they are too large."
         )
     return assembled(
-        model, asked, coefficients=coefficients, shares=shares, stays=stays, paths=paths,
+        model,
+        asked,
+        coefficients=coefficients,
+        shares=shares,
+        stays=stays,
+        paths=paths,
         errors=errors,
-    )  # fmt: skip
+    )
 
 
 def look_for_collinearity(

@@ -27,9 +27,9 @@ from pmmkit.identification.sparse.fit import (
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 from pmmkit.structures import Structure, structure_of
 
-Array = NDArray[np.float64]
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]
 FEWEST: Final = 3
 """Runs without which there are no bags of runs."""
@@ -210,11 +210,16 @@ def request(
         reports.append(collinearity_of(whole, own, task.channels))
     return Request(
         fixed=frozenset(held),
-        names=tuple(seen), groups=wanted, channels=channels, rows=tuple(rows), tasks=tuple(tasks),
-        systems=systems, undetermined=unseen,
+        names=tuple(seen),
+        groups=wanted,
+        channels=channels,
+        rows=tuple(rows),
+        tasks=tuple(tasks),
+        systems=systems,
+        undetermined=unseen,
         unmeasured=tuple(name for name in listed if name not in names),
         collinearity=joined_reports(reports),
-    )  # fmt: skip
+    )
 
 
 def derivatives(model: Model) -> tuple[str, ...]:

@@ -16,9 +16,9 @@ from pmmkit.identification.sparse.request import Request, derivatives
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.models import Model, Part
 from pmmkit.models.build import NEEDED
+from pmmkit.numerics import Array
 from pmmkit.tables import DerivativeTable
 
-Array = NDArray[np.float64]
 FEW: Final = 8
 """Runs below which intervals over bags are called rough."""
 FEWEST_BEHIND: Final = 3
@@ -138,18 +138,24 @@ def assembled(
         if name not in (*asked.names, *asked.undetermined, *asked.unmeasured)
     )
     return SparseRegression(
-        model=_with_terms(model, table, left_out), table=table, names=asked.names,
+        model=_with_terms(model, table, left_out),
+        table=table,
+        names=asked.names,
         share=MappingProxyType(dict(zip(asked.names, shares.tolist(), strict=True))),
-        coefficients=coefficients, paths=tuple(paths),
+        coefficients=coefficients,
+        paths=tuple(paths),
         held_out=MappingProxyType({run: MappingProxyType(own) for run, own in errors.items()}),
-        collinearity=asked.collinearity, groups=MappingProxyType(dict(asked.groups)),
-        left_out=left_out, undetermined=asked.undetermined, held=held,
+        collinearity=asked.collinearity,
+        groups=MappingProxyType(dict(asked.groups)),
+        left_out=left_out,
+        undetermined=asked.undetermined,
+        held=held,
         warnings=(
             *asked.collinearity.warnings,
             *_doubts(asked, shares, left_out, errors, misfit),
             *_assumed(asked, [name for name in held if name not in asked.fixed]),
         ),
-    )  # fmt: skip
+    )
 
 
 def shares_of(coefficients: Array) -> Array:
@@ -182,13 +188,17 @@ def _table(
     runs = asked.exciting()[stays]
     return DerivativeTable(
         names=tuple(name for name, stay in zip(asked.names, stays, strict=True) if stay),
-        Fn=np.array([np.nan]), value=value[None, stays],
+        Fn=np.array([np.nan]),
+        value=value[None, stays],
         covariance=_covariance(coefficients[:, stays]).reshape(1, n, 1, n),
         dof=np.maximum(runs - 1, 1).astype(float)[None, :],
-        method=np.full((1, n), "sparse regression"), runs=runs[None, :],
-        convention=model.convention, ship=model.ship, water=model.water,
+        method=np.full((1, n), "sparse regression"),
+        runs=runs[None, :],
+        convention=model.convention,
+        ship=model.ship,
+        water=model.water,
         notes=("Standard deviations are those over bags of runs.",),
-    )  # fmt: skip
+    )
 
 
 def _covariance(values: Array) -> Array:
@@ -218,15 +228,18 @@ def _with_terms(model: Model, table: DerivativeTable, left_out: Sequence[str]) -
     for effect, name in homes(model, table.names):
         part = parts[effect]
         parts[effect] = replace(
-            part, values=MappingProxyType({**part.values, name: values[name]}),
+            part,
+            values=MappingProxyType({**part.values, name: values[name]}),
             sources=MappingProxyType({**part.sources, name: source}),
-        )  # fmt: skip
+        )
     names, covariance = _joint_covariance(model, table, gone)
     said = f"Sparse regression: {', '.join(table.names)} fitted"
     return model.with_(
-        parts=MappingProxyType(parts), covariance=covariance, covariance_names=names,
+        parts=MappingProxyType(parts),
+        covariance=covariance,
+        covariance_names=names,
         history=(*model.history, f"{said}; left out: {', '.join(left_out) or 'none'}."),
-    )  # fmt: skip
+    )
 
 
 def _joint_covariance(

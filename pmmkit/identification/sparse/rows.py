@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.equations import Conditions
@@ -20,8 +19,8 @@ from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.parameters import Place, replaced
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
 
-Array = NDArray[np.float64]
 WEAK_SHARE: Final = 20
 """A test function spans this part of a run where its length is not stated."""
 
@@ -81,9 +80,10 @@ def check_records(records: Sequence[ForceRecord]) -> None:
 def measured(record: ForceRecord) -> tuple[str, ...]:
     """Channels of a record that have a finite force and its standard deviation."""
     return tuple(
-        channel for channel, values in record.forces.items()
+        channel
+        for channel, values in record.forces.items()
         if channel in record.std and np.isfinite(values).any()
-    )  # fmt: skip
+    )
 
 
 def homes(model: Model, names: Sequence[str]) -> tuple[Place, ...]:

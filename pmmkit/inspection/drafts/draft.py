@@ -23,7 +23,7 @@ from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import Setting, settled
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
 
@@ -117,9 +117,12 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
     known = _library_ship(ship)
     if not folder.is_dir():
         raise CampaignError(
-            Problem(message="this is not a folder.", file=str(folder),
-                    remedy="Name the folder in which the files of the tests lie.")
-        )  # fmt: skip
+            Problem(
+                message="this is not a folder.",
+                file=str(folder),
+                remedy="Name the folder in which the files of the tests lie.",
+            )
+        )
     seen = look(folder)
     base = _relative(folder, target)
     saved = [
@@ -129,11 +132,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
     ]
     length = known.L if known else None
     histories = [group for group in seen.groups if group.first.kind == "history"]
-    runs = [
-        run
-        for group in histories
-        for run in _runs(group, base, length)
-    ]  # fmt: skip
+    runs = [run for group in histories for run in _runs(group, base, length)]
     tables = [
         _table(item, base, length)
         for group in seen.groups

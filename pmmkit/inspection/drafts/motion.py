@@ -9,13 +9,11 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import DYNAMIC_TESTS, FREE_TESTS
 from pmmkit.errors import DataError
+from pmmkit.numerics import Array
 from pmmkit.signals import design_matrix, estimate_frequency
-
-Array = NDArray[np.float64]
 
 _SETTLING: Final = 0.15
 """Part of a record at its beginning that is left out."""
@@ -64,8 +62,12 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     """
     if len(t) < 20 or not np.all(np.diff(t) > 0):
         return Moved()
-    if test in FREE_TESTS or (test is None and {"x", "y", "psi"} <= set(channels) and
-                              "delta" in channels and "Y" not in channels):  # fmt: skip
+    if test in FREE_TESTS or (
+        test is None
+        and {"x", "y", "psi"} <= set(channels)
+        and "delta" in channels
+        and "Y" not in channels
+    ):
         return _free(t, channels, test)
     late = t >= t[0] + _SETTLING * (t[-1] - t[0])
     time, seen = t[late], {name: numbers[late] for name, numbers in channels.items()}
@@ -328,8 +330,9 @@ def _length(stretch: tuple[float, int, int]) -> int:
 
 def _switch(psi: Array, held: list[tuple[float, int, int]]) -> dict[str, tuple[float, str]]:
     """Half the difference of the headings at which a zigzag leaves the rudder to either side."""
-    left = {side: [psi[stop] for which, _, stop in held[:-1] if which == side]
-            for side in (-1.0, 1.0)}  # fmt: skip
+    left = {
+        side: [psi[stop] for which, _, stop in held[:-1] if which == side] for side in (-1.0, 1.0)
+    }
     if not (left[-1.0] and left[1.0]):
         return {}
     value = abs(math.degrees(float(np.median(left[1.0]) - np.median(left[-1.0])))) / 2

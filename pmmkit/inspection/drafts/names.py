@@ -62,13 +62,32 @@ _SETTINGS: Final = tuple(
 )
 
 _CODES: Final = {
-    "SD": "static_drift", "SDT": "static_drift", "OT": "static_drift", "OTT": "static_drift",
-    "PS": "pure_sway", "PSW": "pure_sway", "PY": "pure_yaw", "PYW": "pure_yaw",
-    "YD": "yaw_drift", "PYD": "yaw_drift", "PX": "pure_surge", "PSU": "pure_surge",
-    "SR": "static_rudder", "SRT": "static_rudder", "DR": "drift_rudder", "SH": "static_heel",
-    "YR": "yaw_rudder", "SY": "sway_yaw", "CM": "circular_motion", "CMT": "circular_motion",
-    "RES": "resistance", "ZZ": "zigzag", "TC": "turning", "PO": "pull_out", "CS": "stopping",
-}  # fmt: skip
+    "SD": "static_drift",
+    "SDT": "static_drift",
+    "OT": "static_drift",
+    "OTT": "static_drift",
+    "PS": "pure_sway",
+    "PSW": "pure_sway",
+    "PY": "pure_yaw",
+    "PYW": "pure_yaw",
+    "YD": "yaw_drift",
+    "PYD": "yaw_drift",
+    "PX": "pure_surge",
+    "PSU": "pure_surge",
+    "SR": "static_rudder",
+    "SRT": "static_rudder",
+    "DR": "drift_rudder",
+    "SH": "static_heel",
+    "YR": "yaw_rudder",
+    "SY": "sway_yaw",
+    "CM": "circular_motion",
+    "CMT": "circular_motion",
+    "RES": "resistance",
+    "ZZ": "zigzag",
+    "TC": "turning",
+    "PO": "pull_out",
+    "CS": "stopping",
+}
 """Usual abbreviations, in capitals at the beginning of a part of the name."""
 
 _PHRASES: Final = tuple(

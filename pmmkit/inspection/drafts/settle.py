@@ -12,26 +12,33 @@ from pmmkit.inspection.drafts.motion import Moved
 from pmmkit.inspection.drafts.names import Named
 
 NEEDED: Final[dict[str, tuple[str, ...]]] = {
-    "static_drift": ("drift_deg",), "static_heel": ("heel_deg",),
-    "static_rudder": ("rudder_deg",), "drift_rudder": ("drift_deg", "rudder_deg"),
-    "circular_motion": ("drift_deg", "yaw_rate"), "pure_surge": ("period", "amplitude_m"),
-    "pure_sway": ("period", "amplitude_m"), "pure_yaw": ("period", "yaw_amplitude_deg"),
+    "static_drift": ("drift_deg",),
+    "static_heel": ("heel_deg",),
+    "static_rudder": ("rudder_deg",),
+    "drift_rudder": ("drift_deg", "rudder_deg"),
+    "circular_motion": ("drift_deg", "yaw_rate"),
+    "pure_surge": ("period", "amplitude_m"),
+    "pure_sway": ("period", "amplitude_m"),
+    "pure_yaw": ("period", "yaw_amplitude_deg"),
     "yaw_drift": ("period", "yaw_amplitude_deg", "drift_deg"),
     "yaw_rudder": ("period", "yaw_amplitude_deg", "rudder_deg"),
     "sway_yaw": ("period", "amplitude_m", "yaw_amplitude_deg"),
-    "turning": ("rudder_deg",), "zigzag": ("rudder_deg", "switch_deg"),
-}  # fmt: skip
+    "turning": ("rudder_deg",),
+    "zigzag": ("rudder_deg", "switch_deg"),
+}
 """Settings of each test, in the order in which they are written."""
 _ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
 WORDS: Final[dict[str, str]] = {
     "speed": "speed of the carriage, or of the approach [m/s]",
     "drift_deg": "drift angle [deg], positive with the bow to starboard of the track",
-    "heel_deg": "heel [deg]", "rudder_deg": "rudder angle [deg]",
-    "yaw_rate": "yaw rate [rad/s], or radius = ... [m]", "period": "period [s]",
+    "heel_deg": "heel [deg]",
+    "rudder_deg": "rudder angle [deg]",
+    "yaw_rate": "yaw rate [rad/s], or radius = ... [m]",
+    "period": "period [s]",
     "amplitude_m": "amplitude of the displacement [m]",
     "yaw_amplitude_deg": "amplitude of the heading [deg]",
     "switch_deg": "heading at which the rudder is put over [deg]",
-}  # fmt: skip
+}
 _CLOSE: Final = {"speed": 0.03, "period": 0.02, "propeller_rps": 0.03}
 """Relative difference up to which name and record agree; 6 % for others, angles 0.6°."""
 
@@ -86,9 +93,10 @@ def settled(
     out += [
         _one(key, said, moved.settings, named, unsure=free)
         for key in _ALSO
-        if key not in wanted and (key in said or key in moved.settings)
+        if key not in wanted
+        and (key in said or key in moved.settings)
         and abs(said.get(key, moved.settings.get(key, (0.0, "")))[0]) > 0.2
-    ]  # fmt: skip
+    ]
     return tuple(out)
 
 

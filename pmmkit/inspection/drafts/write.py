@@ -18,10 +18,14 @@ from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers.base import Options
 
 _MEANS: Final[dict[str, str]] = {
-    "t": "time [s]", "X": "the surge force [N]", "Y": "the sway force [N]",
-    "N": "the yaw moment [N m]", "x": "the position along the first course [m]",
-    "y": "the position to starboard [m]", "psi": "the heading [rad]",
-}  # fmt: skip
+    "t": "time [s]",
+    "X": "the surge force [N]",
+    "Y": "the sway force [N]",
+    "N": "the yaw moment [N m]",
+    "x": "the position along the first course [m]",
+    "y": "the position to starboard [m]",
+    "psi": "the heading [rad]",
+}
 _LISTED: Final = 6
 
 
@@ -82,9 +86,7 @@ def written(draft: Draft) -> Written:
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
     )
     return Written(
-        text="\n".join(lines) + "\n",
-        todo=tuple(todo.all()),
-        complete=entries - len(todo.open_runs),
+        text="\n".join(lines) + "\n", todo=tuple(todo.all()), complete=entries - len(todo.open_runs)
     )
 
 
@@ -271,8 +273,11 @@ def _columns(look: FileLook, kind: str, todo: _Todo, *, table: bool) -> list[str
         for column in look.columns
         if column.suggestion is None
     ]
-    known = {name for name, column in look.known.items()
-             if column.suggestion and column.suggestion.certainty != "perhaps"}  # fmt: skip
+    known = {
+        name
+        for name, column in look.known.items()
+        if column.suggestion and column.suggestion.certainty != "perhaps"
+    }
     for name in () if table else required_channels(kind):
         if name not in known and not any(other.startswith(f"{name}_") for other in known):
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
@@ -321,8 +326,11 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
             lines += _conventions(entry, todo)
         lines.append(f"[{table}.columns]")
         lines += _columns(entry.look, kind, todo, table=table == "tables")
-        own = {name for name, column in entry.look.known.items()
-               if column.suggestion and column.suggestion.certainty != "perhaps"}  # fmt: skip
+        own = {
+            name
+            for name, column in entry.look.known.items()
+            if column.suggestion and column.suggestion.certainty != "perhaps"
+        }
         for name in () if base is None else base.known:
             if name not in own:
                 lines.append(f"{name} = false")
@@ -377,11 +385,21 @@ def _question(setting: Setting) -> str:
 def _saved_run(file: str, run: Run) -> list[str]:
     """A run of a saved campaign, SI and our signs."""
     found = run.settings
-    degrees = {"drift_deg": found.drift, "heel_deg": found.heel, "rudder_deg": found.rudder,
-               "yaw_amplitude_deg": found.yaw_amplitude, "phase_deg": found.phase,
-               "switch_deg": found.switch}  # fmt: skip
-    plain = {"period": found.period, "amplitude_m": found.amplitude, "yaw_rate": found.yaw_rate,
-             "radius": found.radius, "propeller_rps": found.propeller_rps}  # fmt: skip
+    degrees = {
+        "drift_deg": found.drift,
+        "heel_deg": found.heel,
+        "rudder_deg": found.rudder,
+        "yaw_amplitude_deg": found.yaw_amplitude,
+        "phase_deg": found.phase,
+        "switch_deg": found.switch,
+    }
+    plain = {
+        "period": found.period,
+        "amplitude_m": found.amplitude,
+        "yaw_rate": found.yaw_rate,
+        "radius": found.radius,
+        "propeller_rps": found.propeller_rps,
+    }
     values = {"speed": found.speed}
     values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
     values |= {key: value for key, value in plain.items() if value is not None}

@@ -218,8 +218,5 @@ def _duration(value: dt.time | dt.timedelta) -> dt.timedelta:
     if isinstance(value, dt.timedelta):
         return value
     return dt.timedelta(
-        hours=value.hour,
-        minutes=value.minute,
-        seconds=value.second,
-        microseconds=value.microsecond,
+        hours=value.hour, minutes=value.minute, seconds=value.second, microseconds=value.microsecond
     )

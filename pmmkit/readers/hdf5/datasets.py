@@ -90,8 +90,7 @@ def numbers(dataset: Any, request: Request) -> NDArray[Any]:
     except Incomplete as error:
         raise request.error(
             request.problem(
-                f"{shown}: {error}.",
-                remedy="The file is damaged or was not completely written.",
+                f"{shown}: {error}.", remedy="The file is damaged or was not completely written."
             )
         ) from error
 

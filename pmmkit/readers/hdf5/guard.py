@@ -10,9 +10,16 @@ from pathlib import Path
 from typing import Any, Final
 
 LIBRARY_FAULTS: Final = (
-    OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError,
-    MemoryError, AssertionError,
-)  # fmt: skip
+    OSError,
+    RuntimeError,
+    LookupError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    ArithmeticError,
+    MemoryError,
+    AssertionError,
+)
 """What h5py raises on files that are damaged."""
 
 SIGNATURE: Final = b"\x89HDF\r\n\x1a\n"

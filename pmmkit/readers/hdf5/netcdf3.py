@@ -16,9 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 _TYPES: Final = {
-    1: "i1", 2: "S1", 3: ">i2", 4: ">i4", 5: ">f4", 6: ">f8",
-    7: "u1", 8: ">u2", 9: ">u4", 10: ">i8", 11: ">u8",
-}  # fmt: skip
+    1: "i1",
+    2: "S1",
+    3: ">i2",
+    4: ">i4",
+    5: ">f4",
+    6: ">f8",
+    7: "u1",
+    8: ">u2",
+    9: ">u4",
+    10: ">i8",
+    11: ">u8",
+}
 _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
 _LARGE: Final = 1 << 31
 """From this size on the header need not state the true one."""

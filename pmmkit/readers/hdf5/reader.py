@@ -20,7 +20,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.channels import did_you_mean
-from pmmkit.readers.base import Array, Cells, Choose, Columns, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.hdf5.datasets import members, new_to, number_of, numbers, opened, text_of
 from pmmkit.readers.hdf5.guard import is_hdf5
 from pmmkit.readers.hdf5.netcdf3 import Classic, Damaged, is_netcdf3, netcdf3_variables
@@ -39,9 +40,13 @@ _MOST_TEXTS: Final = 10_000
 _NOT_A_VARIABLE: Final = "This is a netCDF dimension but not a netCDF variable"
 _SINCE: Final = re.compile(r"\s*(\w+)\s+since\s+\S.*")
 _TIME_UNITS: Final = {
-    "seconds": "s", "second": "s", "sec": "s", "milliseconds": "ms", "minutes": "min",
+    "seconds": "s",
+    "second": "s",
+    "sec": "s",
+    "milliseconds": "ms",
+    "minutes": "min",
     "hours": "h",
-}  # fmt: skip
+}
 
 
 def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001

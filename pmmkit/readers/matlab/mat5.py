@@ -22,8 +22,17 @@ from pmmkit.readers.matlab.variable import Damaged, Variable
 Raw = NDArray[Any]
 
 _NUMBERS: Final = {
-    1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8",
-}  # fmt: skip
+    1: "i1",
+    2: "u1",
+    3: "i2",
+    4: "u2",
+    5: "i4",
+    6: "u4",
+    7: "f4",
+    9: "f8",
+    12: "i8",
+    13: "u8",
+}
 _ENCODINGS: Final = {
     1: "latin-1",
     2: "latin-1",

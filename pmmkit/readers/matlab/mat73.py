@@ -13,14 +13,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.readers.base import Array, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Request
 from pmmkit.readers.hdf5.datasets import members, new_to, numbers, text_of
 from pmmkit.readers.matlab.variable import Variable
 
 _PLAIN: Final = {
-    "double", "single", "logical",
+    "double",
+    "single",
+    "logical",
     *(f"{sign}int{size}" for sign in ("", "u") for size in (8, 16, 32, 64)),
-}  # fmt: skip
+}
 _MOST_CELLS: Final = 4096
 
 

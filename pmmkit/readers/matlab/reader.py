@@ -16,7 +16,8 @@ from typing import Final
 
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import CampaignError
-from pmmkit.readers.base import Array, Cells, Choose, Columns, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.hdf5.datasets import opened
 from pmmkit.readers.hdf5.guard import is_hdf5
 from pmmkit.readers.matlab.mat5 import is_v4, read_v4, read_v5

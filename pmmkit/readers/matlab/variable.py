@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.readers.base import Array
+from pmmkit.numerics import Array
 
 
 class Damaged(ValueError):

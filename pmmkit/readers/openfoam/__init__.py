@@ -17,7 +17,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import Problem
-from pmmkit.readers.base import Array, Cells, Choose, Columns, Request, abridged
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Cells, Choose, Columns, Request, abridged
 from pmmkit.readers.openfoam.case import density_doubt, entries_of, told
 from pmmkit.readers.openfoam.header import LONGEST, MOVED, layout_of
 from pmmkit.readers.openfoam.numbers import read_rows
@@ -26,10 +27,16 @@ from pmmkit.readers.openfoam.places import RESULTS, Part, Series, series_of
 TIME: Final = "Time [s]"
 USUAL: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "t": "Time", "X": "Fx", "Y": "Fy", "N": "Mz", "K": "Mx",
-        "x": f"{MOVED}_x", "y": f"{MOVED}_y", "psi": "rotation_z",
+        "t": "Time",
+        "X": "Fx",
+        "Y": "Fy",
+        "N": "Mz",
+        "K": "Mx",
+        "x": f"{MOVED}_x",
+        "y": f"{MOVED}_y",
+        "psi": "rotation_z",
     }
-)  # fmt: skip
+)
 """Where our channels stand."""
 
 SAME_TIME: Final = 1e-6

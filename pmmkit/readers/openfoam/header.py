@@ -28,9 +28,13 @@ _VALUE: Final = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*\S)")
 _COMPONENT: Final = re.compile(r"([A-Za-z]\w*)_([xyz])")
 _COEFFICIENT: Final = re.compile(r"C[A-Za-z]\w*(?:\([fr]\))?")
 _VECTORS: Final = {
-    "centreOfRotation": "m", "centreOfMass": "m", "rotation": "angle", "velocity": "m/s",
-    "omega": "rate", "angularVelocity": "rate",
-}  # fmt: skip
+    "centreOfRotation": "m",
+    "centreOfMass": "m",
+    "rotation": "angle",
+    "velocity": "m/s",
+    "omega": "rate",
+    "angularVelocity": "rate",
+}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import Problem
-from pmmkit.readers.base import ABSURD, LISTED, Array, Request, abridged, fault, to_number
+from pmmkit.numerics import Array
+from pmmkit.readers.base import ABSURD, LISTED, Request, abridged, fault, to_number
 from pmmkit.readers.openfoam.header import Layout
 
 BLOCK: Final = 1 << 21

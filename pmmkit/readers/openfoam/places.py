@@ -19,11 +19,16 @@ from pmmkit.readers.openfoam.header import LONGEST, Kind, Layout, layout_of
 
 RESULTS: Final = "postProcessing"
 _PREFERRED: Final[tuple[tuple[Kind, ...], ...]] = (
-    ("forces",), ("force", "moment"), ("coefficients",), ("motion",),
-)  # fmt: skip
+    ("forces",),
+    ("force", "moment"),
+    ("coefficients",),
+    ("motion",),
+)
 _COMPETING: Final[tuple[frozenset[Kind], ...]] = (
-    frozenset({"forces", "force", "moment"}), frozenset({"coefficients"}), frozenset({"motion"}),
-)  # fmt: skip
+    frozenset({"forces", "force", "moment"}),
+    frozenset({"coefficients"}),
+    frozenset({"motion"}),
+)
 _TIME: Final = re.compile(r"-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?")
 _AGAIN: Final = re.compile(rf"(?P<name>.+)_(?P<time>{_TIME.pattern})")
 _OTHER_HALF: Final = {"force": "moment", "moment": "force"}

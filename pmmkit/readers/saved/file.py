@@ -25,9 +25,16 @@ FORMAT: Final = "pmmkit campaign"
 
 
 LIBRARY_FAULTS: Final = (
-    OSError, RuntimeError, LookupError, ValueError, TypeError, AttributeError, ArithmeticError,
-    MemoryError, AssertionError,
-)  # fmt: skip
+    OSError,
+    RuntimeError,
+    LookupError,
+    ValueError,
+    TypeError,
+    AttributeError,
+    ArithmeticError,
+    MemoryError,
+    AssertionError,
+)
 
 
 def read_run(path: str | Path, run_id: str) -> xr.Dataset:

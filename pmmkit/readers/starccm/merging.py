@@ -15,7 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.readers.base import Array, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Request
 
 Mask = NDArray[np.bool_]
 Places = NDArray[np.intp]

@@ -31,15 +31,37 @@ _HEADER: Final = re.compile(
     r"(?P<name>.*?)(?: Monitor(?: (?P<copy>\d+))?)?(?:: (?P<kind>.*?))?(?: \((?P<unit>[^()]*)\))?"
 )
 _TIMES: Final = frozenset(
-    {"physical time", "time", "solution time", "物理时间", "时间", "物理時間", "時間",
-     "물리적 시간", "시간", "physikalische zeit", "zeit", "temps physique", "temps",
-     "tiempo físico", "tiempo",
-     "tempo fisico", "tempo físico", "tempo", "физическое время", "время"}
-)  # fmt: skip
+    {
+        "physical time",
+        "time",
+        "solution time",
+        "物理时间",
+        "时间",
+        "物理時間",
+        "時間",
+        "물리적 시간",
+        "시간",
+        "physikalische zeit",
+        "zeit",
+        "temps physique",
+        "temps",
+        "tiempo físico",
+        "tiempo",
+        "tempo fisico",
+        "tempo físico",
+        "tempo",
+        "физическое время",
+        "время",
+    }
+)
 """Words for time in the languages of the program; a first column in seconds is time too."""
 _UNITS: Final[Mapping[str, str]] = {
-    "radian": "rad", "radian/s": "rad/s", "radian/s^2": "rad/s2", "m/s^2": "m/s2", "/s": "1/s",
-}  # fmt: skip
+    "radian": "rad",
+    "radian/s": "rad/s",
+    "radian/s^2": "rad/s2",
+    "m/s^2": "m/s2",
+    "/s": "1/s",
+}
 """Spellings of units in the program that pmmkit has not."""
 _USUAL: Final[Mapping[str, frozenset[str]]] = {
     "t": frozenset({TIME.lower()}),
@@ -175,8 +197,10 @@ def clean_headers(headers: Sequence[str]) -> tuple[str, ...]:
     """
     parsed = [_grammar(header) for header in headers]
     short = [" ".join(filter(None, (found["name"], found["copy"]))) for found in parsed]
-    long = [f"{name}: {found['kind']}" if found["kind"] else name
-            for name, found in zip(short, parsed, strict=True)]  # fmt: skip
+    long = [
+        f"{name}: {found['kind']}" if found["kind"] else name
+        for name, found in zip(short, parsed, strict=True)
+    ]
     full = [split_unit(" ".join(header.split()))[0] for header in headers]
     once, twice = Counter(short), Counter(long)
     titles = [
@@ -290,8 +314,9 @@ def _without_torn_row(text: Text, request: Request) -> tuple[Text, list[str]]:
 def _key(headers: Sequence[str]) -> tuple[int, bool]:
     """The column an export goes by, and whether it is time."""
     bare = [(name.lower(), unit) for name, unit in map(split_unit, headers)]
-    times = [place for place, (name, unit) in enumerate(bare)
-             if name in _TIMES and _measures_time(unit)]  # fmt: skip
+    times = [
+        place for place, (name, unit) in enumerate(bare) if name in _TIMES and _measures_time(unit)
+    ]
     unit = bare[0][1]
     if times[:1] == [0] or (unit != "-" and _measures_time(unit)):
         return 0, True

@@ -21,7 +21,8 @@ import numpy as np
 
 from pmmkit.channels import did_you_mean, split_unit
 from pmmkit.errors import CampaignError, PmmkitError
-from pmmkit.readers.base import Array, Cells, Choose, Columns, Request
+from pmmkit.numerics import Array
+from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.bounds import limit_of, too_large
 from pmmkit.readers.tdms.segments import TAG, Segments, walk
 from pmmkit.readers.vectors import (
@@ -35,9 +36,19 @@ from pmmkit.readers.vectors import (
 
 _TIME: Final = "t [s]"
 _SCALES: Final = frozenset(
-    {"Polynomial", "Linear", "RTD", "Strain", "Table", "Thermistor", "Thermocouple", "Add",
-     "Subtract", "AdvancedAPI"}
-)  # fmt: skip
+    {
+        "Polynomial",
+        "Linear",
+        "RTD",
+        "Strain",
+        "Table",
+        "Thermistor",
+        "Thermocouple",
+        "Add",
+        "Subtract",
+        "AdvancedAPI",
+    }
+)
 """Scalings that npTDMS applies; any other it passes over in silence."""
 _MOST_SCALES: Final = 100
 
@@ -130,8 +141,11 @@ class _Contents:
 @contextmanager
 def _quiet() -> Iterator[None]:
     """What the library logs of damaged files is told by our own errors."""
-    loggers = [logging.getLogger(name) for name in sorted(logging.root.manager.loggerDict)
-               if name.partition(".")[0] == "nptdms"]  # fmt: skip
+    loggers = [
+        logging.getLogger(name)
+        for name in sorted(logging.root.manager.loggerDict)
+        if name.partition(".")[0] == "nptdms"
+    ]
     before = [logger.disabled for logger in loggers]
     for logger in loggers:
         logger.disabled = True

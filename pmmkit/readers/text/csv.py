@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from pmmkit.errors import Problem
+from pmmkit.numerics import Array
 from pmmkit.readers.base import (
     ABSURD,
     HEAD,
     LISTED,
-    Array,
     Cells,
     Choose,
     Columns,
@@ -75,9 +75,11 @@ def columns(request: Request, choose: Choose) -> Columns:
             positions = tuple(choose(headers, text.width))
             notes = text.notes
         values, missing, faults = _numbers(text, positions, request)
-        dropped, comments, problems = dropped + missing, comments + len(text.comments), [
-            *problems, *faults,
-        ]  # fmt: skip
+        dropped, comments, problems = (
+            dropped + missing,
+            comments + len(text.comments),
+            [*problems, *faults],
+        )
         if len(problems) > LISTED:
             break
         parts.append(values)
@@ -86,9 +88,12 @@ def columns(request: Request, choose: Choose) -> Columns:
     if not sum(len(part[0]) for part in parts if part):
         raise request.error(request.problem("there are no rows of numbers."))
     return Columns(
-        headers=headers, positions=positions, values=_joined(parts), dropped=dropped,
+        headers=headers,
+        positions=positions,
+        values=_joined(parts),
+        dropped=dropped,
         notes=(*notes, *comments_left_out(comments)),
-    )  # fmt: skip
+    )
 
 
 def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
@@ -105,10 +110,12 @@ def numbers(text: Text, positions: Sequence[int], request: Request) -> Columns:
     if values and not len(values[0]):
         raise request.error(request.problem("there are no rows of numbers."))
     return Columns(
-        headers=text.headers or ("",) * text.width, positions=tuple(positions),
-        values=tuple(np.ascontiguousarray(column) for column in values), dropped=dropped,
+        headers=text.headers or ("",) * text.width,
+        positions=tuple(positions),
+        values=tuple(np.ascontiguousarray(column) for column in values),
+        dropped=dropped,
         notes=text.told,
-    )  # fmt: skip
+    )
 
 
 def _numbers(

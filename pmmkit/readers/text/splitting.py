@@ -204,10 +204,16 @@ def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
         notes = (*notes, "the heading is not UTF-8 and was read as cp1252")
     data, comments = _without_comments(data, stop, heading, request)
     taken = Text(
-        headers=heading.headers, data=data, start=heading.start, stop=_last(data),
-        first_line=heading.line, delimiter=heading.delimiter, decimal=heading.decimal,
-        comments=comments, notes=notes,
-    )  # fmt: skip
+        headers=heading.headers,
+        data=data,
+        start=heading.start,
+        stop=_last(data),
+        first_line=heading.line,
+        delimiter=heading.delimiter,
+        decimal=heading.decimal,
+        comments=comments,
+        notes=notes,
+    )
     return taken, heading
 
 
@@ -287,9 +293,12 @@ def _ended(text: Text) -> bool:
 def _digits(text: Text) -> list[tuple[int, int]]:
     """Decimals and digits of the exponent in the last number of each of the last lines."""
     pattern = re.compile(
-        rb"[^" + re.escape(text.decimal.encode()) + rb"eE]*(?:"
-        + re.escape(text.decimal.encode()) + rb"(\d*))?(?:[eE][+-]?(\d*))?"
-    )  # fmt: skip
+        rb"[^"
+        + re.escape(text.decimal.encode())
+        + rb"eE]*(?:"
+        + re.escape(text.decimal.encode())
+        + rb"(\d*))?(?:[eE][+-]?(\d*))?"
+    )
     return [
         (len(found[1] or b""), len(found[2] or b""))
         for line in text.data[max(text.start, text.stop - 65536) : text.stop].split(b"\n")[

@@ -108,9 +108,17 @@ class Kept:
             return None
         campaign = self.way.campaign.with_(runs=(), excluded=(), title="", provenance={})
         parts = (
-            LAYOUT, __version__, content, campaign, self.way.columns, self.way.convention,
-            self.way.cycles, self.way.blockage, run, run.loader,
-        )  # fmt: skip
+            LAYOUT,
+            __version__,
+            content,
+            campaign,
+            self.way.columns,
+            self.way.convention,
+            self.way.cycles,
+            self.way.blockage,
+            run,
+            run.loader,
+        )
         return self.folder / f"{hashlib.sha256(repr(parts).encode()).hexdigest()}.json"
 
     def _digest(self, path: Path) -> str:

@@ -14,8 +14,9 @@ import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.errors import Problem, TableError
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 KIND: Final = "pmmkit derivative table"
 SCHEMA: Final = 1

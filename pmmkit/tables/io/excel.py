@@ -15,9 +15,10 @@ import numpy as np
 
 from pmmkit.errors import Problem, TableError
 from pmmkit.files import atomic_path
+from pmmkit.numerics import Array
 from pmmkit.tables.io.content import NOT_READ, about, assemble
 from pmmkit.tables.io.rows import COLUMNS, Grid, read_rows
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 if TYPE_CHECKING:
     from openpyxl.worksheet.worksheet import Worksheet

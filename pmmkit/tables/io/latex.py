@@ -11,9 +11,14 @@ from pmmkit.files import write_text
 from pmmkit.tables.table import DerivativeTable
 
 _SYMBOLS: Final = {
-    "udot": r"\dot{u}", "vdot": r"\dot{v}", "rdot": r"\dot{r}", "pdot": r"\dot{p}",
-    "phi": r"\phi ", "d": r"\delta ", "|d|": r"|\delta|",
-}  # fmt: skip
+    "udot": r"\dot{u}",
+    "vdot": r"\dot{v}",
+    "rdot": r"\dot{r}",
+    "pdot": r"\dot{p}",
+    "phi": r"\phi ",
+    "d": r"\delta ",
+    "|d|": r"|\delta|",
+}
 
 Style = Literal["parentheses", "plus-minus"]
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import canonical
 from pmmkit.errors import Problem, TableError, UnknownNameError
+from pmmkit.numerics import Array
 from pmmkit.tables.io.content import NOT_READ
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 COLUMNS: Final = ("Fn", "derivative", "value", "std", "ci_low", "ci_high", "method", "runs")
 _MATCH: Final = 1e-6

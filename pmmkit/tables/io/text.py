@@ -14,10 +14,11 @@ import numpy as np
 from pmmkit.conventions import Convention
 from pmmkit.errors import Problem, TableError
 from pmmkit.files import write_text
+from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.io.content import NOT_READ, about, assemble
 from pmmkit.tables.io.rows import COLUMNS, Grid, cell_text, read_rows
-from pmmkit.tables.table import Array, DerivativeTable
+from pmmkit.tables.table import DerivativeTable
 
 UNKNOWN_SHIP: Final = Ship(
     name="unknown", L=math.nan, B=math.nan, d=math.nan, volume=math.nan, mass=math.nan, Izz=math.nan

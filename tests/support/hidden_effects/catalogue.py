@@ -86,9 +86,17 @@ FORCES: dict[str, Source] = {
     **{
         name: _polynomial(name)
         for name in (
-            "modulus_sway_drag", "modulus_yaw_drag", "yaw_sway_coupling", "surge_yaw_coupling",
-            "surge_fourth_order", "asymmetry", "even_hull_terms", "nonlinear_added_mass",
-            "heel_coupling", "rudder_stall", "rudder_cross_terms",
+            "modulus_sway_drag",
+            "modulus_yaw_drag",
+            "yaw_sway_coupling",
+            "surge_yaw_coupling",
+            "surge_fourth_order",
+            "asymmetry",
+            "even_hull_terms",
+            "nonlinear_added_mass",
+            "heel_coupling",
+            "rudder_stall",
+            "rudder_cross_terms",
         )
     },
     **{name: _polynomial(name, lambda m: m.F) for name in ("froude_linear", "froude_nonlinear")},
@@ -96,7 +104,7 @@ FORCES: dict[str, Source] = {
     "resistance_curve": resistance_curve,
     "memory": memory,
     "lagged_crossflow": lagged_crossflow,
-}  # fmt: skip
+}
 """Forces at size 1, of the true motion."""
 
 
@@ -115,9 +123,12 @@ def rig_of(effects: dict[str, float]) -> Rig:
 
 
 RIG_EFFECTS = (
-    "fault_misalignment", "current", "fault_pmm_amplitude", "fault_pmm_phase",
+    "fault_misalignment",
+    "current",
+    "fault_pmm_amplitude",
+    "fault_pmm_phase",
     "fault_carriage_speed",
-)  # fmt: skip
+)
 
 
 def rig_change(m: Motion, effects: dict[str, float]) -> Force:

@@ -11,10 +11,17 @@ from .sizes import CHANNELS, SHIP, SIZES, STARTUP
 from .sources import digital_filter
 
 GAUGE_EFFECTS = (
-    "fault_gauge_zero", "fault_time_lag", "fault_filter_lag", "fault_cross_talk",
-    "fault_transient", "fault_gauge_drift", "fault_gauge_gain", "fault_moment_point",
-    "fault_inertia", "outside_dead_zone",
-)  # fmt: skip
+    "fault_gauge_zero",
+    "fault_time_lag",
+    "fault_filter_lag",
+    "fault_cross_talk",
+    "fault_transient",
+    "fault_gauge_drift",
+    "fault_gauge_gain",
+    "fault_moment_point",
+    "fault_inertia",
+    "outside_dead_zone",
+)
 DEAD_ZONE = 2.5
 """Half width of the dead zone at size 1 [N]."""
 

@@ -14,12 +14,26 @@ Force = dict[str, Array]
 """X, Y, N of the water on the hull about midship [N, N m]; channels without force are left out."""
 
 TRUTH: dict[str, float] = {
-    "Xuu": -0.0004226, "Xvv": -0.00386, "Xrr": 0.00020, "Xudot": -0.000238, "Xdd": -0.0014,
-    "Yv": -0.0116, "Yr": 0.00242 - 0.000238, "Yvvv": -0.109, "Yrrr": 0.00177,
-    "Yvdot": -0.007049, "Yrdot": -0.00035245, "Yd": -0.00298,
-    "Nv": -0.0038545, "Nr": -0.00222, "Nvvv": 0.001492, "Nrrr": -0.00229,
-    "Nvdot": -0.00035245, "Nrdot": -0.000419, "Nd": 0.00148,
-}  # fmt: skip
+    "Xuu": -0.0004226,
+    "Xvv": -0.00386,
+    "Xrr": 0.00020,
+    "Xudot": -0.000238,
+    "Xdd": -0.0014,
+    "Yv": -0.0116,
+    "Yr": 0.00242 - 0.000238,
+    "Yvvv": -0.109,
+    "Yrrr": 0.00177,
+    "Yvdot": -0.007049,
+    "Yrdot": -0.00035245,
+    "Yd": -0.00298,
+    "Nv": -0.0038545,
+    "Nr": -0.00222,
+    "Nvvv": 0.001492,
+    "Nrrr": -0.00229,
+    "Nvdot": -0.00035245,
+    "Nrdot": -0.000419,
+    "Nd": 0.00148,
+}
 """Son and Nomoto's (1981) S175 as a PMM measures it (Yr - mx), without coupling terms.
 
 The rudder's three are a straight-ahead tangent of Son and Nomoto's rudder force with the propeller
@@ -33,10 +47,15 @@ def hull_force(m: Motion) -> Force:
     v, r, d = m.vp, m.rp, m.delta
     X = c["Xudot"] * m.ud + c["Xuu"] * m.up**2 + c["Xvv"] * v**2 + c["Xrr"] * r**2 + c["Xdd"] * d**2
     Y, N = (
-        c[f"{a}v"] * v + c[f"{a}r"] * r + c[f"{a}vvv"] * v**3 + c[f"{a}rrr"] * r**3
-        + c[f"{a}vdot"] * m.vd + c[f"{a}rdot"] * m.rd + c[f"{a}d"] * d
+        c[f"{a}v"] * v
+        + c[f"{a}r"] * r
+        + c[f"{a}vvv"] * v**3
+        + c[f"{a}rrr"] * r**3
+        + c[f"{a}vdot"] * m.vd
+        + c[f"{a}rdot"] * m.rd
+        + c[f"{a}d"] * d
         for a in "YN"
-    )  # fmt: skip
+    )
     return {"X": m.q * X, "Y": m.q * Y, "N": m.q * SHIP.L * N}
 
 

@@ -154,9 +154,22 @@ def motion_of(plan: Plan, t: Array, rig: Rig | None = None) -> Motion:
     u, v = carriage * cosine + across * sine, -carriage * sine + across * cosine
     ax, ay = yddot * sine, yddot * cosine
     return Motion(
-        t=t, u=u, v=v, r=r, udot=ax + r * v, vdot=ay - r * u, rdot=rdot, ax=ax, ay=ay,
-        y=y, ydot=ydot, psi=psi, delta=plan.rudder, carriage=carriage, plan=plan,
-    )  # fmt: skip
+        t=t,
+        u=u,
+        v=v,
+        r=r,
+        udot=ax + r * v,
+        vdot=ay - r * u,
+        rdot=rdot,
+        ax=ax,
+        ay=ay,
+        y=y,
+        ydot=ydot,
+        psi=psi,
+        delta=plan.rudder,
+        carriage=carriage,
+        plan=plan,
+    )
 
 
 def _sine(size: float, omega: float, theta: Array) -> tuple[Array, Array, Array]:

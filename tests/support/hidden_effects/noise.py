@@ -38,9 +38,12 @@ def draw(level: str, seed: int, number: int, samples: int) -> RunNoise:
     if level == "none":
         zero = dict.fromkeys(CHANNELS, 0.0)
         return RunNoise(
-            gain=zero, offset=zero, record=dict.fromkeys(CHANNELS, np.zeros(samples)),
-            heading=0.0, phi=np.zeros(samples),
-        )  # fmt: skip
+            gain=zero,
+            offset=zero,
+            record=dict.fromkeys(CHANNELS, np.zeros(samples)),
+            heading=0.0,
+            phi=np.zeros(samples),
+        )
     share = NOISE["ar1_share"]
     record = np.sqrt(1 - share) * white + np.sqrt(share) * _ar1(kicks, starts)
     if level == "hard":

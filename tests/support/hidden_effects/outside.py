@@ -42,9 +42,11 @@ def outside_sinkage(m: Motion) -> Force:
     """Hull sucked down by its own crossflow at speed: side force by Fn² v² on top of the sway."""
     deeper = 55 * m.froude**2 * (m.vp**2 + 0.1 * m.rp**2)
     return prime(
-        m, X=-0.0005 * deeper, Y=-0.0116 * m.vp * deeper + 0.0022 * m.rp * deeper,
+        m,
+        X=-0.0005 * deeper,
+        Y=-0.0116 * m.vp * deeper + 0.0022 * m.rp * deeper,
         N=-0.0039 * m.vp * deeper,
-    )  # fmt: skip
+    )
 
 
 def outside_vr3(m: Motion) -> Force:
@@ -90,11 +92,19 @@ def outside_pushed_carriage(m: Motion) -> Force:
 FORCES: dict[str, Source] = {
     function.__name__: function
     for function in (
-        outside_wall_spring, outside_hysteresis, outside_even_vr, outside_sinkage, outside_vr3,
-        outside_sloshing, outside_mount_friction, outside_acceleration_drag, outside_yaw_memory,
-        outside_onset, outside_pushed_carriage,
+        outside_wall_spring,
+        outside_hysteresis,
+        outside_even_vr,
+        outside_sinkage,
+        outside_vr3,
+        outside_sloshing,
+        outside_mount_friction,
+        outside_acceleration_drag,
+        outside_yaw_memory,
+        outside_onset,
+        outside_pushed_carriage,
     )
-}  # fmt: skip
+}
 
 
 def dead_zone(force: Array, half_width: float) -> Array:

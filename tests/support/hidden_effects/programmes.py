@@ -60,9 +60,15 @@ def asked(option: Option, number: int = 0) -> Plan:
     """A run that a plan of the package asks for; `number` tells repeats apart."""
     s = option.settings
     return Plan(
-        id=f"{option.id}_{number}", test=option.test, speed=s.speed, drift=s.drift,
-        rudder=s.rudder, omega=s.omega or 0.0, sway=s.amplitude or 0.0, yaw=s.yaw_amplitude or 0.0,
-    )  # fmt: skip
+        id=f"{option.id}_{number}",
+        test=option.test,
+        speed=s.speed,
+        drift=s.drift,
+        rudder=s.rudder,
+        omega=s.omega or 0.0,
+        sway=s.amplitude or 0.0,
+        yaw=s.yaw_amplitude or 0.0,
+    )
 
 
 def options(programme: str, limits: Limits) -> tuple[Option, ...]:
@@ -70,10 +76,13 @@ def options(programme: str, limits: Limits) -> tuple[Option, ...]:
     found = []
     for plan in plans(programme):
         settings = Settings(
-            speed=plan.speed, drift=plan.drift, rudder=plan.rudder, amplitude=plan.sway or None,
+            speed=plan.speed,
+            drift=plan.drift,
+            rudder=plan.rudder,
+            amplitude=plan.sway or None,
             yaw_amplitude=plan.yaw or None,
             period=2 * math.pi / plan.omega if plan.dynamic else None,
-        )  # fmt: skip
+        )
         option = timed(plan.test, settings, limits, SHIP)
         assert option is not None
         found.append(option)
@@ -98,30 +107,44 @@ def _hull(spec: dict, speed: float, sided: Sided) -> Iterator[Plan]:
     for v, w in spec["pure_sway"]:
         omega = frequency(w, speed)
         yield Plan(
-            id=f"SW_{speed:.1f}_{v:g}", test="pure_sway", speed=speed, omega=omega,
+            id=f"SW_{speed:.1f}_{v:g}",
+            test="pure_sway",
+            speed=speed,
+            omega=omega,
             sway=v * speed / omega,
-        )  # fmt: skip
+        )
     for r, w in spec["pure_yaw"]:
         omega = frequency(w, speed)
         yield Plan(
-            id=f"YW_{speed:.1f}_{r:g}", test="pure_yaw", speed=speed, omega=omega,
+            id=f"YW_{speed:.1f}_{r:g}",
+            test="pure_yaw",
+            speed=speed,
+            omega=omega,
             yaw=r * speed / SHIP.L / omega,
-        )  # fmt: skip
+        )
     for r, w, beta in spec.get("yaw_drift", ()):
         omega = frequency(w, speed)
         yield Plan(
-            id=f"YD_{speed:.1f}_{r:g}_{beta:g}", test="yaw_drift", speed=speed, omega=omega,
-            yaw=r * speed / SHIP.L / omega, drift=math.radians(beta),
-        )  # fmt: skip
+            id=f"YD_{speed:.1f}_{r:g}_{beta:g}",
+            test="yaw_drift",
+            speed=speed,
+            omega=omega,
+            yaw=r * speed / SHIP.L / omega,
+            drift=math.radians(beta),
+        )
     for v, r, w in spec.get("sway_yaw", ()):
         omega = frequency(w, speed)
         yaw = r * speed / SHIP.L / omega
         # The heading leads the sway (negative amplitude): v = (aω cos ψ - U sin ψ) at ψ = yaw.
         sway = (v + math.sin(yaw)) / math.cos(yaw) * speed / omega
         yield Plan(
-            id=f"SY_{speed:.1f}_{v:g}_{r:g}", test="sway_yaw", speed=speed, omega=omega,
-            sway=sway, yaw=-yaw,
-        )  # fmt: skip
+            id=f"SY_{speed:.1f}_{v:g}_{r:g}",
+            test="sway_yaw",
+            speed=speed,
+            omega=omega,
+            sway=sway,
+            yaw=-yaw,
+        )
 
 
 def _rudder(spec: dict, speed: float, sided: Sided) -> Iterator[Plan]:
@@ -134,15 +157,20 @@ def _rudder(spec: dict, speed: float, sided: Sided) -> Iterator[Plan]:
     for given in alone:
         delta = _fold(given, sided)
         yield Plan(
-            id=f"RS_{speed:.1f}_{delta:g}", test="static_rudder", speed=speed,
+            id=f"RS_{speed:.1f}_{delta:g}",
+            test="static_rudder",
+            speed=speed,
             rudder=math.radians(delta),
-        )  # fmt: skip
+        )
     for beta, given in combined:
         delta = _fold(given, sided)
         yield Plan(
-            id=f"DR_{speed:.1f}_{beta:g}_{delta:g}", test="drift_rudder", speed=speed,
-            drift=math.radians(beta), rudder=math.radians(delta),
-        )  # fmt: skip
+            id=f"DR_{speed:.1f}_{beta:g}_{delta:g}",
+            test="drift_rudder",
+            speed=speed,
+            drift=math.radians(beta),
+            rudder=math.radians(delta),
+        )
 
 
 def frequency(omega_prime: float, speed: float, g: float = 9.81) -> float:

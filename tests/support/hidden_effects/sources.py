@@ -106,9 +106,7 @@ def froude_nonlinear(m: Motion) -> Force:
     growth = _waves(m)
     sway, turn = m.vp * abs(m.vp) ** 1.7, m.rp * abs(m.rp) ** 1.7
     return prime(
-        m,
-        Y=growth * (-0.0205 * sway + 0.0031 * turn),
-        N=growth * (0.0004 * sway - 0.00062 * turn),
+        m, Y=growth * (-0.0205 * sway + 0.0031 * turn), N=growth * (0.0004 * sway - 0.00062 * turn)
     )
 
 
@@ -218,12 +216,25 @@ def rudder_cross_terms(m: Motion) -> Force:
 FORCES: dict[str, Source] = {
     function.__name__: function
     for function in (
-        modulus_sway_drag, modulus_yaw_drag, crossflow_drag, yaw_sway_coupling,
-        surge_yaw_coupling, surge_fourth_order, froude_linear, froude_nonlinear,
-        resistance_curve, asymmetry, even_hull_terms, memory, lagged_crossflow,
-        nonlinear_added_mass, heel_coupling, rudder_stall, rudder_cross_terms,
+        modulus_sway_drag,
+        modulus_yaw_drag,
+        crossflow_drag,
+        yaw_sway_coupling,
+        surge_yaw_coupling,
+        surge_fourth_order,
+        froude_linear,
+        froude_nonlinear,
+        resistance_curve,
+        asymmetry,
+        even_hull_terms,
+        memory,
+        lagged_crossflow,
+        nonlinear_added_mass,
+        heel_coupling,
+        rudder_stall,
+        rudder_cross_terms,
     )
-}  # fmt: skip
+}
 """Forces at size 1, of the true motion."""
 
 

@@ -31,11 +31,12 @@ LEAD = 3
 INSIDE = tuple(
     dict.fromkeys(
         (
-            *catalogue.FORCES, *catalogue.RIG_EFFECTS,
+            *catalogue.FORCES,
+            *catalogue.RIG_EFFECTS,
             *(name for name in GAUGE_EFFECTS if name.startswith("fault_")),
         )
     )
-)  # fmt: skip
+)
 """Effects that a catalogue holds."""
 OUTSIDE = (*outside.FORCES, "outside_dead_zone")
 """Effects that no catalogue holds."""
@@ -112,10 +113,14 @@ def hidden_campaign(
             reading = add(reading, inertia(told))
         made.append(_run(plan, _sample(reading, m, t, chance, roll_measured), balance))
     return Campaign(
-        title=f"hidden effects, {title}", ship=SHIP, water=WATER, runs=tuple(made),
-        forces="balance" if balance else "hydrodynamic", free=("heave", "pitch", "roll"),
+        title=f"hidden effects, {title}",
+        ship=SHIP,
+        water=WATER,
+        runs=tuple(made),
+        forces="balance" if balance else "hydrodynamic",
+        free=("heave", "pitch", "roll"),
         uncertainty=_scatter() if stated and noise != "none" else (),
-    )  # fmt: skip
+    )
 
 
 def _scatter() -> tuple[TypeB, ...]:
@@ -180,11 +185,20 @@ def _sample(
 
 def _run(plan: Plan, data: xr.Dataset, balance: bool) -> Run:
     settings = Settings(
-        speed=plan.speed, drift=plan.drift, rudder=plan.rudder, propeller_rps=0.0,
+        speed=plan.speed,
+        drift=plan.drift,
+        rudder=plan.rudder,
+        propeller_rps=0.0,
         period=2 * math.pi / plan.omega if plan.dynamic else None,
-        amplitude=plan.sway or None, yaw_amplitude=plan.yaw or None, repeat_of=plan.repeat_of,
-    )  # fmt: skip
+        amplitude=plan.sway or None,
+        yaw_amplitude=plan.yaw or None,
+        repeat_of=plan.repeat_of,
+    )
     return Run(
-        id=plan.id, test=plan.test, kind="history", settings=settings, loader=lambda: data,
+        id=plan.id,
+        test=plan.test,
+        kind="history",
+        settings=settings,
+        loader=lambda: data,
         forces="balance" if balance else "hydrodynamic",
-    )  # fmt: skip
+    )
