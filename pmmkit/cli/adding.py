@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -107,8 +106,9 @@ def _write(fall: ErrorFall, out: Path, drawn: bool) -> list[str]:
     with atomic_folder(out) as folder:
         fall.to_pandas().to_csv(folder / "error_fall.csv", index=False)
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.diagnosis")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import diagnosis as figures
+            from pmmkit.plotting.style import save
+
             save(figures.error_fall(fall), folder / "error_fall.svg")
         return sorted(file.name for file in folder.iterdir())
 

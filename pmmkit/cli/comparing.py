@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -103,8 +102,9 @@ def _write(found: Comparison, out: Path, content: Mapping[str, Any], *, drawn: b
             found.metrics().to_csv(folder / "manoeuvres.csv", index=False)
         (folder / "comparison.json").write_text(json_text(content) + "\n", encoding="utf-8")
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.comparison")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import comparison as figures
+            from pmmkit.plotting.style import save
+
             for name, figure in figures.comparison_figures(found).items():
                 save(figure, folder / f"{name}.png")
         return sorted(file.name for file in folder.iterdir())

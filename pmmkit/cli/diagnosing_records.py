@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -126,8 +125,9 @@ def diagnose_records(
             if made is not None:
                 save_model(made, folder / f"{name}.toml")
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.diagnosis")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import diagnosis as figures
+            from pmmkit.plotting.style import save
+
             save(figures.evidence(found), folder / "evidence.svg")
             save(figures.coverage(found), folder / "coverage.svg")
         files = sorted(file.name for file in folder.iterdir())

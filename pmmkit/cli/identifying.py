@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -167,8 +166,9 @@ def identify(
 def _write(work: _Work, out: Path, content: Mapping[str, Any], *, extrapolate: bool) -> list[str]:
     """All files of the results, or none."""
     found = work.found
-    figures = importlib.import_module("pmmkit.figures.identification")
-    save = importlib.import_module("pmmkit.figures").save
+    from pmmkit.figures import identification as figures
+    from pmmkit.plotting.style import save
+
     with atomic_folder(out) as folder:
         found.parameters().to_csv(folder / "identified.csv", index=False)
         errors = found.errors()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -142,7 +141,8 @@ def stability(
     with atomic_folder(out) as folder:
         (folder / "stability.json").write_text(json_text(numbers) + "\n", encoding="utf-8")
         curve.to_pandas().to_csv(folder / "spiral.csv", index=False)
-        figures = importlib.import_module("pmmkit.figures")
+        from pmmkit import figures
+
         figures.save(figures.steady_turns(curve), folder / "spiral.svg")
         files = sorted(file.name for file in folder.iterdir())
     word = "stable" if found.stable else "UNSTABLE"
@@ -230,7 +230,8 @@ def uncertainty(
     with atomic_folder(out) as folder:
         summary.to_csv(folder / "metrics.csv")
         causes.to_csv(folder / "causes.csv")
-        figures = importlib.import_module("pmmkit.figures")
+        from pmmkit import figures
+
         figures.save(figures.distributions(many, drawn[:SHOWN]), folder / "distributions.svg")
         figures.save(figures.importance(found, chosen), folder / "causes.svg")
         files = sorted(file.name for file in folder.iterdir())

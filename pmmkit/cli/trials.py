@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -81,8 +80,9 @@ def trial(
         content = {"campaign": opened.title, "source": SOURCE, "findings": warnings}
         text = json_text({**content, "runs": entries})
         (folder / "trial.json").write_text(text + "\n", encoding="utf-8")
-        figures = importlib.import_module("pmmkit.figures.trials")
-        save = importlib.import_module("pmmkit.figures").save
+        from pmmkit.figures import trials as figures
+        from pmmkit.plotting.style import save
+
         for item, name in zip(found, _names(found), strict=True):
             _path(item).to_csv(folder / f"path_{name}.csv", index=False)
             save(figures.trial_figure(item), folder / f"trial_{name}.svg")
