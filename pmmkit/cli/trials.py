@@ -14,9 +14,8 @@ from pmmkit.cli.console import Outcome, aligned, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
-from pmmkit.simulation.imo import SOURCE
+from pmmkit.metrics import SOURCE, unit_of
 from pmmkit.trials import Trial, evaluate_trials
-from pmmkit.trials.table import unit_of
 
 SHOWN: Final = {
     "turning": (
