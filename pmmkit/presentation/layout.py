@@ -14,7 +14,15 @@ ABSENT: Final = "–"
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Rows of a table under a title of their own."""
+    """Rows of a table under a title of their own.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str or None
+        The cells.
+    title : str
+        None where empty.
+    """
 
     rows: Sequence[Sequence[Cell]]
     title: str = ""
@@ -44,7 +52,15 @@ class Grid:
 
 @dataclass(frozen=True, kw_only=True)
 class Picture:
-    """A figure as SVG text, with what it shows in words."""
+    """A figure as SVG text, with what it shows in words.
+
+    Parameters
+    ----------
+    svg, caption : str
+        The figure, and the line below it.
+    narrow : bool
+        Whether it needs but half of the width.
+    """
 
     svg: str
     caption: str
@@ -53,7 +69,21 @@ class Picture:
 
 @dataclass(frozen=True, kw_only=True)
 class Section:
-    """A section of a report: sentences, points, findings, tables and figures in this order."""
+    """A section of a report: sentences, points, findings, tables and figures in this order.
+
+    Parameters
+    ----------
+    title : str
+        None where empty.
+    paragraphs, points : sequence of str
+        Sentences, and the lines of a list.
+    findings : sequence of mapping
+        Of the checks, each with its ``severity``, ``check``, ``message``, ``runs``, ``remedy``.
+    tables : sequence of Grid
+        The tables.
+    figures : sequence of Picture
+        The figures.
+    """
 
     title: str = ""
     paragraphs: Sequence[str] = ()

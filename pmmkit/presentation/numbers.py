@@ -84,6 +84,11 @@ def number(value: float, digits: int = 4) -> str:
 def percent(share: float) -> str:
     """A change in percent with its sign; no sign where it rounds to zero.
 
+    Parameters
+    ----------
+    share : float
+        The change over what it is a change of.
+
     Examples
     --------
     >>> percent(0.2193), percent(-0.0001)
@@ -95,6 +100,13 @@ def percent(share: float) -> str:
 
 def counted(count: int, what: str) -> str:
     """A count with its noun.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    what : str
+        The noun, singular.
 
     Examples
     --------
