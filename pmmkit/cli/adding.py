@@ -11,7 +11,7 @@ from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.effects.own import own_effects
 from pmmkit.errors import PmmkitError
@@ -19,6 +19,7 @@ from pmmkit.files import atomic_folder
 from pmmkit.loop.session import ErrorFall, begin, undone
 from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model, save_model
+from pmmkit.presentation import aligned
 
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
 from pmmkit.metrics import metric_of, unit_of
-from pmmkit.report.words import Cell, Grid, Group, Picture, Section, number, percent
+from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
 from pmmkit.simulation import imo_turning
 
 if TYPE_CHECKING:
