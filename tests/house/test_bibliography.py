@@ -18,7 +18,7 @@ TEXTS = {
     for ending in endings
     for path in sorted((ROOT / folder).rglob(f"*.{ending}"))
 }
-NOT_SOURCES = {"July"}
+NOT_SOURCES = {"July", "Foundation"}
 """Words before a year that are no author."""
 YEAR = r"(?:19|20)\d\d"
 QUOTATION = re.compile(rf"([A-ZÅØÖ][\w-]*[a-z])(?:'s)?(?: et al\.?)?,?\s+\(?({YEAR})(?![-\d])\)?")
