@@ -50,9 +50,7 @@ def offered(group: str, kind: type[Entry], taken: Container[str] = ()) -> dict[s
                 found[item.name] = item
         except Exception as error:
             package = "a package" if point.dist is None else point.dist.name
-            warnings.warn(
-                f"{group} {point.name!r} of {package} is left out: {error}", stacklevel=2
-            )
+            warnings.warn(f"{group} {point.name!r} of {package} is left out: {error}", stacklevel=2)
     return found
 
 
