@@ -119,7 +119,7 @@ class TestReadBack:
         write_table(example(), tmp_path / f"a.{suffix}")
         code = (
             "import sys; sys.path.insert(0, sys.argv[1]); import test_tables_files as t;"
-            "t.write(t.example(), sys.argv[2])"
+            "t.write_table(t.example(), sys.argv[2])"
         )
         other = tmp_path / f"b.{suffix}"
         subprocess.run([sys.executable, "-c", code, str(Path(__file__).parent), other], check=True)
