@@ -10,7 +10,6 @@ from typing import Final
 
 from pmmkit.errors import UnknownNameError
 
-SOURCE: Final = "IMO MSC.137(76), 2002"
 HARD_OVER: Final = 35.0
 """Rudder of the turning circle of the standard, where the ship permits as much [deg]."""
 IN_LENGTHS: Final = "_L"

@@ -13,11 +13,10 @@ from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import UnknownNameError
 from pmmkit.files import atomic_folder
-from pmmkit.metrics import SOURCE
 from pmmkit.models import load_model
 from pmmkit.presentation import aligned
 from pmmkit.progress import shown
-from pmmkit.simulation.imo import Verdict, imo_verdicts
+from pmmkit.simulation.imo import SOURCE, Verdict, imo_verdicts
 from pmmkit.simulation.linear import stability as stability_of
 
 SHOWN: Final = 3

@@ -9,6 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.bibliography import cite
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
 from pmmkit.metrics import (
@@ -26,6 +27,7 @@ from pmmkit.simulation.track import Track
 if TYPE_CHECKING:
     from pmmkit.simulation.ensemble import Ensemble
 
+SOURCE: Final = cite("msc137")
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]."""
 LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
