@@ -11,13 +11,14 @@ from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.effects.own import own_effects
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
 from pmmkit.loop.session import ErrorFall, begin, undone
 from pmmkit.models import Model, load_model, save_model
+from pmmkit.presentation import aligned
 
 RUDDER_DEG: Final = 35.0
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")

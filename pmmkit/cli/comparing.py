@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
 from pmmkit.models import load_model
 from pmmkit.numerics import rms
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 from pmmkit.validation.comparison import TOLD, Comparison, compare
 from pmmkit.validation.misfit import words_of_test

@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.cli.console import Outcome, aligned, json_text, say
+from pmmkit.cli.console import Outcome, json_text, say
 from pmmkit.cli.diagnosis_words import words
 from pmmkit.cli.identifying_input import chosen_records
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.files import atomic_folder
 from pmmkit.models import Model, save_model
+from pmmkit.presentation import aligned
 
 FLOOR: Final = 0.02
 SPREAD: Final = (0.05, 0.1)

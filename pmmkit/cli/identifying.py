@@ -12,7 +12,7 @@ import numpy as np
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.identifying_input import Chosen, chosen_records, known_before, parameters_of
 from pmmkit.cli.tracks import check_folder
@@ -33,6 +33,7 @@ from pmmkit.identification.predict import reference
 from pmmkit.identification.record import CHANNELS
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import load_model, save_model
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 
 WIDE: Final = 1.96

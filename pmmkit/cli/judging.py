@@ -9,11 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import UnknownNameError
 from pmmkit.files import atomic_folder
 from pmmkit.models import load_model
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 from pmmkit.simulation.imo import SOURCE, Verdict, imo_verdicts
 from pmmkit.simulation.linear import stability as stability_of

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.api import hull_table, model_of
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.cli.console import Outcome, aligned, say
+from pmmkit.cli.console import Outcome, say
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.results import write_reduction
 from pmmkit.cli.tracks import check_folder
@@ -19,12 +19,12 @@ from pmmkit.errors import MissingPartError, ModelError, SimulationError
 from pmmkit.files import datasets_folder
 from pmmkit.loop.session import begin
 from pmmkit.models import Model, load_model
+from pmmkit.presentation import aligned, percent
 from pmmkit.progress import shown
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.reading.resume import forget, resume_folder
 from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
 from pmmkit.report.loop import VERDICTS
-from pmmkit.report.words import percent
 from pmmkit.simulation import froude_sweep, simulate
 from pmmkit.tables import DerivativeTable, read_table
 

@@ -10,10 +10,11 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
+from pmmkit.presentation import aligned
 from pmmkit.simulation.imo import SOURCE
 from pmmkit.trials import Trial, evaluate_trials
 from pmmkit.trials.table import unit_of
