@@ -88,6 +88,11 @@ def _ours() -> Iterator[Reader]:
 def reader_of(name: str) -> Reader:
     """The reader of a format.
 
+    Parameters
+    ----------
+    name : str
+        Of the format.
+
     Raises
     ------
     UnknownNameError
