@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.bibliography import cite
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
 from pmmkit.models import Model, load_model
@@ -17,7 +18,7 @@ from pmmkit.simulation.track import Track
 if TYPE_CHECKING:
     from pmmkit.simulation.ensemble import Ensemble
 
-SOURCE: Final = "IMO MSC.137(76), 2002"
+SOURCE: Final = cite("msc137")
 TURNING_LIMITS: Final = (("advance", 4.5), ("tactical_diameter", 5.0))
 INITIAL_LIMIT: Final = 2.5
 OVERSHOOT_20: Final = 25.0
