@@ -142,9 +142,9 @@ def stability(
     with atomic_folder(out) as folder:
         (folder / "stability.json").write_text(json_text(numbers) + "\n", encoding="utf-8")
         curve.to_pandas().to_csv(folder / "spiral.csv", index=False)
-        from pmmkit import figures
+        from pmmkit.plotting.style import save
 
-        figures.save(figures.steady_turns(curve), folder / "spiral.svg")
+        save(curve.plot(), folder / "spiral.svg")
         files = sorted(file.name for file in folder.iterdir())
     word = "stable" if found.stable else "UNSTABLE"
     if found.side != "both":
@@ -231,10 +231,10 @@ def uncertainty(
     with atomic_folder(out) as folder:
         summary.to_csv(folder / "metrics.csv")
         causes.to_csv(folder / "causes.csv")
-        from pmmkit import figures
+        from pmmkit.plotting.style import save
 
-        figures.save(figures.distributions(many, drawn[:SHOWN]), folder / "distributions.svg")
-        figures.save(figures.importance(found, chosen), folder / "causes.svg")
+        save(many.plot(drawn[:SHOWN]), folder / "distributions.svg")
+        save(found.plot(chosen), folder / "causes.svg")
         files = sorted(file.name for file in folder.iterdir())
     columns = ["nominal", "std", "low", "high"]
     lines = [

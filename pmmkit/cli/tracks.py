@@ -60,10 +60,10 @@ def write_track(track: Track, out: Path, *, drawn: bool = True) -> list[str]:
     with atomic_folder(out) as folder:
         put_track(track, folder, "")
         if drawn:
-            from pmmkit import figures
+            from pmmkit.plotting.style import save
 
-            for name, figure in figures.manoeuvre(track).items():
-                figures.save(figure, folder / f"{name}.svg")
+            for name, figure in track.figures().items():
+                save(figure, folder / f"{name}.svg")
         return sorted(file.name for file in folder.iterdir())
 
 

@@ -11,9 +11,17 @@ from pmmkit.presentation.layout import (
     section_lines,
     table_lines,
 )
-from pmmkit.presentation.numbers import counted, number, percent, plus_minus, with_uncertainty
+from pmmkit.presentation.numbers import (
+    ABSENT,
+    counted,
+    number,
+    percent,
+    plus_minus,
+    with_uncertainty,
+)
 
 __all__ = [
+    "ABSENT",
     "Cell",
     "Described",
     "Grid",

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Final
+
+from pmmkit.presentation.numbers import ABSENT
 
 Cell = str | None
-ABSENT: Final = "–"
-"""What stands in a table where there is no value."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,58 +1,31 @@
-"""Manoeuvres other than the turning circle: zigzag, spiral, stopping and any path."""
+"""Histories of any manoeuvre: over time, over the water, zigzags and spirals."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.figures.turns import trajectory, turn_histories
-from pmmkit.metrics import HARD_OVER, limits_in_lengths, unit_of
+from pmmkit.metrics import HARD_OVER
+from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pmmkit.simulation.ensemble import Ensemble
-    from pmmkit.simulation.sensitivity import Sensitivities
-    from pmmkit.simulation.spiral import SpiralCurve
-    from pmmkit.simulation.track import Track
-
-_LIMITS: Final = limits_in_lengths()
+    from pmmkit.plotting.history import History
 
 
-def manoeuvre(track: Track) -> Mapping[str, Figure]:
-    """The figures that show a manoeuvre, by the name of their file.
-
-    Parameters
-    ----------
-    track : Track
-        Of any manoeuvre.
-
-    Returns
-    -------
-    mapping of str to Figure
-        A turning circle gives ``trajectory`` and ``histories``, a zigzag ``zigzag`` and so on.
-    """
-    if track.manoeuvre == "turning":
-        return {"trajectory": trajectory([track]), "histories": turn_histories([track])}
-    if track.manoeuvre == "zigzag":
-        return {"zigzag": zigzag([track])}
-    if track.manoeuvre == "spiral":
-        return {"spiral": spiral(track), "histories": histories(track)}
-    return {"path": path(track), "histories": histories(track)}
-
-
-def zigzag(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figure:
+def zigzag(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
     """Heading, rudder and yaw rate of zigzags over time.
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of History
         Simulated or measured.
     names : sequence of str, optional
         Their names in the legend; the names of the models by default.
@@ -96,7 +69,7 @@ def zigzag(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figur
     return figure
 
 
-def _overshoots(axis: Axes, track: Track) -> None:
+def _overshoots(axis: Axes, track: History) -> None:
     """The overshoot angles at the extremes of the heading."""
     switch = float(track.settings.get("switch_deg", 10.0))
     heading = np.degrees(track.psi)
@@ -123,12 +96,12 @@ def _overshoots(axis: Axes, track: Track) -> None:
     axis.margins(y=0.12)
 
 
-def spiral(track: Track) -> Figure:
+def spiral(track: History) -> Figure:
     """Yaw rate over rudder angle: both ways through a spiral.
 
     Parameters
     ----------
-    track : Track
+    track : History
         Of a spiral.
 
     Returns
@@ -169,13 +142,19 @@ def _rate_over_rudder(figure: Figure, axis: Axes) -> None:
     style.legend_below(figure, [axis])
 
 
-def steady_turns(curve: SpiralCurve) -> Figure:
+def steady_turns(
+    rudder_deg: Array, yaw_rate_deg_s: Array, stays: NDArray[np.bool_], loop: tuple[float, float]
+) -> Figure:
     """Every steady turn of a ship: yaw rate over the rudder that holds it.
 
     Parameters
     ----------
-    curve : SpiralCurve
-        From `spiral_curve`.
+    rudder_deg, yaw_rate_deg_s : array (m,)
+        Along the curve.
+    stays : array (m,) of bool
+        Whether the ship stays in that turn by itself.
+    loop : (float, float)
+        Rudder angles of its folds [deg]; equal where there is none.
 
     Returns
     -------
@@ -185,89 +164,30 @@ def steady_turns(curve: SpiralCurve) -> Figure:
     with style.styled():
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
-        near = np.abs(curve.rudder_deg) <= HARD_OVER
-        rudder, rate = curve.rudder_deg[near], curve.yaw_rate_deg_s[near]
-        for stays, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
-            kept = np.where(curve.stable[near] == stays, rate, np.nan)
+        near = np.abs(rudder_deg) <= HARD_OVER
+        rudder, rate = rudder_deg[near], yaw_rate_deg_s[near]
+        for kind, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
+            kept = np.where(stays[near] == kind, rate, np.nan)
             if np.any(np.isfinite(kept)):
-                axis.plot(rudder, kept, color=style.colour(0 if stays else 1), ls=dash, label=text)
-        if curve.loop_width_deg > 0:
-            half = curve.loop_width_deg / 2
+                axis.plot(rudder, kept, color=style.colour(0 if kind else 1), ls=dash, label=text)
+        if loop[1] > loop[0]:
             axis.axvspan(
-                curve.neutral_deg - half,
-                curve.neutral_deg + half,
+                *loop,
                 color=style.colour(1),
                 alpha=0.15,
                 lw=0,
-                label=f"loop {curve.loop_width_deg:.2f}° wide",
+                label=f"loop {loop[1] - loop[0]:.2f}° wide",
             )
         _rate_over_rudder(figure, axis)
     return figure
 
 
-def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
-    """Metrics over whatever a sweep varies, with their intervals where it has them.
-
-    Parameters
-    ----------
-    sweep : Dataset
-        From `sweep` or `froude_sweep`.
-    metrics : sequence of str
-        Names of metrics.
-
-    Returns
-    -------
-    Figure
-        A panel a metric.
-    """
-    over = str(next(iter(sweep.dims)))
-    values, unit = sweep[over].values, sweep[over].attrs.get("units", "-")
-    with style.styled():
-        figure = style.canvas(3.2)
-        axes = np.atleast_1d(figure.subplots(1, len(metrics)))
-        for axis, metric in zip(axes, metrics, strict=True):
-            axis.plot(
-                values,
-                sweep[metric].values,
-                color=style.colour(0),
-                marker="o",
-                ms=4,
-                label="as it is",
-            )
-            if f"{metric}_low" in sweep:
-                axis.fill_between(
-                    values,
-                    sweep[f"{metric}_low"].values,
-                    sweep[f"{metric}_high"].values,
-                    color=style.colour(0),
-                    alpha=0.2,
-                    lw=0,
-                    label="95 % of the ships",
-                )
-            if metric in _LIMITS:
-                axis.axhline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(_titled(metric, sweep[metric].attrs.get("units", "-")))
-            axis.set_xlabel(
-                "Froude number [-]"
-                if over == "Fn"
-                else f"{over.removesuffix('_deg')} [{unit}]".replace("_", " ")
-            )
-        style.legend_below(figure, list(axes))
-    return figure
-
-
-def _titled(metric: str, unit: str) -> str:
-    """A metric and its unit for people."""
-    name = metric.removesuffix("_L").removesuffix("_deg").replace("_deg_s", "").replace("_", " ")
-    return f"{name} / L [-]" if metric.endswith("_L") else f"{name} [{unit}]"
-
-
-def path(track: Track) -> Figure:
+def path(track: History) -> Figure:
     """Path over the water in ship lengths with the places of the orders.
 
     Parameters
     ----------
-    track : Track
+    track : History
         Of any manoeuvre.
 
     Returns
@@ -299,12 +219,12 @@ def path(track: Track) -> Figure:
     return figure
 
 
-def histories(track: Track) -> Figure:
+def histories(track: History) -> Figure:
     """Speed, heading and rudder, yaw rate, and revolutions over time.
 
     Parameters
     ----------
-    track : Track
+    track : History
         Of any manoeuvre.
 
     Returns
@@ -333,75 +253,4 @@ def histories(track: Track) -> Figure:
             if len(lines) > 1:
                 axis.legend(loc="best", fontsize=8)
         axes[-1].set_xlabel("time from the first order [s]")
-    return figure
-
-
-def distributions(ensemble: Ensemble, metrics: Sequence[str]) -> Figure:
-    """How the metrics of many ships are distributed, with the nominal ship and near IMO limits.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-        From `monte_carlo`.
-    metrics : sequence of str
-        Names of metrics.
-
-    Returns
-    -------
-    Figure
-        A panel a metric, the central 95 % shaded.
-    """
-    with style.styled():
-        figure = style.canvas(3.0)
-        axes = np.atleast_1d(figure.subplots(1, len(metrics)))
-        for axis, metric in zip(axes, metrics, strict=True):
-            values = ensemble.metrics[metric]
-            values = values[np.isfinite(values)]
-            low, high = ensemble.interval(metric)
-            axis.hist(values, bins=60, color=style.colour(0), alpha=0.6, label="ships")
-            axis.axvspan(low, high, color=style.colour(0), alpha=0.15, lw=0, label="central 95 %")
-            axis.axvline(ensemble.nominal[metric], color=style.REFERENCE, lw=1.4, label="as it is")
-            left, right = axis.get_xlim()
-            if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
-                axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(_titled(metric, unit_of(metric)))
-            axis.set_yticks([])
-        axes[0].set_ylabel("number of ships")
-        style.legend_below(figure, list(axes))
-    return figure
-
-
-def importance(found: Sensitivities, metric: str, most: int = 12) -> Figure:
-    """Which derivatives decide a metric.
-
-    Parameters
-    ----------
-    found : Sensitivities
-        From `sensitivities`.
-    metric : str
-        Name of a metric.
-    most : int
-        Number of derivatives shown.
-
-    Returns
-    -------
-    Figure
-        Bars of the share of variance, or of per cent per per cent without a covariance.
-    """
-    table = found.table(metric).head(most)[::-1]
-    shared = "share_of_variance" in table
-    column = "share_of_variance" if shared else "per_cent_per_per_cent"
-    factor = 100.0 if shared else 1.0
-    with style.styled():
-        figure = style.canvas(0.6 + 0.28 * len(table), 5.6)
-        axis = figure.subplots()
-        axis.barh(range(len(table)), factor * table[column], color=style.colour(0))
-        axis.set_yticks(range(len(table)), list(table.index))
-        axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
-        words = metric.removesuffix("_L").replace("_", " ")
-        axis.set_xlabel(
-            f"share of the variance of the {words} [%]"
-            if shared
-            else f"change of the {words} per 1 % of the derivative [%]"
-        )
     return figure
