@@ -17,55 +17,73 @@ class History(Protocol):
     def __len__(self) -> int: ...
 
     @property
-    def t(self) -> Array: ...
+    def t(self) -> Array:
+        """Time [s]."""
 
     @property
-    def x(self) -> Array: ...
+    def x(self) -> Array:
+        """Path in the direction of the approach [m]."""
 
     @property
-    def y(self) -> Array: ...
+    def y(self) -> Array:
+        """Path to starboard of the approach [m]."""
 
     @property
-    def psi(self) -> Array: ...
+    def psi(self) -> Array:
+        """Heading [rad]."""
 
     @property
-    def u(self) -> Array: ...
+    def u(self) -> Array:
+        """Surge velocity [m/s]."""
 
     @property
-    def v(self) -> Array: ...
+    def v(self) -> Array:
+        """Sway velocity [m/s]."""
 
     @property
-    def r(self) -> Array: ...
+    def r(self) -> Array:
+        """Yaw rate [rad/s]."""
 
     @property
-    def phi(self) -> Array: ...
+    def phi(self) -> Array:
+        """Heel [rad]."""
 
     @property
-    def delta(self) -> Array: ...
+    def delta(self) -> Array:
+        """Rudder angle [rad]."""
 
     @property
-    def n(self) -> Array: ...
+    def n(self) -> Array:
+        """Revolutions of the propeller [1/s]."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Of the ship or model."""
 
     @property
-    def L(self) -> float: ...
+    def L(self) -> float:
+        """Ship length [m]."""
 
     @property
-    def speed(self) -> float: ...
+    def speed(self) -> float:
+        """Approach speed [m/s]."""
 
     @property
-    def Fn(self) -> float: ...
+    def Fn(self) -> float:
+        """Its Froude number."""
 
     @property
-    def rudder_deg(self) -> float: ...
+    def rudder_deg(self) -> float:
+        """Ordered rudder angle [deg]."""
 
     @property
-    def metrics(self) -> Mapping[str, float]: ...
+    def metrics(self) -> Mapping[str, float]:
+        """Numbers of the manoeuvre."""
 
     @property
-    def orders(self) -> tuple[float, ...]: ...
+    def orders(self) -> tuple[float, ...]:
+        """Instants of the orders [s]."""
 
     @property
-    def settings(self) -> Mapping[str, Any]: ...
+    def settings(self) -> Mapping[str, Any]:
+        """Of the manoeuvre, as they were given."""
