@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.version import __version__
 
 if TYPE_CHECKING:
-    from pmmkit.api import hull_table, model_of, reduce
+    from pmmkit.api import model_of, reduce
     from pmmkit.campaigns.file.campaign_file import open_campaign
     from pmmkit.campaigns.run import Campaign, Run
     from pmmkit.campaigns.store import load_campaign, save_campaign
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         to_model,
     )
     from pmmkit.models.edit import with_effect, without_effect
+    from pmmkit.models.hull import hull_table
     from pmmkit.reduction import Reduction, contributions, reduce_campaign
     from pmmkit.report import write_report
     from pmmkit.ship import Ship, Water
@@ -128,9 +129,10 @@ __all__ = [
 ]
 
 _HOMES: Final = {
-    "api": ("hull_table", "model_of", "reduce"),
+    "api": ("model_of", "reduce"),
     "checks": ("examine", "refuse"),
     "models.edit": ("with_effect", "without_effect"),
+    "models.hull": ("hull_table",),
     "validation.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
     "effects.own": ("own_effect", "own_effects"),
