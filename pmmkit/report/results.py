@@ -17,7 +17,7 @@ from pmmkit.report.loop import Loop
 from pmmkit.report.turning import Turns
 from pmmkit.report.words import Reference
 from pmmkit.simulation.results import sweep_frame, track_files
-from pmmkit.tables import write
+from pmmkit.tables import write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -67,8 +67,8 @@ def write_reduction(
 
 
 def _tables(reduction: Reduction) -> Iterator[tuple[str, Any]]:
-    yield "derivatives.csv", partial(write, reduction.table)
-    yield "derivatives.nc", partial(write, reduction.table)
+    yield "derivatives.csv", partial(write_table, reduction.table)
+    yield "derivatives.nc", partial(write_table, reduction.table)
     yield "derivatives_by_method.csv", by_method(reduction)
     yield "runs.csv", reduction.runs_to_pandas()
     yield "findings.json", [item.to_dict() for item in reduction.findings]

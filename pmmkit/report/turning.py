@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
-from pmmkit.report.words import Cell, Grid, Group, Picture, Section, number, percent
+from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
 from pmmkit.simulation import imo_turning
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign

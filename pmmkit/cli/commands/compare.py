@@ -18,7 +18,8 @@ from pmmkit.cli.options import (
     sound_campaign,
     stem,
 )
-from pmmkit.cli.output import Outcome, aligned, warned
+from pmmkit.cli.output import Outcome, warned
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -35,7 +35,7 @@ def convert(
     from pmmkit.errors import FileExists
     from pmmkit.files import check_folder
     from pmmkit.report.tables import meaning
-    from pmmkit.tables import converted, read_table, write
+    from pmmkit.tables import converted, read_table, write_table
 
     changes = stated(system=system, coriolis=coriolis, sway=sway, surge=surge)
     known = read_table(table)
@@ -46,7 +46,7 @@ def convert(
     if target.resolve() == table.resolve():
         raise FileExists(f"{table} is already that table: say a system, a convention or a format.")
     check_folder(folder)
-    write(made, target)
+    write_table(made, target)
     return Outcome(
         content={"file": str(target), "convention": asdict(made.convention)},
         lines=[f"{target}: {meaning(made)}."],

@@ -29,7 +29,8 @@ from pmmkit.cli.options import (
     stem,
     words,
 )
-from pmmkit.cli.output import Outcome, aligned, say, warned
+from pmmkit.cli.output import Outcome, say, warned
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
@@ -290,12 +291,12 @@ def _areas(text: str | None) -> tuple[float, float] | None:
 
 def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
     """The command that puts the findings into the model."""
-    from pmmkit.structures import STRUCTURES
+    from pmmkit.structures import structures
 
     if not found.findings:
         return []
     names = " ".join(item.effect for item in found.findings)
-    if model in STRUCTURES:
+    if model in structures():
         reduced = f"{stem(campaign)}-reduced"
         return [
             f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",

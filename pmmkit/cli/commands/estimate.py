@@ -8,7 +8,8 @@ from typing import Annotated, Final
 import typer
 
 from pmmkit.cli.options import Out, results_folder
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 LINEAR: Final = ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 

@@ -22,7 +22,8 @@ from pmmkit.cli.options import (
     stem,
     words,
 )
-from pmmkit.cli.output import Outcome, aligned, warned
+from pmmkit.cli.output import Outcome, warned
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding

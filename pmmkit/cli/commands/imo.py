@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, Spread, results_folder, stem
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.simulation.imo import Verdict

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pmmkit.cli.options import Data, Given, Out, numbers, results_folder, stem, words
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     import pandas as pd

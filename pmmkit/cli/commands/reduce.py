@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal
 import typer
 
 from pmmkit.cli.options import Campaign, Data, Out, stem
-from pmmkit.cli.output import Outcome, aligned, say
+from pmmkit.cli.output import Outcome, say
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
@@ -246,8 +247,7 @@ def _turns(
 
     from pmmkit.errors import SimulationError
     from pmmkit.report import Turns
-    from pmmkit.simulation import froude_sweep
-    from pmmkit.simulation.simulate import simulate
+    from pmmkit.simulation import froude_sweep, simulate
 
     if model is None or any(name not in model.parts for name in PARTS):
         return None, []
@@ -316,8 +316,8 @@ def turn_table(turns: Turns) -> str:
     turns : Turns
         Turns at several speeds.
     """
+    from pmmkit.presentation import percent
     from pmmkit.report import changes
-    from pmmkit.report.words import percent
 
     names = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
     moved = changes(turns.tracks) if len(turns.tracks) > 1 else {}

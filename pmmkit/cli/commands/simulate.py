@@ -20,7 +20,8 @@ from pmmkit.cli.options import (
     stated,
     stem,
 )
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 
 def simulate(

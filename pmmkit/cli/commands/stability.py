@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, results_folder, stem
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 
 def stability(

@@ -22,7 +22,8 @@ from pmmkit.cli.options import (
     stated,
     stem,
 )
-from pmmkit.cli.output import Outcome, aligned
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     import xarray as xr

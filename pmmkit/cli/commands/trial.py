@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import Campaign, Data, Out, numbers, results_folder, sound_campaign, stem
-from pmmkit.cli.output import Outcome, aligned, warned
+from pmmkit.cli.output import Outcome, warned
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     import pandas as pd
