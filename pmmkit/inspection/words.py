@@ -9,7 +9,8 @@ import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.inspection.folder import MOST_COUNTED, Group, Look
-from pmmkit.inspection.seen import FORMAT_WORDS, Clock, ColumnLook, FileLook
+from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
+from pmmkit.readers import reader_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {
@@ -51,7 +52,7 @@ def group_lines(group: Group) -> list[str]:
 
 def file_words(look: FileLook) -> str:
     """Format, layout and size of a file in words."""
-    words = [FORMAT_WORDS.get(look.format, look.format), _KINDS[look.kind]]
+    words = [reader_of(look.format).words, _KINDS[look.kind]]
     layout = look.layout
     if layout is not None:
         sign = "comma" if layout.decimal == "," else "point"

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from pmmkit.loop.session import ErrorFall
     from pmmkit.models import Model
 
-RUDDER_DEG: Final = 35.0
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 
 
@@ -98,6 +97,7 @@ def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
 def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[str, float]]:
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
     from pmmkit.errors import PmmkitError
+    from pmmkit.metrics import HARD_OVER
     from pmmkit.simulation.simulate import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
@@ -109,7 +109,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
             track = simulate(
                 model,
                 "turning",
-                rudder_deg=RUDDER_DEG,
+                rudder_deg=HARD_OVER,
                 speed=model.ship.speed(Fn, model.water.g),
                 compiled=False,
             )
@@ -121,6 +121,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
 
 def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
     from pmmkit.channels import CHANNEL_UNITS
+    from pmmkit.metrics import HARD_OVER
 
     lines = [f"Taken out: {taken}."] if taken else []
     lines.append("Error of conditions left out of the fit, in per cent of the rms force:")
@@ -150,7 +151,7 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
         )
     lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
     if turns:
-        lines += ["", f"Turning circle, rudder {RUDDER_DEG:g}°, in ship lengths:"]
+        lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])
         lines.append(
             aligned(

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from pmmkit.report import Loop, Reference, Turns
     from pmmkit.tables import DerivativeTable
 
-RUDDER_DEG: Final = 35.0
 STEPS: Final = 7
 """Froude numbers of a sweep in a report."""
 ROUNDS: Final = 3
@@ -246,6 +245,7 @@ def _turns(
     import numpy as np
 
     from pmmkit.errors import SimulationError
+    from pmmkit.metrics import HARD_OVER
     from pmmkit.report import Turns
     from pmmkit.simulation import froude_sweep, simulate
 
@@ -257,21 +257,23 @@ def _turns(
     sweeps = {}
     try:
         tracks = [
-            simulate(model, rudder_deg=RUDDER_DEG, speed=speed, compiled=False) for speed in speeds
+            simulate(model, rudder_deg=HARD_OVER, speed=speed, compiled=False) for speed in speeds
         ]
         sweeps["these derivatives"] = froude_sweep(
-            model, Fn=along, rudder_deg=RUDDER_DEG, compiled=False
+            model, Fn=along, rudder_deg=HARD_OVER, compiled=False
         )
     except SimulationError as error:
         return None, [f"No turning circle: {error}"]
     if given and beside and not _is_table(given):
-        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG, compiled=False)
+        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=HARD_OVER, compiled=False)
     return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes), []
 
 
 def _words(
     found: Reduction, beside: Reference | None, turns: Turns | None, why: Sequence[str]
 ) -> list[str]:
+    from pmmkit.metrics import HARD_OVER
+
     lines = [headline(found.table, beside), ""]
     counts = {
         severity: sum(item.severity == severity for item in found.findings)
@@ -283,7 +285,7 @@ def _words(
     )
     lines += why
     if turns:
-        lines += ["", f"Turning circle, {RUDDER_DEG:g}° of rudder, {turns.tracks[0].scale}:"]
+        lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
         lines.append(turn_table(turns))
     return lines
 

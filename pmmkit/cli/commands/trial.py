@@ -184,7 +184,7 @@ def _text(item: Trial) -> list[str]:
 
 
 def _cells(name: str, item: Trial) -> list[str]:
-    from pmmkit.trials.table import unit_of
+    from pmmkit.metrics import unit_of
 
     value, std, unit = item.metrics[name], item.std[name], unit_of(name)
     digits = 3 if unit == "-" else 1
