@@ -10,6 +10,7 @@ from pmmkit.presentation.layout import (
     aligned,
     section_lines,
     table_lines,
+    text_of,
 )
 from pmmkit.presentation.numbers import (
     ABSENT,
@@ -35,5 +36,6 @@ __all__ = [
     "plus_minus",
     "section_lines",
     "table_lines",
+    "text_of",
     "with_uncertainty",
 ]

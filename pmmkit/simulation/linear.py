@@ -67,17 +67,19 @@ class Stability(Described):
     side: str
     name: str
 
+    def constants(self) -> dict[str, float]:
+        """The numbers of the prime system by name."""
+        names = ("C", "lever_sway", "lever_yaw", "K", "T", "T1", "T2", "T3")
+        Ydelta, Ndelta = self.rudder
+        return {name: getattr(self, name) for name in names} | {"Ydelta": Ydelta, "Ndelta": Ndelta}
+
     def _headline(self) -> str:
         word = "stable" if self.stable else "UNSTABLE"
         side = f", turning to {self.side}, the less stable side" if self.side != "both" else ""
         return f"{self.name} at {self.speed:g} m/s is straight-line {word}{side}"
 
     def _sections(self) -> Sequence[Section]:
-        numbers = {
-            name: getattr(self, name)
-            for name in ("C", "lever_sway", "lever_yaw", "K", "T", "T1", "T2", "T3")
-        } | {"Ydelta": self.rudder[0], "Ndelta": self.rudder[1]}
-        rows = [[name, number(value)] for name, value in numbers.items()]
+        rows = [[name, number(value)] for name, value in self.constants().items()]
         roots = ", ".join(f"{x:.4g}" for x in self.eigenvalues.tolist())
         table = Grid(head=["number (prime system)", "value"], groups=[Group(rows=rows)])
         return [Section(tables=[table]), Section(paragraphs=[f"Eigenvalues [U/L]: {roots}"])]
