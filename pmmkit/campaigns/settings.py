@@ -81,4 +81,4 @@ class Settings:
     @property
     def omega(self) -> float | None:
         """Angular frequency 2π/period [rad/s]."""
-        return None if self.period is None else 2 * math.pi / self.period
+        return None if self.period is None else 2 * math.pi / (self.period or math.inf)
