@@ -10,41 +10,26 @@ from typing import Final
 from pmmkit.campaigns.test_kinds import free_running, oscillating, steady
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.channels import did_you_mean
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import UnknownNameError
+from pmmkit.plugins import offered
 
 BUILT_IN: Final[Mapping[str, TestKind]] = MappingProxyType(
     {kind.name: kind for kind in (*steady.KINDS, *oscillating.KINDS, *free_running.KINDS)}
 )
 GROUP: Final = "pmmkit.test_kinds"
-"""Entry points of packages that bring kinds of test: each a `TestKind`, or several."""
+"""Entry points by which other packages bring their kinds of test."""
 
 
 @cache
 def kinds() -> Mapping[str, TestKind]:
     """All kinds of test by name: steady, oscillating, free running, then those of other packages.
 
-    Raises
-    ------
-    DataError
-        If a package brings something else under ``pmmkit.test_kinds``, or a name that is taken.
-
     Examples
     --------
     >>> [name for name, kind in kinds().items() if kind.sways]
     ['pure_sway', 'sway_yaw']
     """
-    from importlib.metadata import entry_points
-
-    found = dict(BUILT_IN)
-    for point in entry_points(group=GROUP):
-        loaded = point.load()
-        for kind in (loaded,) if isinstance(loaded, TestKind) else loaded:
-            if not isinstance(kind, TestKind):
-                raise DataError(f"Entry point {point.value} of {GROUP}: {kind!r} is no TestKind.")
-            if kind.name in found:
-                raise DataError(f"Entry point {point.value} of {GROUP}: {kind.name!r} is taken.")
-            found[kind.name] = kind
-    return MappingProxyType(found)
+    return MappingProxyType({**BUILT_IN, **offered(GROUP, TestKind, BUILT_IN)})
 
 
 def captive_kinds() -> tuple[TestKind, ...]:
