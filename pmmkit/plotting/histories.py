@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.metrics import HARD_OVER
+from pmmkit.metrics import HARD_OVER, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
@@ -113,11 +113,11 @@ def spiral(track: History) -> Figure:
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
         for number, (way, text) in enumerate((("first", "first way"), ("back", "way back"))):
-            ending = f"_{way}"
+            (rates_at,) = metrics_named(f"yaw_rate_deg_s_at_{{}}_{way}")
             points = sorted(
-                (float(name.removeprefix("yaw_rate_deg_s_at_").removesuffix(ending)), value)
+                (float(angle), value)
                 for name, value in track.metrics.items()
-                if name.startswith("yaw_rate_deg_s_at_") and name.endswith(ending)
+                if (angle := rates_at.count(name))
             )
             angles, rates = zip(*points, strict=True)
             axis.plot(

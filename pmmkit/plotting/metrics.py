@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.metrics import limits_in_lengths, metrics_named, unit_of
+from pmmkit.metrics import limits_in_lengths, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
@@ -114,6 +114,7 @@ def distributions(
     ships: Mapping[str, Array],
     nominal: Mapping[str, float],
     intervals: Mapping[str, tuple[float, float]],
+    units: Mapping[str, str],
 ) -> Figure:
     """How the metrics of many ships are distributed, with the nominal ship and near IMO limits.
 
@@ -125,6 +126,8 @@ def distributions(
         Of the ship as it is.
     intervals : mapping of str to (float, float)
         Central intervals.
+    units : mapping of str to str
+        Of the metrics.
 
     Returns
     -------
@@ -148,7 +151,7 @@ def distributions(
             left, right = axis.get_xlim()
             if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
                 axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(_titled(metric, unit_of(metric)))
+            axis.set_title(_titled(metric, units.get(metric, "-")))
             axis.set_yticks([])
         axes[0].set_ylabel("number of ships")
         style.legend_below(figure, list(axes))

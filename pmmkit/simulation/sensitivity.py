@@ -18,6 +18,7 @@ from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -170,7 +171,7 @@ def _listed(shown: int, known: int) -> str:
 
 def sensitivities(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,
@@ -320,7 +321,7 @@ class SobolIndices(Described):
 
 def sobol(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,

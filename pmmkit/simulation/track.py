@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.errors import UnknownNameError
-from pmmkit.metrics import IN_LENGTHS, in_lengths, unit_of
+from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, in_lengths, unit_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
@@ -133,18 +135,12 @@ class Track(Described):
     def figures(self) -> dict[str, Figure]:
         """The figures that show the manoeuvre, by the name of their file.
 
-        A turning circle gives ``trajectory`` and ``histories``, a zigzag ``zigzag`` and so on.
+        As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``.
         """
-        from pmmkit.plotting.histories import histories, path, spiral, zigzag
-        from pmmkit.plotting.turns import trajectory, turn_histories
+        from pmmkit.plotting.manoeuvres import manoeuvre
 
-        if self.manoeuvre == "turning":
-            return {"trajectory": trajectory([self]), "histories": turn_histories([self])}
-        if self.manoeuvre == "zigzag":
-            return {"zigzag": zigzag([self])}
-        if self.manoeuvre == "spiral":
-            return {"spiral": spiral(self), "histories": histories(self)}
-        return {"path": path(self), "histories": histories(self)}
+        known = self._known()
+        return manoeuvre(self, known.drawn if known else "path")
 
     def plot(self) -> Figure:
         """The first of the figures that show the manoeuvre."""
@@ -173,6 +169,8 @@ class Track(Described):
         ]
 
     def _metrics(self) -> Grid:
+        known = self._known()
+        entries = known.metrics if known else METRICS
         rows = []
         for name, value in self.metrics.items():
             bare = name.removesuffix(IN_LENGTHS)
@@ -180,7 +178,7 @@ class Track(Described):
                 continue
             lengths = self.metrics.get(name + IN_LENGTHS)
             beside = "" if lengths is None else f"{number(lengths)} L"
-            rows.append([name, number(value), _unit(name), beside])
+            rows.append([name, number(value), _unit(name, entries), beside])
         return Grid(head=["", "value", "unit", ""], groups=[Group(rows=rows)], texts=(2,))
 
     def _channels(self) -> Grid:
@@ -192,10 +190,19 @@ class Track(Described):
         head = ["", "unit", "start", "least", "most", "end", ""]
         return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 6))
 
+    def _known(self) -> Manoeuvre | None:
+        """The manoeuvre among those that pmmkit and other packages define."""
+        from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 
-def _unit(metric: str) -> str:
-    """Unit of a metric; empty for one that a measured track brings along."""
+        try:
+            return manoeuvre_of(self.manoeuvre)
+        except UnknownNameError:
+            return None
+
+
+def _unit(name: str, known: tuple[Metric, ...]) -> str:
+    """Unit of a number; empty for one that a user brings along."""
     try:
-        return unit_of(metric)
+        return unit_of(name, known)
     except UnknownNameError:
         return ""

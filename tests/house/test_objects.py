@@ -106,6 +106,12 @@ def test_html_is_well_formed_and_escaped(name):
     assert "\x1b" not in str(thing)
 
 
+def test_a_track_of_ones_own_is_told_as_well():
+    own = replace(track(), manoeuvre="my own", metrics={"swing": 3.0})
+    assert "swing" in str(own)
+    assert set(own.figures()) == {"path", "histories"}
+
+
 @pytest.mark.parametrize("name", DRAWN)
 def test_plot_gives_a_figure(name):
     figure = MADE[name]().plot()
