@@ -1,4 +1,4 @@
-"""The rooms of the package as a table: their order from pyproject.toml, their words from the code."""
+"""The rooms of the package as a table: order from pyproject.toml, words from the code."""
 
 from __future__ import annotations
 
