@@ -17,10 +17,10 @@ from pmmkit.effects.own import own_effects
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
 from pmmkit.loop.session import ErrorFall, begin, undone
+from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model, save_model
 from pmmkit.presentation import aligned
 
-RUDDER_DEG: Final = 35.0
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 
 
@@ -127,7 +127,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
             track = simulate(
                 model,
                 "turning",
-                rudder_deg=RUDDER_DEG,
+                rudder_deg=HARD_OVER,
                 speed=model.ship.speed(Fn, model.water.g),
                 compiled=False,
             )
@@ -166,7 +166,7 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
         )
     lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
     if turns:
-        lines += ["", f"Turning circle, rudder {RUDDER_DEG:g}°, in ship lengths:"]
+        lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])
         lines.append(
             aligned(

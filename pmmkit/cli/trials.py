@@ -14,10 +14,10 @@ from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
+from pmmkit.metrics import unit_of
 from pmmkit.presentation import aligned
 from pmmkit.simulation.imo import SOURCE
 from pmmkit.trials import Trial, evaluate_trials
-from pmmkit.trials.table import unit_of
 
 SHOWN: Final = {
     "turning": (
