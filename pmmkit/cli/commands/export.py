@@ -1,4 +1,4 @@
-"""The command that writes for other programs."""
+"""``pmmkit export``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Data, Json, app, finish
+from pmmkit.cli.options import Data, stem
+from pmmkit.cli.output import Outcome
 
 
 class Format(StrEnum):
@@ -22,7 +23,6 @@ class Format(StrEnum):
     netcdf = "netcdf"
 
 
-@app.command()
 def export(
     what: Annotated[
         str,
@@ -43,16 +43,21 @@ def export(
         typer.Option(help="For models whose values depend on it: speed in m/s at their scale."),
     ] = None,
     data: Data = None,
-    json: Json = False,
-) -> None:
+) -> Outcome:
     """Write a model, table, campaign or track for MATLAB, shipmmg, Excel, LaTeX and others."""
-    from pmmkit.cli import exporting
+    from pmmkit import exports
+    from pmmkit.exports.subject import read_subject
+    from pmmkit.exports.write import file_name
 
-    if to is None and output is None:
-        raise typer.BadParameter("Say what to write: --to mss, or -o with an ending such as .m.")
-    finish(
-        exporting.export(
-            what, to=None if to is None else to.value, output=output, speed=speed, data=data
-        ),
-        json,
+    target = output
+    if target is None:
+        if to is None:
+            raise typer.BadParameter(
+                "Say what to write: --to mss, or -o with an ending such as .m."
+            )
+        target = Path(file_name(read_subject(what, data=data), stem(what), to.value))
+    files = exports.export(what, target, to.value if to else None, speed=speed, data=data)
+    return Outcome(
+        content={"files": [str(file) for file in files]},
+        lines=[f"{target}: {len(files)} files." if target.is_dir() else f"Written: {target}"],
     )

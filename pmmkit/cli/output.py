@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-import json
-import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from pmmkit.errors import DataError
+
+if TYPE_CHECKING:
+    from pmmkit.checks import CheckFinding
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """What a command did: as JSON for programs, in lines for people."""
+    """What a command did: as JSON for programs, in lines for people, as the status of its end."""
 
     content: Mapping[str, Any]
     lines: Sequence[str]
+    status: int = 0
+
+
+def tell(outcome: Outcome, *, as_json: bool) -> None:
+    """The outcome on standard output: words, or JSON with the words on standard error."""
+    for line in outcome.lines:
+        print(line, file=sys.stderr if as_json else sys.stdout)
+    if as_json:
+        emit(outcome.content)
 
 
 def say(text: str = "") -> None:
@@ -25,33 +36,11 @@ def say(text: str = "") -> None:
     print(text, file=sys.stderr)
 
 
-def plain(value: Any) -> Any:
-    """A value as JSON can hold it: no NaN, no infinity, no arrays.
-
-    Examples
-    --------
-    >>> plain({"a": float("nan"), "b": (1, 2.5)})
-    {'a': None, 'b': [1, 2.5]}
-    """
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
-
-
 def emit(content: Mapping[str, Any]) -> None:
     """One JSON object on standard output."""
-    print(json_text(content))
+    from pmmkit.json_text import readable
 
-
-def json_text(content: Any) -> str:
-    """Content as JSON text, the same on every machine."""
-    return json.dumps(plain(content), indent=2, allow_nan=False)
+    print(readable(content))
 
 
 def tell_error(error: Exception, *, as_json: bool) -> None:
@@ -77,3 +66,14 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
             }
         )
     say(f"pmmkit: {text or type(error).__name__}")
+
+
+def warned(findings: Iterable[CheckFinding]) -> list[str]:
+    """What the checks said, each once."""
+    return list(dict.fromkeys(f"{item.severity}: {item.message}" for item in findings))
+
+
+def quoted(path: Path) -> str:
+    """A path as it is typed."""
+    text = str(path)
+    return f'"{text}"' if " " in text else text

@@ -1,94 +1,77 @@
-"""The work behind ``pmmkit add``."""
+"""``pmmkit add``."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome
-from pmmkit.cli.tracks import check_folder
-from pmmkit.effects.own import own_effects
-from pmmkit.errors import PmmkitError
-from pmmkit.files import atomic_folder
-from pmmkit.loop.session import ErrorFall, begin, undone
-from pmmkit.metrics import HARD_OVER
-from pmmkit.models import Model, load_model, save_model
+import typer
+
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign
+from pmmkit.cli.output import Outcome
 from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.loop.session import ErrorFall
+    from pmmkit.models import Model
 
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 
 
 def add(
-    model: str,
-    effects: Sequence[str],
-    campaign: Path,
-    target: Path,
+    model: Annotated[str, typer.Argument(help="Library ship or model file.")],
+    effects: Annotated[
+        list[str] | None, typer.Argument(help="Effects to add, one after another.")
+    ] = None,
     *,
-    undo: bool = False,
-    why: str = "",
-    floor: float | None = None,
-    noise: float | None = None,
-    own: Path | None = None,
-    drawn: bool = True,
-    data: Path | None = None,
-    out: Path | None = None,
+    fit: Annotated[
+        Path, typer.Option("--fit", help="Campaign to which the model is fitted with them.")
+    ],
+    target: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Model file to write.")
+    ] = None,
+    undo: Annotated[
+        bool, typer.Option("--undo", help="Take the effect that was added last out again.")
+    ] = False,
+    why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
+    floor: Floor = None,
+    noise: Noise = None,
+    own: Own = None,
+    figures: DrawFigures = True,
+    data: Data = None,
+    out: Out = None,
 ) -> Outcome:
-    """Add effects to a model with a joint fit, and write it.
+    """Add effects to a model, fit them together with it, and show how the error falls."""
+    from pmmkit.effects.own import own_effects
+    from pmmkit.files import check_folder, write_results
+    from pmmkit.loop.session import begin, undone
+    from pmmkit.models import load_model, save_model
 
-    Parameters
-    ----------
-    model : str
-        Model file or library ship.
-    effects : sequence of str
-        What is added, one after another.
-    campaign, data : Path
-        As for `open_campaign`.
-    target : Path
-        Model file to write.
-    undo : bool
-        Take the effect that was added last out again.
-    why : str
-        A remark for the history.
-    floor : float, optional
-        What is too small to matter, over the rms force of a channel; as for `diagnose_captive`.
-    noise : float, optional
-        Uncertainty of a mean or harmonic over the rms force, of runs that state none.
-    own : Path, optional
-        File of the user's own effects.
-    drawn : bool
-        Whether to draw figures into `out`.
-    out : Path, optional
-        Folder of the error fall as a table and a figure.
-
-    Returns
-    -------
-    Outcome
-    """
+    if undo == bool(effects):
+        raise typer.BadParameter("Name an effect to add, or say --undo.")
     if out is not None:
         check_folder(out)
+    written = target or Path(f"{Path(model).stem}-extended.toml")
     before = load_model(model)
     effects_of_user = own_effects(own) if own else ()
     taken = ""
     if undo:
         before, taken = undone(before, effects_of_user)
-    opened = open_campaign(campaign, data=data)
-    refuse(examine(opened))
+    opened, _ = sound_campaign(fit, data)
     session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
-    for effect in effects:
+    for effect in effects or ():
         session = session.add(effect, why)
     after = session.model()
     fall = session.fall()
-    save_model(after, target)
+    save_model(after, written)
     turns = _turns(replace(session, steps=()).model(), after, opened)
     content = {
-        "model": str(target),
-        "added": list(effects),
+        "model": str(written),
+        "added": effects or [],
         "taken_out": taken,
         "errors": fall.to_pandas().to_dict("records"),
         "useless": list(fall.useless),
@@ -96,26 +79,25 @@ def add(
         "notes": list(after.notes),
         "history": list(after.history),
     }
-    files = _write(fall, out, drawn) if out is not None else []
+    files = write_results(out, _files(fall, figures)) if out is not None else []
     lines = _words(fall, taken, turns)
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
-    lines += ["", f"Model: {target}", *([f"Results: {out}"] if out is not None else [])]
+    lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
 
 
-def _write(fall: ErrorFall, out: Path, drawn: bool) -> list[str]:
-    with atomic_folder(out) as folder:
-        fall.to_pandas().to_csv(folder / "error_fall.csv", index=False)
-        if drawn:
-            from pmmkit.figures import diagnosis as figures
-            from pmmkit.plotting.style import save
+def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
+    from pmmkit.figures.diagnosis import error_fall
+    from pmmkit.plotting.style import save
 
-            save(figures.error_fall(fall), folder / "error_fall.svg")
-        return sorted(file.name for file in folder.iterdir())
+    figure = [("error_fall.svg", partial(save, error_fall(fall)))] if drawn else []
+    return [("error_fall.csv", fall.to_pandas()), *figure]
 
 
 def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[str, float]]:
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
+    from pmmkit.errors import PmmkitError
+    from pmmkit.metrics import HARD_OVER
     from pmmkit.simulation.simulate import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
@@ -138,6 +120,9 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
 
 
 def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
+    from pmmkit.channels import CHANNEL_UNITS
+    from pmmkit.metrics import HARD_OVER
+
     lines = [f"Taken out: {taken}."] if taken else []
     lines.append("Error of conditions left out of the fit, in per cent of the rms force:")
     frame = fall.to_pandas()

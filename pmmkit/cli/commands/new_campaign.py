@@ -1,45 +1,35 @@
-"""The work behind ``pmmkit new-campaign``."""
+"""``pmmkit new-campaign``."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME
-from pmmkit.cli.console import Outcome
-from pmmkit.errors import FileExists
-from pmmkit.files import write_text
-from pmmkit.inspection.drafts.draft import Draft, draft_of
-from pmmkit.inspection.drafts.write import written
+import typer
+
+from pmmkit.cli.output import Outcome, quoted
+
+if TYPE_CHECKING:
+    from pmmkit.inspection.drafts.draft import Draft
 
 
 def new_campaign(
-    folder: Path, *, out: Path | None = None, ship: str | None = None, force: bool = False
+    folder: Annotated[Path, typer.Argument(help="Folder with the files of the tests.")],
+    out: Annotated[
+        Path | None, typer.Option(help="Campaign file; campaign.toml in the folder if absent.")
+    ] = None,
+    ship: Annotated[
+        str | None, typer.Option(help="Ship of the library (pmmkit ships), at its scale.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> Outcome:
-    """Draft a campaign file from the files of a folder.
+    """Draft a campaign.toml from the files of a folder, for a person to check and complete."""
+    from pmmkit.campaigns.file.campaign_file import FILE_NAME
+    from pmmkit.errors import FileExists
+    from pmmkit.files import write_text
+    from pmmkit.inspection.drafts.draft import draft_of
+    from pmmkit.inspection.drafts.write import written
 
-    Parameters
-    ----------
-    folder : Path
-        Where the files lie.
-    out : Path, optional
-        The campaign file; ``campaign.toml`` in the folder by default.
-    ship : str, optional
-        A ship of the library.
-    force : bool
-        Whether a file that is there is replaced.
-
-    Returns
-    -------
-    Outcome
-        With what a person must still say.
-
-    Raises
-    ------
-    FileExists
-        If the file is there and `force` is not given.
-    CampaignError
-        If the folder holds no measurements.
-    """
     target = folder / FILE_NAME if out is None else out
     if target.is_dir():
         target = target / FILE_NAME
@@ -60,7 +50,7 @@ def new_campaign(
         lines.append(f"{draft.look.passed_over} more files were not looked at.")
     lines += ["", "For you to say or to check (TODO in the file):"]
     lines += [f"  {number}. {item}" for number, item in enumerate(text.todo, start=1)]
-    command = f"pmmkit check {_quoted(target.parent if target.name == FILE_NAME else target)}"
+    command = f"pmmkit check {quoted(target.parent if target.name == FILE_NAME else target)}"
     lines += ["", f"Next: {command}"]
     content = {
         "file": str(target),
@@ -90,8 +80,3 @@ def _counted(draft: Draft) -> str:
     parts += [f"{len(draft.tables)} tables"] if draft.tables else []
     parts += [f"{len(campaign)} runs of {file}" for file, campaign in draft.saved]
     return f"a {draft.kind} campaign of {', '.join(parts)}"
-
-
-def _quoted(path: Path) -> str:
-    text = str(path)
-    return f'"{text}"' if " " in text else text

@@ -1,23 +1,23 @@
-"""The work behind the command about sea trials."""
+"""``pmmkit trial``."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
-from typing import Any, Final
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, json_text
-from pmmkit.cli.findings import findings_of
-from pmmkit.cli.tracks import check_folder
-from pmmkit.files import atomic_folder
-from pmmkit.metrics import unit_of
+import typer
+
+from pmmkit.cli.options import Campaign, Data, Out, numbers, results_folder, sound_campaign, stem
+from pmmkit.cli.output import Outcome, warned
 from pmmkit.presentation import aligned
-from pmmkit.simulation.imo import SOURCE
-from pmmkit.trials import Trial, evaluate_trials
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pmmkit.trials import Trial
 
 SHOWN: Final = {
     "turning": (
@@ -45,60 +45,67 @@ SHOWN: Final = {
 
 
 def trial(
-    campaign: Path,
-    out: Path,
-    *,
-    runs: Sequence[str] | None,
-    order: Mapping[str, float] | None,
-    current: tuple[float, float] | None,
-    data: Path | None,
+    campaign: Campaign,
+    run: Annotated[
+        list[str] | None, typer.Option(help="Id of a run; may be repeated. All if absent.")
+    ] = None,
+    order: Annotated[
+        float | None, typer.Option(help="Instant of the order [s] on the clock of the one --run.")
+    ] = None,
+    current: Annotated[
+        str | None,
+        typer.Option(help="A current that is known: north,east [m/s], such as 0.4,-0.1."),
+    ] = None,
+    data: Data = None,
+    out: Out = None,
 ) -> Outcome:
-    """Evaluate a sea trial: ``trial.csv``, ``trial.json``, paths and figures.
+    """Measure turning circles, zigzags and stops of a sea trial, beside the limits of the IMO."""
+    from pmmkit.files import write_results
+    from pmmkit.simulation.imo import SOURCE
+    from pmmkit.trials import evaluate_trials
 
-    Parameters
-    ----------
-    campaign, data : Path
-        As for `open_campaign`.
-    out : Path
-        Folder of the results.
-    runs, order, current
-        As for `evaluate_trials`.
-
-    Returns
-    -------
-    Outcome
-        With the measures of every run.
-    """
-    check_folder(out)
-    opened = open_campaign(campaign, data=data)
-    findings = examine(opened)
-    refuse(findings)
-    found = evaluate_trials(opened, runs=runs, order=order, current=current)
-    entries = [_entry(item) for item in found]
-    warnings = findings_of(findings)
-    with atomic_folder(out) as folder:
-        _rows(found).to_csv(folder / "trial.csv", index=False)
-        content = {"campaign": opened.title, "source": SOURCE, "findings": warnings}
-        text = json_text({**content, "runs": entries})
-        (folder / "trial.json").write_text(text + "\n", encoding="utf-8")
-        from pmmkit.figures import trials as figures
-        from pmmkit.plotting.style import save
-
-        for item, name in zip(found, _names(found), strict=True):
-            _path(item).to_csv(folder / f"path_{name}.csv", index=False)
-            save(figures.trial_figure(item), folder / f"trial_{name}.svg")
-        files = sorted(file.name for file in folder.iterdir())
+    velocity = numbers(current)
+    if velocity is not None and len(velocity) != 2:
+        raise typer.BadParameter(f"--current {current!r}: write north,east, such as 0.4,-0.1.")
+    if order is not None and len(run or ()) != 1:
+        raise typer.BadParameter("--order belongs to one run: give one --run with it.")
+    folder = results_folder(out, f"{stem(campaign)}-trial")
+    opened, findings = sound_campaign(campaign, data)
+    found = evaluate_trials(
+        opened,
+        runs=run,
+        order=None if order is None or run is None else {run[0]: order},
+        current=None if velocity is None else (velocity[0], velocity[1]),
+    )
+    content = {
+        "campaign": opened.title,
+        "source": SOURCE,
+        "findings": [item.to_dict() for item in findings],
+        "runs": [_entry(item) for item in found],
+    }
+    files = write_results(folder, _files(found, content))
     lines = [f"{opened.title}: {len(found)} runs, limits of {SOURCE}"]
     for item in found:
         lines += _text(item)
-    lines += dict.fromkeys(f"{item['severity']}: {item['message']}" for item in warnings)
+    lines += warned(findings)
     lines += dict.fromkeys(
         text for item in found for verdict in item.verdicts for text in verdict.conditions
     )
-    lines.append(f"Results: {out}")
-    return Outcome(
-        content={"out": str(out), "files": files, **content, "runs": entries}, lines=lines
-    )
+    lines.append(f"Results: {folder}")
+    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+
+
+def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
+    import pandas as pd
+
+    from pmmkit.figures.trials import trial_figure
+    from pmmkit.plotting.style import save
+
+    yield "trial.csv", pd.DataFrame([row for item in found for row in item.rows()])
+    yield "trial.json", content
+    for item, name in zip(found, _names(found), strict=True):
+        yield f"path_{name}.csv", _path(item)
+        yield f"trial_{name}.svg", partial(save, trial_figure(item))
 
 
 def _entry(item: Trial) -> dict[str, Any]:
@@ -133,13 +140,7 @@ def _entry(item: Trial) -> dict[str, Any]:
     }
 
 
-def _rows(found: Sequence[Trial]) -> Any:
-    import pandas as pd
-
-    return pd.DataFrame([row for item in found for row in item.rows()])
-
-
-def _path(item: Trial) -> Any:
+def _path(item: Trial) -> pd.DataFrame:
     import pandas as pd
 
     names = ("t", "x", "y", "psi", "x_ground", "y_ground", "delta")
@@ -183,6 +184,8 @@ def _text(item: Trial) -> list[str]:
 
 
 def _cells(name: str, item: Trial) -> list[str]:
+    from pmmkit.metrics import unit_of
+
     value, std, unit = item.metrics[name], item.std[name], unit_of(name)
     digits = 3 if unit == "-" else 1
     shown = "°" if unit == "deg" else "" if unit == "-" else f" {unit}"

@@ -1,36 +1,24 @@
-"""The work behind ``pmmkit reduce`` and ``pmmkit demo``."""
+"""``pmmkit reduce``."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
-import numpy as np
+import typer
 
-from pmmkit.api import hull_table, model_of
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.cli.console import Outcome, say
-from pmmkit.cli.findings import findings_of
-from pmmkit.cli.results import write_reduction
-from pmmkit.cli.tracks import check_folder
-from pmmkit.conventions import CHANNELS
-from pmmkit.errors import MissingPartError, ModelError, SimulationError
-from pmmkit.files import datasets_folder
-from pmmkit.loop.session import begin
-from pmmkit.metrics import HARD_OVER
-from pmmkit.models import Model, load_model
-from pmmkit.presentation import aligned, percent
-from pmmkit.progress import shown
-from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.reduction.reading.resume import forget, resume_folder
-from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
-from pmmkit.report.loop import VERDICTS
-from pmmkit.simulation import froude_sweep, simulate
-from pmmkit.tables import DerivativeTable, read_table
+from pmmkit.cli.options import Campaign, Data, Out, stem
+from pmmkit.cli.output import Outcome, say
+from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
+    from pmmkit.models import Model
     from pmmkit.observations.prepare import CycleChoice
+    from pmmkit.reduction import Reduction
+    from pmmkit.report import Loop, Reference, Turns
+    from pmmkit.tables import DerivativeTable
 
 STEPS: Final = 7
 """Froude numbers of a sweep in a report."""
@@ -39,7 +27,67 @@ ROUNDS: Final = 3
 PARTS: Final = ("propeller", "rudder_mmg")
 
 
+class Fn(StrEnum):
+    """A set of derivatives per Froude number, or one over all speeds."""
+
+    each = "each"
+    pooled = "pooled"
+
+
 def reduce(
+    campaign: Campaign,
+    structure: Annotated[
+        str, typer.Option(help="Name of a structure, or derivatives such as 'Yv Yv|v| Nv'.")
+    ] = "abkowitz3",
+    fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
+    cycles: Annotated[
+        str | None, typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent.")
+    ] = None,
+    parts: Annotated[
+        str | None, typer.Option(help="Library ship or model file that gives propeller and rudder.")
+    ] = None,
+    reference: Annotated[
+        str | None, typer.Option(help="Library ship, model file or table to compare with.")
+    ] = None,
+    data: Data = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that read runs; the number of processors if absent."),
+    ] = None,
+    memory: Annotated[
+        float, typer.Option(min=1, help="Memory that they may take together in MB.")
+    ] = 1000.0,
+    out: Out = None,
+) -> Outcome:
+    """Reduce captive tests to a table of derivatives, a model and a report.
+
+    Typed again after an interruption it goes on with the runs that were not yet read.
+    """
+    return reduced(
+        campaign,
+        out or Path(f"{stem(campaign)}-reduced"),
+        structure=structure,
+        fn=fn.value,
+        cycles=_cycles(cycles),
+        data=data,
+        parts=parts,
+        reference=reference,
+        jobs=jobs,
+        memory=memory,
+    )
+
+
+def _cycles(text: str | None) -> int | tuple[int, int] | None:
+    if text is None:
+        return None
+    first, dash, last = text.partition("-")
+    try:
+        return (int(first), int(last)) if dash else int(first)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r}: write one cycle (3) or a range (3-6).") from None
+
+
+def reduced(
     campaign: Path,
     out: Path,
     *,
@@ -83,6 +131,16 @@ def reduce(
     Outcome
         Files, table, findings, notes, the model or why there is none.
     """
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.files import check_folder
+    from pmmkit.loop.session import begin
+    from pmmkit.models import load_model
+    from pmmkit.progress import shown
+    from pmmkit.reduction import reduce_campaign
+    from pmmkit.reduction.reading.resume import forget, resume_folder
+    from pmmkit.report import changes, loop_of
+    from pmmkit.report.results import write_reduction
+
     check_folder(out)
     donor = load_model(parts) if parts else None
     beside = _reference(reference, reference_name) if reference else None
@@ -118,7 +176,7 @@ def reduce(
         "fn": fn,
         "runs": len(found.runs),
         "excluded": {run.id: reason for run, reason in opened.excluded},
-        "findings": findings_of(found.findings),
+        "findings": [item.to_dict() for item in found.findings],
         "notes": list(found.notes),
         "table": found.table.to_pandas().to_dict("records"),
         "model": "model.toml" if model else None,
@@ -131,33 +189,12 @@ def reduce(
     return Outcome(content=content, lines=[*lines, f"Report:  {out.resolve() / 'report.html'}"])
 
 
-def demo(out: Path) -> Outcome:
-    """The main job on the synthetic S175 programme that comes with pmmkit.
-
-    Parameters
-    ----------
-    out : Path
-        The folder of the results.
-
-    Returns
-    -------
-    Outcome
-        As `reduce`.
-    """
-    return reduce(
-        datasets_folder() / "s175",
-        out,
-        parts="s175-3dof",
-        reference="s175-3dof",
-        reference_name="Son and Nomoto 1981",
-        asked="cubic",
-    )
-
-
 def _missing(loop: Loop | None) -> list[str]:
     """What a simpler structure lacks, and how the error falls with it."""
     if loop is None:
         return []
+    from pmmkit.report.loop import VERDICTS
+
     steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
     shares = [f"{name} {100 * item.share():.1f}" for name, item in steps]
     end = loop.end or loop.diagnosis
@@ -170,6 +207,10 @@ def _missing(loop: Loop | None) -> list[str]:
 
 def _reference(given: str, name: str | None) -> Reference:
     """A library ship, a model file or a table, by what the text looks like."""
+    from pmmkit.models.hull import hull_table
+    from pmmkit.report import Reference
+    from pmmkit.tables import read_table
+
     if _is_table(given):
         return Reference(table=read_table(given), name=name or Path(given).stem)
     return Reference(table=hull_table(given), name=name or given)
@@ -181,6 +222,9 @@ def _is_table(given: str) -> bool:
 
 def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[str]]:
     """The model, and in words what it lacks."""
+    from pmmkit.api import model_of
+    from pmmkit.errors import MissingPartError, ModelError
+
     try:
         model = model_of(found, donor)
     except (MissingPartError, ModelError) as error:
@@ -198,6 +242,13 @@ def _turns(
     found: Reduction, model: Model | None, given: str | None, beside: Reference | None
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles at the speeds of the tests and sweeps between them, or why there are none."""
+    import numpy as np
+
+    from pmmkit.errors import SimulationError
+    from pmmkit.metrics import HARD_OVER
+    from pmmkit.report import Turns
+    from pmmkit.simulation import froude_sweep, simulate
+
     if model is None or any(name not in model.parts for name in PARTS):
         return None, []
     tested = model.Fn or tuple(sorted({round(item.froude, 4) for item in found.runs}))
@@ -221,6 +272,8 @@ def _turns(
 def _words(
     found: Reduction, beside: Reference | None, turns: Turns | None, why: Sequence[str]
 ) -> list[str]:
+    from pmmkit.metrics import HARD_OVER
+
     lines = [headline(found.table, beside), ""]
     counts = {
         severity: sum(item.severity == severity for item in found.findings)
@@ -247,6 +300,9 @@ def headline(table: DerivativeTable, beside: Reference | None) -> str:
     beside : Reference or None
         Values to compare with.
     """
+    from pmmkit.conventions import CHANNELS
+    from pmmkit.report import tables
+
     grid = tables.derivatives(table, beside)
     names = [name for channel in CHANNELS for name in table.names if name[0] == channel]
     cells = [row[1:] for group in grid.groups for row in group.rows]
@@ -262,6 +318,9 @@ def turn_table(turns: Turns) -> str:
     turns : Turns
         Turns at several speeds.
     """
+    from pmmkit.presentation import percent
+    from pmmkit.report import changes
+
     names = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
     moved = changes(turns.tracks) if len(turns.tracks) > 1 else {}
     rows = [

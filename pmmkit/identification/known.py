@@ -10,7 +10,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.api import hull_table
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.segments import Cut, usable
 from pmmkit.conventions import canonical
@@ -22,6 +21,7 @@ from pmmkit.identification.parameters import places
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, load_model
+from pmmkit.models.hull import hull_table
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.tables import DerivativeTable, converted, interpolate, read_table
 

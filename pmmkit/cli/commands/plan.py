@@ -1,100 +1,97 @@
-"""The work behind ``pmmkit plan``."""
+"""``pmmkit plan``."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign
-from pmmkit.cli.console import Outcome
-from pmmkit.cli.tracks import check_folder
-from pmmkit.errors import CampaignError, DataError
-from pmmkit.files import atomic_folder
-from pmmkit.models import load_model
+import typer
+
+from pmmkit.cli.options import Data, Given, Out, numbers, results_folder, stem, words
+from pmmkit.cli.output import Outcome
 from pmmkit.presentation import aligned
-from pmmkit.test_planning.next_run import Advice, next_runs
-from pmmkit.test_planning.options import Limits, Option, limits_of
-from pmmkit.test_planning.plan_file import entries_text, read_plan_file
-from pmmkit.test_planning.programme import Plan
-from pmmkit.test_planning.programme import plan as programme
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.test_planning.next_run import Advice
+    from pmmkit.test_planning.options import Limits, Option
+    from pmmkit.test_planning.programme import Plan
 
 
 def plan(
-    model: str,
-    campaign: Path | None,
-    out: Path,
-    *,
-    effects: Sequence[str],
-    runs: int | None,
-    hours: float | None,
-    speeds: Sequence[float] | None,
-    limits: Path | None,
-    noise: float | None,
-    record_noise: float,
-    floor: float,
-    given: Sequence[str],
-    before: bool,
-    data: Path | None,
+    model: Annotated[
+        str,
+        typer.Argument(
+            help="Model file, library ship, or a structure such as cubic; a model with values "
+            "before any test."
+        ),
+    ],
+    campaign: Annotated[
+        Path | None,
+        typer.Argument(help="Tests that are made; one without runs gives ship and water."),
+    ] = None,
+    effects: Annotated[
+        str | None,
+        typer.Option(
+            "--for", help="Effects to tell apart, or one to show, such as memory,current."
+        ),
+    ] = None,
+    runs: Annotated[int | None, typer.Option(help="A programme of so many runs.")] = None,
+    hours: Annotated[float | None, typer.Option(help="A programme of so many hours.")] = None,
+    speeds: Annotated[str | None, typer.Option(help="Speeds in m/s, such as 1.0,1.5.")] = None,
+    limits: Annotated[
+        Path | None,
+        typer.Option(help="TOML file with [limits] of tank and rig, or [[runs]] to choose from."),
+    ] = None,
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            help="Uncertainty of means and harmonics over the rms force, of tests that state none."
+        ),
+    ] = None,
+    record_noise: Annotated[
+        float, typer.Option(help="Before any test: noise of a record over the rms force.")
+    ] = 0.015,
+    floor: Annotated[
+        float, typer.Option(help="What is too small to matter, over the rms force.")
+    ] = 0.005,
+    given: Given = None,
+    before: Annotated[
+        bool, typer.Option("--before", help="As if no test of the campaign were made.")
+    ] = False,
+    data: Data = None,
+    out: Out = None,
 ) -> Outcome:
-    """The next run where tests are made, a programme where there are none or one is asked for.
+    """The run to make next, or a whole programme, before any test is made as well."""
+    from pmmkit.test_planning import programme
+    from pmmkit.test_planning.next_run import next_runs
 
-    Parameters
-    ----------
-    model : str
-        Structure, library ship or model file.
-    campaign, data : Path, optional
-        As for `open_campaign`; `before` leaves its tests out.
-    out : Path
-        Folder for ``plan.csv`` and ``plan.toml``.
-    effects, runs, hours, noise, record_noise, floor, given
-        As for `programme.plan`.
-    speeds : sequence of float, optional
-        [m/s]
-    limits : Path, optional
-        As for `read_plan_file`.
-    before : bool
-        As if no test were made.
-
-    Returns
-    -------
-    Outcome
-        With the runs, and what stays invisible or is better checked at the bench.
-    """
-    check_folder(out)
+    listed = numbers(speeds)
+    folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
-    allowed, options = _limits(opened, model, limits, speeds)
+    allowed, options = _limits(opened, model, limits, listed)
+    asked: dict[str, Any] = {
+        "effects": tuple(words(effects)),
+        "limits": allowed,
+        "options": options,
+        "floor": floor,
+        "given": words(given),
+        "noise": noise,
+    }
     if opened is not None and opened.runs and runs is None and hours is None:
-        advice = next_runs(
-            model,
-            opened,
-            effects=effects,
-            limits=allowed,
-            options=options,
-            floor=floor,
-            given=given,
-            noise=noise,
-        )
-        return _advised(advice, out)
-    made = programme(
-        model,
-        opened,
-        runs=runs,
-        hours=hours,
-        effects=effects,
-        limits=allowed,
-        options=options,
-        noise=noise,
-        record_noise=record_noise,
-        floor=floor,
-        given=given,
-    )
-    return _planned(made, out)
+        return _advised(next_runs(model, opened, **asked), folder)
+    made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
+    return _planned(made, folder)
 
 
 def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.errors import CampaignError
+
     if before:
         return open_campaign(campaign, data=data, runs=False)
     try:
@@ -108,6 +105,11 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 def _limits(
     campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[float] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
+    from pmmkit.errors import DataError
+    from pmmkit.models import load_model
+    from pmmkit.test_planning.options import Limits, limits_of
+    from pmmkit.test_planning.plan_file import read_plan_file
+
     found = limits_of(campaign) if campaign is not None and campaign.runs else None
     if speeds is not None:
         found = (found or Limits(speeds=(1.0,))).with_(speeds=tuple(speeds))
@@ -120,6 +122,8 @@ def _limits(
 
 
 def _advised(advice: Advice, out: Path) -> Outcome:
+    from pmmkit.files import write_results
+
     runs = [
         {
             **item.option.entry,
@@ -133,7 +137,7 @@ def _advised(advice: Advice, out: Path) -> Outcome:
         for item in advice.runs
     ]
     chosen = [item.option for item in advice.runs[:1] for _ in range(item.repeats)]
-    files = _written(out, advice.to_pandas(), chosen)
+    files = write_results(out, _files(advice.to_pandas(), chosen))
     lines = [advice.words]
     if advice.runs and advice.rivals:
         lines.append(
@@ -175,7 +179,9 @@ def _advised(advice: Advice, out: Path) -> Outcome:
 
 
 def _planned(made: Plan, out: Path) -> Outcome:
-    files = _written(out, made.to_pandas(), made.options)
+    from pmmkit.files import write_results
+
+    files = write_results(out, _files(made.to_pandas(), made.options))
     head = (
         f"{made.made} tests are made and show {len(made.before)} of {len(made.sights)} effects. "
         if made.made
@@ -230,8 +236,7 @@ def _planned(made: Plan, out: Path) -> Outcome:
     return Outcome(content=content, lines=lines)
 
 
-def _written(out: Path, table: Any, options: Sequence[Option]) -> list[str]:
-    with atomic_folder(out) as folder:
-        table.to_csv(folder / "plan.csv", index=False)
-        (folder / "plan.toml").write_text(entries_text(options), encoding="utf-8")
-        return sorted(file.name for file in folder.iterdir())
+def _files(table: pd.DataFrame, options: Sequence[Option]) -> list[tuple[str, Any]]:
+    from pmmkit.test_planning.plan_file import entries_text
+
+    return [("plan.csv", table), ("plan.toml", entries_text(options))]

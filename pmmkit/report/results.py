@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pmmkit import figures
-from pmmkit.cli.console import json_text
-from pmmkit.cli.findings import findings_of
-from pmmkit.cli.tracks import put_track, sweep_frame
-from pmmkit.files import atomic_folder
+from pmmkit.figures import trajectory
+from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
+from pmmkit.plotting.style import save
 from pmmkit.reduction import Reduction
-from pmmkit.report import Loop, Reference, Turns, write_report
+from pmmkit.report.build import write_report
+from pmmkit.report.loop import Loop
+from pmmkit.report.turning import Turns
+from pmmkit.report.words import Reference
+from pmmkit.simulation.results import sweep_frame, track_files
 from pmmkit.tables import write_table
 
 if TYPE_CHECKING:
@@ -50,24 +54,33 @@ def write_reduction(
     list of str
         Names of the files.
     """
-    with atomic_folder(out) as folder:
-        write_table(reduction.table, folder / "derivatives.csv")
-        write_table(reduction.table, folder / "derivatives.nc")
-        by_method(reduction).to_csv(folder / "derivatives_by_method.csv", index=False)
-        reduction.runs_to_pandas().to_csv(folder / "runs.csv", index=False)
-        (folder / "findings.json").write_text(
-            json_text(findings_of(reduction.findings)) + "\n", encoding="utf-8"
-        )
-        if model is not None:
-            save_model(model, folder / "model.toml")
-        for track in turns.tracks if turns else ():
-            put_track(track, folder, f"_Fn{track.Fn:.3f}")
-        if turns:
-            figures.save(figures.trajectory(turns.tracks), folder / "trajectories.svg")
-        for name, sweep in (turns.sweeps if turns else {}).items():
-            sweep_frame(sweep).to_csv(folder / f"sweep_{_plain(name)}.csv", index=False)
-        write_report(reduction, folder / "report.html", reference=reference, turns=turns, loop=loop)
-        return sorted(file.name for file in folder.iterdir())
+    report = partial(write_report, reduction, reference=reference, turns=turns, loop=loop)
+    return write_results(
+        out,
+        (
+            *_tables(reduction),
+            *([("model.toml", partial(save_model, model))] if model else []),
+            *(_turns(turns) if turns else ()),
+            ("report.html", report),
+        ),
+    )
+
+
+def _tables(reduction: Reduction) -> Iterator[tuple[str, Any]]:
+    yield "derivatives.csv", partial(write_table, reduction.table)
+    yield "derivatives.nc", partial(write_table, reduction.table)
+    yield "derivatives_by_method.csv", by_method(reduction)
+    yield "runs.csv", reduction.runs_to_pandas()
+    yield "findings.json", [item.to_dict() for item in reduction.findings]
+
+
+def _turns(turns: Turns) -> Iterator[tuple[str, Any]]:
+    for track in turns.tracks:
+        yield from track_files(track, f"_Fn{track.Fn:.3f}")
+    yield "trajectories.svg", partial(save, trajectory(turns.tracks))
+    for name, sweep in turns.sweeps.items():
+        plain = "".join(letter if letter.isalnum() else "_" for letter in name.lower())
+        yield f"sweep_{plain}.csv", sweep_frame(sweep)
 
 
 def by_method(reduction: Reduction) -> pd.DataFrame:
@@ -84,7 +97,3 @@ def by_method(reduction: Reduction) -> pd.DataFrame:
     frames += [table.to_pandas().assign(run="") for table in reduction.families.values()]
     frames += [table.to_pandas().assign(run=name) for name, table in reduction.single_runs.items()]
     return pd.concat([frame[frame["value"].notna()] for frame in frames], ignore_index=True)
-
-
-def _plain(name: str) -> str:
-    return "".join(letter if letter.isalnum() else "_" for letter in name.lower())

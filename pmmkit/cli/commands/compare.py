@@ -1,81 +1,83 @@
-"""The work behind ``pmmkit compare``."""
+"""``pmmkit compare``."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, json_text
-from pmmkit.cli.findings import findings_of
-from pmmkit.cli.tracks import check_folder
-from pmmkit.files import atomic_folder
-from pmmkit.models import load_model
-from pmmkit.numerics import rms
+import typer
+
+from pmmkit.cli.options import (
+    Campaign,
+    Data,
+    Figures,
+    Model,
+    Out,
+    results_folder,
+    sound_campaign,
+    stem,
+)
+from pmmkit.cli.output import Outcome, warned
 from pmmkit.presentation import aligned
-from pmmkit.progress import shown
-from pmmkit.validation.comparison import TOLD, Comparison, compare
-from pmmkit.validation.misfit import words_of_test
-from pmmkit.validation.uncertainty import COVERAGE
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from pmmkit.validation.comparison import Comparison
 
 MOST: Final = 12
 """Sentences on the screen; all of them are in the files."""
 
 
-def compare_with(
-    model: str,
-    campaign: Path,
-    out: Path,
-    *,
-    floor: float,
-    window: float | None = None,
-    extrapolate: bool = False,
-    drawn: bool = True,
-    data: Path | None = None,
+def compare(
+    model: Model,
+    campaign: Campaign,
+    floor: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            max=0.5,
+            help="Share of a channel's rms force that counts as uncertain whatever else is known.",
+        ),
+    ] = 0.005,
+    window: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1,
+            help="Free-running records: length in s of the windows that are predicted; 15 ship "
+            "lengths if absent.",
+        ),
+    ] = None,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
+    ] = False,
+    figures: Figures = True,
+    data: Data = None,
+    out: Out = None,
 ) -> Outcome:
-    """Compare a model with the tests of a campaign, and write everything.
+    """Compare a model with tests: errors against their uncertainty, and where it fails."""
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model
+    from pmmkit.progress import shown
+    from pmmkit.validation import comparison
 
-    Parameters
-    ----------
-    model : str
-        Library ship or model file.
-    campaign, data : Path
-        As for `open_campaign`.
-    out : Path
-        Folder of the results.
-    floor, window, extrapolate
-        As for `compare`.
-    drawn : bool
-        Whether to draw figures.
-
-    Returns
-    -------
-    Outcome
-        With a row per run and channel, the map of misfit and the sentences.
-    """
-    check_folder(out)
+    folder = results_folder(out, f"{stem(campaign)}-compared")
     known = load_model(model)
-    opened = open_campaign(campaign, data=data)
-    findings = examine(opened)
-    refuse(findings)
+    opened, findings = sound_campaign(campaign, data)
     with shown() as progress:
-        found = compare(
+        found = comparison.compare(
             known, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
         )
-    content = {**_content(found), "findings": findings_of(findings)}
-    files = _write(found, out, content, drawn=drawn)
-    warned = [f"{item['severity']}: {item['message']}" for item in content["findings"]]
-    lines = [*_words(found), *dict.fromkeys(warned), "", f"Results: {out}"]
-    return Outcome(content={"out": str(out), "files": files, **content}, lines=lines)
+    content = {**_content(found), "findings": [item.to_dict() for item in findings]}
+    files = write_results(folder, _files(found, content, figures))
+    lines = [*_words(found), *warned(findings), "", f"Results: {folder}"]
+    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
 
 def _content(found: Comparison) -> dict[str, Any]:
+    from pmmkit.validation.uncertainty import COVERAGE
+
     return {
         "campaign": found.campaign,
         "model": found.model,
@@ -92,27 +94,25 @@ def _content(found: Comparison) -> dict[str, Any]:
     }
 
 
-def _write(found: Comparison, out: Path, content: Mapping[str, Any], *, drawn: bool) -> list[str]:
-    """All files of the results, or none."""
-    with atomic_folder(out) as folder:
-        found.to_pandas().to_csv(folder / "comparison.csv", index=False)
-        found.misfit().to_csv(folder / "misfit.csv", index=False)
-        if found.captive:
-            found.harmonics().to_csv(folder / "harmonics.csv", index=False)
-        if found.manoeuvres:
-            found.metrics().to_csv(folder / "manoeuvres.csv", index=False)
-        (folder / "comparison.json").write_text(json_text(content) + "\n", encoding="utf-8")
-        if drawn:
-            from pmmkit.figures import comparison as figures
-            from pmmkit.plotting.style import save
+def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures.comparison import comparison_figures
+    from pmmkit.plotting.style import figure_files
 
-            for name, figure in figures.comparison_figures(found).items():
-                save(figure, folder / f"{name}.png")
-        return sorted(file.name for file in folder.iterdir())
+    yield "comparison.csv", found.to_pandas()
+    yield "misfit.csv", found.misfit()
+    if found.captive:
+        yield "harmonics.csv", found.harmonics()
+    if found.manoeuvres:
+        yield "manoeuvres.csv", found.metrics()
+    yield "comparison.json", content
+    if drawn:
+        yield from figure_files(comparison_figures(found), "png")
 
 
 def _words(found: Comparison) -> list[str]:
     """What the command prints."""
+    from pmmkit.validation.uncertainty import COVERAGE
+
     lines = [f"{found.campaign}: compared with {found.model}", *found.notes, ""]
     lines.append(
         f"Root mean square errors and expanded validation uncertainty (k = {COVERAGE:g}, floor "
@@ -131,6 +131,9 @@ def _words(found: Comparison) -> list[str]:
 
 def _table(table: pd.DataFrame) -> str:
     """Errors by channel and kind of test."""
+    from pmmkit.numerics import rms
+    from pmmkit.validation.misfit import words_of_test
+
     rows = []
     for key, group in table.groupby(["channel", "unit", "test"], sort=False):
         channel, unit, test = map(str, key)
@@ -153,6 +156,8 @@ def _table(table: pd.DataFrame) -> str:
 
 
 def _measures(found: Comparison) -> str:
+    from pmmkit.validation.comparison import TOLD
+
     rows = [
         [
             f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
