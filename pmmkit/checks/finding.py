@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.errors import ContradictionError, Problem
 from pmmkit.numerics import Array
@@ -50,6 +50,17 @@ class CheckFinding:
     def __str__(self) -> str:
         where = f" ({name_runs(self.runs)})" if self.runs else ""
         return f"{self.severity}: {self.check}{where}: {self.message}".rstrip()
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "check": self.check,
+            "severity": self.severity,
+            "message": self.message,
+            "runs": list(self.runs),
+            "remedy": self.remedy,
+            "numbers": dict(self.numbers),
+        }
 
 
 @dataclass(frozen=True)
