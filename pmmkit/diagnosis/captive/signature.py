@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.campaigns.motion.nominal import nominal_motion
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
