@@ -101,7 +101,7 @@ def evaluate_trials(
         raise DataError(problems, title="The trial cannot be evaluated")
     known = None if current is None else Current(x=current[0], y=current[1], origin="as given")
     common = known or mean_current(
-        [part.circle.current for part in parts if part.circle and part.record.north]
+        {part.run.id: part.circle.current for part in parts if part.circle and part.record.north}
     )
     circles = [part.circle for part in parts if part.circle]
     return tuple(
