@@ -12,21 +12,6 @@ from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.tables import DerivativeTable
 
 _LETTERS: Final = {"phi": "φ", "d": "δ", "|d|": "|δ|"}
-TESTS: Final = {
-    "resistance": "resistance",
-    "propulsion": "self-propulsion",
-    "static_drift": "static drift",
-    "static_heel": "static heel",
-    "static_rudder": "static rudder",
-    "drift_rudder": "drift with rudder",
-    "circular_motion": "circular motion",
-    "pure_surge": "pure surge",
-    "pure_sway": "pure sway",
-    "pure_yaw": "pure yaw",
-    "yaw_drift": "yaw with drift",
-    "yaw_rudder": "yaw with rudder",
-    "sway_yaw": "sway and yaw",
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
