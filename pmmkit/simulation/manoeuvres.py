@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.equations.layouts import Ask, End, State
 from pmmkit.errors import DataError
 from pmmkit.simulation.plan import Answers, Phase, Plan, Probe
 from pmmkit.simulation.scalars import arctan2, chosen, cos, degrees, hypot, larger
@@ -31,17 +32,17 @@ def turning(
     longest = LONGEST / pace if duration is None else duration
     phase = Phase(
         rudder=rudder,
-        until="time" if duration else "heading" if wind else "steady turn",
+        until=End.time if duration else End.heading if wind else End.steady_turn,
         level=side * CIRCLES,
         side=side,
         longest=longest,
     )
     probes = {
-        "quarter": Probe(ask="crossing", state="psi", level=side * HALF, side=side),
-        "half": Probe(ask="crossing", state="psi", level=side * math.pi, side=side),
-        "steady": Probe(ask="steady"),
-        "heel_up": Probe(ask="extreme", state="phi", side=1.0),
-        "heel_down": Probe(ask="extreme", state="phi", side=-1.0),
+        "quarter": Probe(ask=Ask.crossing, state=State.psi, level=side * HALF, side=side),
+        "half": Probe(ask=Ask.crossing, state=State.psi, level=side * math.pi, side=side),
+        "steady": Probe(ask=Ask.steady),
+        "heel_up": Probe(ask=Ask.extreme, state=State.phi, side=1.0),
+        "heel_down": Probe(ask=Ask.extreme, state=State.phi, side=-1.0),
     }
 
     def measure(a: Answers) -> dict[str, Any]:
@@ -86,7 +87,7 @@ def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float
     side = math.copysign(1.0, rudder)
     phase = Phase(
         rudder=rudder,
-        until="heading",
+        until=End.heading,
         level=side * math.radians(heading_deg),
         side=side,
         longest=100.0 / pace,
@@ -100,7 +101,7 @@ def initial_turning(pace: float, *, rudder_deg: float = 10.0, heading_deg: float
             "yaw_rate_deg_s": side * degrees(a.at("there", "r")),
         }
 
-    probes = {"there": Probe(ask="reached"), "path": Probe(ask="path")}
+    probes = {"there": Probe(ask=Ask.reached), "path": Probe(ask=Ask.path)}
     return Plan(
         name="initial_turning", phases=(phase,), probes=probes, measure=measure, rudder=rudder
     )
@@ -119,7 +120,7 @@ def zigzag(
     phases = [
         Phase(
             rudder=side * abs(rudder),
-            until="heading",
+            until=End.heading,
             level=side * switch,
             side=side,
             longest=longest,
@@ -129,7 +130,7 @@ def zigzag(
     phases.append(
         Phase(
             rudder=sides[-1] * abs(rudder),
-            until="yaw rate",
+            until=End.yaw_rate,
             level=0.0,
             side=sides[-1],
             longest=longest,
@@ -137,11 +138,13 @@ def zigzag(
     )
     probes: dict[str, Probe] = {}
     for i in range(1, executes):
-        probes[f"execute_{i + 1}"] = Probe(ask="begin", first=i, last=i)
-        probes[f"peak_{i}"] = Probe(ask="extreme", state="psi", side=sides[i - 1], first=i, last=i)
-        probes[f"turned_{i}"] = Probe(ask="reached", first=i, last=i)
+        probes[f"execute_{i + 1}"] = Probe(ask=Ask.begin, first=i, last=i)
+        probes[f"peak_{i}"] = Probe(
+            ask=Ask.extreme, state=State.psi, side=sides[i - 1], first=i, last=i
+        )
+        probes[f"turned_{i}"] = Probe(ask=Ask.reached, first=i, last=i)
         probes[f"zero_{i}"] = Probe(
-            ask="crossing", state="psi", side=sides[i], first=i, last=min(i + 1, executes - 1)
+            ask=Ask.crossing, state=State.psi, side=sides[i], first=i, last=min(i + 1, executes - 1)
         )
 
     def measure(a: Answers) -> dict[str, Any]:
@@ -169,11 +172,16 @@ def pull_out(pace: float, *, rudder_deg: float = 15.0) -> Plan:
     side = math.copysign(1.0, rudder)
     phases = (
         Phase(
-            rudder=rudder, until="steady", level=STEADY, shortest=5.0 / pace, longest=100.0 / pace
+            rudder=rudder, until=End.steady, level=STEADY, shortest=5.0 / pace, longest=100.0 / pace
         ),
-        Phase(rudder=0.0, until="steady", level=STEADY, shortest=10.0 / pace, longest=150.0 / pace),
+        Phase(
+            rudder=0.0, until=End.steady, level=STEADY, shortest=10.0 / pace, longest=150.0 / pace
+        ),
     )
-    probes = {"turn": Probe(ask="end", first=0, last=0), "end": Probe(ask="end", first=1, last=1)}
+    probes = {
+        "turn": Probe(ask=Ask.end, first=0, last=0),
+        "end": Probe(ask=Ask.end, first=1, last=1),
+    }
 
     def measure(a: Answers) -> dict[str, Any]:
         return {
@@ -198,14 +206,14 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
     phases = tuple(
         Phase(
             rudder=math.radians(angle),
-            until="steady",
+            until=End.steady,
             level=STEADY,
             shortest=5.0 / pace,
             longest=200.0 / pace,
         )
         for angle in angles
     )
-    probes = {f"end_{i}": Probe(ask="end", first=i, last=i) for i in range(len(angles))}
+    probes = {f"end_{i}": Probe(ask=Ask.end, first=i, last=i) for i in range(len(angles))}
     back = {angle: len(angles) - 1 - i for i, angle in enumerate(down)}
 
     def measure(a: Answers) -> dict[str, Any]:
@@ -236,7 +244,7 @@ def spiral(pace: float, *, rudder_deg: float = 20.0, step_deg: float = 2.5) -> P
 def accelerating(pace: float, *, turns: float = 1.5) -> Plan:
     """Accelerating: more revolutions straight ahead until the speed stays."""
     phases = (
-        Phase(turns=turns, until="steady", level=1e-5, shortest=2.0 / pace, longest=500.0 / pace),
+        Phase(turns=turns, until=End.steady, level=1e-5, shortest=2.0 / pace, longest=500.0 / pace),
     )
 
     def measure(a: Answers) -> dict[str, Any]:
@@ -248,7 +256,7 @@ def accelerating(pace: float, *, turns: float = 1.5) -> Plan:
         } | found
 
     return Plan(
-        name="accelerating", phases=phases, probes={"end": Probe(ask="end")}, measure=measure
+        name="accelerating", phases=phases, probes={"end": Probe(ask=Ask.end)}, measure=measure
     )
 
 
@@ -259,13 +267,13 @@ def stopping(pace: float, *, turns: float = -0.7, rudder_deg: float = 0.0) -> Pl
             turns=turns,
             bucket=1.0,
             rudder=math.radians(rudder_deg),
-            until="surge",
+            until=End.surge,
             level=0.0,
             side=-1.0,
             longest=500.0 / pace,
         ),
     )
-    probes = {"stop": Probe(ask="reached"), "path": Probe(ask="path")}
+    probes = {"stop": Probe(ask=Ask.reached), "path": Probe(ask=Ask.path)}
 
     def measure(a: Answers) -> dict[str, Any]:
         stopped = a.t("stop") > 0.0
@@ -298,18 +306,18 @@ def course_change(
     phases = (
         Phase(
             rudder=rudder,
-            until="heading",
+            until=End.heading,
             level=side * math.radians(abs(heading_deg)),
             side=side,
             longest=LONGEST / pace,
         ),
         Phase(
-            rudder=-side * counter, until="yaw rate", level=0.0, side=-side, longest=100.0 / pace
+            rudder=-side * counter, until=End.yaw_rate, level=0.0, side=-side, longest=100.0 / pace
         ),
     )
     probes = {
-        "counter": Probe(ask="begin", first=1, last=1),
-        "end": Probe(ask="reached", first=1, last=1),
+        "counter": Probe(ask=Ask.begin, first=1, last=1),
+        "end": Probe(ask=Ask.reached, first=1, last=1),
     }
 
     def measure(a: Answers) -> dict[str, Any]:
@@ -335,24 +343,26 @@ def williamson(
     phases = (
         Phase(
             rudder=rudder,
-            until="heading",
+            until=End.heading,
             level=side * math.radians(shift_deg),
             side=side,
             longest=LONGEST / pace,
         ),
         Phase(
             rudder=-rudder,
-            until="heading",
+            until=End.heading,
             level=-side * opposite,
             side=-side,
             longest=LONGEST / pace,
         ),
-        Phase(rudder=0.0, until="heading", level=-side * math.pi, side=-side, longest=30.0 / pace),
+        Phase(
+            rudder=0.0, until=End.heading, level=-side * math.pi, side=-side, longest=30.0 / pace
+        ),
     )
     probes = {
-        "shift": Probe(ask="begin", first=1, last=1),
-        "ease": Probe(ask="begin", first=2, last=2),
-        "end": Probe(ask="end", first=2, last=2),
+        "shift": Probe(ask=Ask.begin, first=1, last=1),
+        "ease": Probe(ask=Ask.begin, first=2, last=2),
+        "end": Probe(ask=Ask.end, first=2, last=2),
     }
 
     def measure(a: Answers) -> dict[str, Any]:
