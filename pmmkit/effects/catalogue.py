@@ -47,3 +47,15 @@ def effect_of(name: str) -> Effect:
     if name not in known:
         raise UnknownNameError(f"There is no effect {name!r}; there are: {', '.join(known)}.")
     return known[name]
+
+
+def is_fault(name: str) -> bool:
+    """Whether a name is that of a fault of the measurement.
+
+    Examples
+    --------
+    >>> is_fault("fault_gauge_zero"), is_fault("memory")
+    (True, False)
+    """
+    known = catalogue().get(name)
+    return known is not None and known.kind == "observation"

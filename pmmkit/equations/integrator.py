@@ -25,7 +25,7 @@ from pmmkit.equations.layouts import (
     EventField,
     GearField,
     PhaseField,
-    Setting,
+    SettingField,
     State,
     Status,
     StepField,
@@ -469,12 +469,12 @@ def run(
     if complete(k) == 1:
         return Status.mass, 0, math.nan
     rtol, longest, speed = (
-        settings[Setting.rtol],
-        settings[Setting.longest],
-        settings[Setting.speed],
+        settings[SettingField.rtol],
+        settings[SettingField.longest],
+        settings[SettingField.speed],
     )
     pace = speed / k[Constant.L]
-    n0 = settings[Setting.revolutions]
+    n0 = settings[SettingField.revolutions]
     if not n0 > 0.0:
         n0 = self_propulsion(speed, k, y, z)
         if math.isnan(n0):
@@ -495,11 +495,11 @@ def run(
         y[N_AT], size[N_AT] = n0, n0
     for c in range(len(Control)):
         g = len(GearField) * c
-        gear[g + GearField.rate] = settings[Setting.rudder_rate + c]
-        gear[g + GearField.lag] = settings[Setting.rudder_lag + c]
+        gear[g + GearField.rate] = settings[SettingField.rudder_rate + c]
+        gear[g + GearField.lag] = settings[SettingField.rudder_lag + c]
     g = len(GearField) * Control.revolutions
     gear[g + GearField.start], gear[g + GearField.order] = n0, n0
-    gear[g + GearField.rate] = settings[Setting.revolutions_rate] * max(n0, 1e-9)
+    gear[g + GearField.rate] = settings[SettingField.revolutions_rate] * max(n0, 1e-9)
     t, h, kept = 0.0, 0.05 / pace, 0
     before, lost = 1e-4, 0
     for p in range(count):
@@ -601,7 +601,7 @@ def run(
             kept += 1
             if (
                 math.sqrt(y[State.u] * y[State.u] + y[State.v] * y[State.v])
-                > settings[Setting.fastest]
+                > settings[SettingField.fastest]
             ):
                 return Status.unbound, kept, n0
             if k[Constant.rolls] > 0.0 and math.fabs(y[State.phi]) > 0.5 * math.pi:

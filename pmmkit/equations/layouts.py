@@ -96,8 +96,8 @@ ProbeField = IntEnum("ProbeField", ("ask", "state", "level", "side", "first", "l
 Ask = IntEnum("Ask", ("crossing", "extreme", "end", "begin", "path", "steady", "reached"), start=0)
 """What a probe asks."""
 
-Setting = IntEnum(
-    "Setting",
+SettingField = IntEnum(
+    "SettingField",
     (
         "rtol",
         "longest",

@@ -26,7 +26,7 @@ from pmmkit.equations.layouts import (
     EventField,
     OutcomeField,
     ProbeField,
-    Setting,
+    SettingField,
     State,
     Status,
     StepField,
@@ -138,7 +138,7 @@ def probe(
                 events[end + EventField.rudder],
                 events[end + EventField.revolutions],
                 events[end + EventField.bucket],
-                settings[Setting.speed],
+                settings[SettingField.speed],
                 n0,
                 k,
                 found,
@@ -177,8 +177,8 @@ def sample(
         for c in range(len(Control)):
             start = events[e + EventField.rudder + c]
             order = events[e + EventField.rudder_order + c]
-            rate = settings[Setting.rudder_rate + c]
-            lag = settings[Setting.rudder_lag + c]
+            rate = settings[SettingField.rudder_rate + c]
+            lag = settings[SettingField.rudder_lag + c]
             if c == Control.revolutions:
                 rate *= max(n0, 1e-9)
             out[(NS + c) * size + j] = control(t, begin, start, order, rate, lag)

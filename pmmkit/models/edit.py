@@ -14,8 +14,8 @@ from pmmkit.effects.own import OwnEffect
 from pmmkit.effects.terms import BY_SPEED
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models import Model, Part
-from pmmkit.models.model import Value
-from pmmkit.models.terms import Asked, added, reference, told, with_terms, without_terms
+from pmmkit.models.step import Before, Step, Value
+from pmmkit.models.terms import Asked, reference, with_terms, without_terms
 
 
 class Found(Protocol):
@@ -142,7 +142,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
             model = replace(model, parts=MappingProxyType(parts))
         else:
             model = without_terms(model, asked)
-        model = told(model, f"Effect {asked.name} taken out.")
+        model = model.stepped(Step(action="effect_removed", effect=asked.name))
     return model
 
 
@@ -247,4 +247,18 @@ def _with_part(model: Model, asked: Asked, entry: Effect) -> Model:
         source=asked.source,
     )
     made = replace(model, parts=MappingProxyType({**model.parts, asked.name: part}))
-    return told(made, added(asked.name, values))
+    tried = values.get(inner.name) if inner is not None else None
+    return made.stepped(
+        Step(
+            action="effect_added",
+            effect=asked.name,
+            coefficients=MappingProxyType(dict(asked.coefficients)),
+            system="prime",
+            parameter=inner.name if inner is not None and tried is not None else "",
+            value=tried if isinstance(tried, float | int) else None,
+            Fn=asked.Fn,
+            numbers=MappingProxyType({"Fn0": values["Fn0"]} if "Fn0" in values else {}),
+            source=asked.source,
+            before=Before(absent=(asked.name,)),
+        )
+    )

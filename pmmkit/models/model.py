@@ -15,9 +15,9 @@ from pmmkit.conventions import Convention, canonical, parse_derivative
 from pmmkit.effects.added_mass import unknown_places
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
+from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water
 
-Value = float | tuple[float, ...]
 DERIVATIVE_PARTS: Final = ("hull_polynomial", "rudder_abkowitz", "added_mass")
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
@@ -41,14 +41,17 @@ class Part:
         Words that choose a form of the effect.
     source : str
         Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+    references : tuple of str
+        The same as keys of the bibliography, where it stands there.
     sources : mapping of str to str
-        The same for single values, where it differs.
+        In words for single values, where it differs.
     """
 
     effect: str
     values: Mapping[str, Value] = field(default_factory=_frozen)
     options: Mapping[str, str] = field(default_factory=_frozen)
     source: str = ""
+    references: tuple[str, ...] = ()
     sources: Mapping[str, str] = field(default_factory=_frozen)
 
     def source_of(self, name: str) -> str:
@@ -79,8 +82,10 @@ class Model:
         Derivatives in the covariance.
     title, scale : str
         One line for people; at which scale the model is and at which propulsion point.
-    notes, history : tuple of str
-        What a reader must know; the steps that led to the model.
+    notes : tuple of str
+        What a reader must know.
+    steps : tuple of Step
+        What led to the model, the first step first.
 
     Raises
     ------
@@ -99,12 +104,21 @@ class Model:
     title: str = ""
     scale: str = ""
     notes: tuple[str, ...] = ()
-    history: tuple[str, ...] = ()
+    steps: tuple[Step, ...] = ()
 
     def __post_init__(self) -> None:
         found = problems(self)
         if found:
             raise ModelError(found, title=f"Model {self.name}")
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """The steps that led to the model, a sentence each."""
+        return tuple(str(step) for step in self.steps)
+
+    def stepped(self, *steps: Step) -> Model:
+        """A copy with steps more."""
+        return replace(self, steps=(*self.steps, *steps))
 
     @property
     def rolls(self) -> bool:

@@ -13,7 +13,9 @@ from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.effects.terms import BY_SPEED
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, Part
-from pmmkit.models.model import Value, needs_roll
+from pmmkit.models.changes import before_of, without_values
+from pmmkit.models.model import needs_roll
+from pmmkit.models.step import Step, Value
 from pmmkit.numerics import Array
 from pmmkit.tables import converted, from_values
 
@@ -91,6 +93,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
         if label.endswith(BY_SPEED)
     }
     plain = {label: size for label, size in sizes.items() if not label.endswith(BY_SPEED)}
+    old = model
     if by_speed:
         model = _changing(model, asked, by_speed)
     there = {label for label in plain if label in _home(model, label).values}
@@ -105,9 +108,20 @@ def with_terms(model: Model, asked: Asked) -> Model:
         carried = _carried(model, lacking, model.Fn or None)
         values = {name: _plain(x + _apart(model, name)) for name, x in carried.items()}
     made = replace(model, parts=_parts(model, values, asked.source))
-    left = f" It had {', '.join(sorted(there))} before." if there else ""
-    changes = {f"{name}{BY_SPEED}": x for name, x in by_speed.items()}
-    return told(made, added(asked.name, changes | values) + left)
+    changes: dict[str, Value] = {f"{name}{BY_SPEED}": x for name, x in by_speed.items()}
+    systems = [*(["prime"] if changes else []), *([model.convention.system] if values else [])]
+    return made.stepped(
+        Step(
+            action="effect_added",
+            effect=asked.name,
+            coefficients=MappingProxyType(changes | values),
+            system=" and ".join(dict.fromkeys(systems)),
+            Fn=asked.Fn,
+            left_out=tuple(sorted(there)),
+            source=asked.source,
+            before=before_of(old, made),
+        )
+    )
 
 
 def _home(model: Model, name: str) -> Part:
@@ -202,19 +216,7 @@ def without_terms(model: Model, asked: Asked) -> Model:
     changing = [x for x in slopes if isinstance(_home(model, x).values.get(x), tuple)]
     if not gone and not changing:
         raise ModelError(f"Model {model.name!r} has nothing of {asked.name}.")
-    parts = model.parts
-    for name in gone:
-        parts = _without(parts, _home(model, name).effect, name)
-    kept = [i for i, name in enumerate(model.covariance_names) if name not in gone]
-    count, rows = len(model.covariance_names), max(len(model.Fn), 1)
-    at = [row * count + i for row in range(rows) for i in kept]
-    C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
-    made = replace(
-        model,
-        parts=parts,
-        covariance=C,
-        covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
-    )
+    made = without_values(model, [f"{_home(model, name).effect}.{name}" for name in gone])
     if not changing:
         return made
     F = _law(made, asked, made.Fn)
@@ -225,33 +227,7 @@ def without_terms(model: Model, asked: Asked) -> Model:
         left = series - slope * F
         home = _home(made, name)
         if np.abs(left).max() < 1e-12 * np.abs(series).max():
-            made = replace(made, parts=_without(made.parts, home.effect, name))
+            made = without_values(made, [f"{home.effect}.{name}"])
         else:
             made = made.with_values(home.effect, **{name: tuple(left.tolist())})
     return made
-
-
-def _without(parts: Mapping[str, Part], home: str, name: str) -> Mapping[str, Part]:
-    """Parts without one value."""
-    part = parts[home]
-    changed = replace(
-        part,
-        values=MappingProxyType({k: v for k, v in part.values.items() if k != name}),
-        sources=MappingProxyType({k: v for k, v in part.sources.items() if k != name}),
-    )
-    return MappingProxyType({**parts, home: changed})
-
-
-def told(model: Model, step: str) -> Model:
-    """The model with one step more in its history."""
-    return replace(model, history=(*model.history, step))
-
-
-def added(name: str, values: Mapping[str, Value]) -> str:
-    """A step of the history in words."""
-
-    def text(value: Value) -> str:
-        numbers = value if isinstance(value, tuple) else (value,)
-        return " | ".join(f"{x:.4g}" for x in numbers)
-
-    return f"Effect {name} added: " + ", ".join(f"{k} = {text(x)}" for k, x in values.items()) + "."

@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
 from pmmkit.equations.layouts import Ask, End, PhaseField, ProbeField, State
+from pmmkit.metrics import METRICS, Metric, in_both
 from pmmkit.numerics import Array
+
+LONGEST: Final = 2000.0
+"""No phase lasts longer, in ship lengths over the approach speed."""
+STEADY: Final = 2e-5
+"""Accelerations over U²/L and (U/L)² below which a motion counts as steady."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +28,7 @@ class Phase:
     ----------
     rudder : float
         Ordered angle [rad]; NaN leaves the order as it is.
-    turns : float
+    revolutions : float
         Ordered revolutions over those of the approach; NaN as above.
     bucket : float
         Ordered bucket of a waterjet, 0 ahead to 1 astern; NaN as above.
@@ -37,7 +43,7 @@ class Phase:
     """
 
     rudder: float = math.nan
-    turns: float = math.nan
+    revolutions: float = math.nan
     bucket: float = math.nan
     until: End = End.time
     level: float = 0.0
@@ -50,7 +56,7 @@ class Phase:
         """As the engine takes it."""
         values = {
             PhaseField.rudder: self.rudder,
-            PhaseField.revolutions: self.turns,
+            PhaseField.revolutions: self.revolutions,
             PhaseField.bucket: self.bucket,
             PhaseField.until: self.until,
             PhaseField.level: self.level,
@@ -103,7 +109,7 @@ class Probe:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answers:
+class ProbeResults:
     """What the probes of a plan found for one ship, or for many at once.
 
     Parameters
@@ -135,30 +141,37 @@ class Answers:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A manoeuvre.
+    """The plan of a manoeuvre for one ship.
 
     Parameters
     ----------
-    name : str
-        Of the manoeuvre.
     phases : tuple of Phase
         Orders one after another.
     probes : mapping of str to Probe
         What is asked.
     measure : callable
-        From the answers to metrics by name.
+        From the results of the probes to numbers by name, lengths in metres.
     rudder : float
         Largest ordered angle with its sign [rad].
     settles : bool
         Whether the end is to be steady.
+    name : str
+        Of the manoeuvre, which fills it in.
+    metrics : tuple of Metric
+        What the numbers are; filled in too.
     """
 
-    name: str
     phases: tuple[Phase, ...]
     probes: Mapping[str, Probe]
-    measure: Callable[[Answers], dict[str, Any]]
+    measure: Callable[[ProbeResults], Mapping[str, Any]] = field(compare=False)
     rudder: float = 0.0
     settles: bool = False
+    name: str = ""
+    metrics: tuple[Metric, ...] = METRICS
+
+    def metrics_of(self, results: ProbeResults) -> dict[str, Any]:
+        """The metrics by name, each length also in ship lengths."""
+        return in_both(results.L, self.measure(results), self.metrics)
 
     @cached_property
     def orders(self) -> list[float]:

@@ -13,12 +13,19 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.equations import Prepared
-from pmmkit.equations.layouts import Constant, EventField, OutcomeField, Setting, Status, StepField
+from pmmkit.equations.layouts import (
+    Constant,
+    EventField,
+    OutcomeField,
+    SettingField,
+    Status,
+    StepField,
+)
 from pmmkit.equations.program import mass_problem, propulsion_problem
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.numerics import Array
-from pmmkit.simulation.plan import Answers, Plan
+from pmmkit.simulation.plan import Plan, ProbeResults
 
 LONGEST_STEP: Final = 2.0
 """Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
@@ -41,7 +48,7 @@ class Gear:
         [rad/s]
     rudder_lag : float
         Time constant near the order [s]; 0 goes at the rate to the end.
-    turns_rate : float
+    revolutions_rate : float
         Rate of the revolutions, over those of the approach, where no effect ``shaft`` moves
         them [1/s].
     bucket_rate : float
@@ -50,7 +57,7 @@ class Gear:
 
     rudder_rate: float
     rudder_lag: float = 0.0
-    turns_rate: float = INSTANT
+    revolutions_rate: float = INSTANT
     bucket_rate: float = INSTANT
 
 
@@ -106,7 +113,7 @@ class History:
         return np.asarray(self.events).reshape(-1, len(EventField))
 
     @cached_property
-    def answers(self) -> Answers:
+    def results(self) -> ProbeResults:
         """What the probes of the plan find."""
         states = self.ready.structure.states
         width, count = 1 + len(states), len(self.plan.probes)
@@ -124,7 +131,7 @@ class History:
         )
         flat = found.tolist() if self.fast else found
         values = [flat[i * width : (i + 1) * width] for i in range(count)]
-        return Answers(
+        return ProbeResults(
             places=self.plan.places,
             states=states,
             values=values,
@@ -168,22 +175,22 @@ def settings_for(
     rtol: float,
     revolutions: float | None = None,
 ) -> list[float]:
-    """The settings of the integrator, in the order of `Setting`."""
+    """The settings of the integrator, in the order of `SettingField`."""
     shaft = "n" in structure.states
     values = {
-        Setting.rtol: rtol,
-        Setting.longest: LONGEST_STEP * L / speed,
-        Setting.speed: speed,
-        Setting.rudder_rate: gear.rudder_rate,
-        Setting.rudder_lag: gear.rudder_lag,
-        Setting.revolutions_rate: INSTANT if shaft else gear.turns_rate,
-        Setting.revolutions_lag: 0.0,
-        Setting.bucket_rate: gear.bucket_rate,
-        Setting.bucket_lag: 0.0,
-        Setting.revolutions: revolutions or 0.0,
-        Setting.fastest: FASTEST * speed,
+        SettingField.rtol: rtol,
+        SettingField.longest: LONGEST_STEP * L / speed,
+        SettingField.speed: speed,
+        SettingField.rudder_rate: gear.rudder_rate,
+        SettingField.rudder_lag: gear.rudder_lag,
+        SettingField.revolutions_rate: INSTANT if shaft else gear.revolutions_rate,
+        SettingField.revolutions_lag: 0.0,
+        SettingField.bucket_rate: gear.bucket_rate,
+        SettingField.bucket_lag: 0.0,
+        SettingField.revolutions: revolutions or 0.0,
+        SettingField.fastest: FASTEST * speed,
     }
-    return [values[place] for place in Setting]
+    return [values[place] for place in SettingField]
 
 
 def run_plan(
@@ -286,7 +293,7 @@ def run_ships(
     *,
     jobs: int | None = None,
     advance: Callable[[int], object] | None = None,
-) -> tuple[Answers, Array]:
+) -> tuple[ProbeResults, Array]:
     """Run many ships of one structure through a plan.
 
     Parameters
@@ -306,7 +313,7 @@ def run_ships(
 
     Returns
     -------
-    answers : Answers
+    results : ProbeResults
         With a value per ship.
     status : array (ships,)
         A `Status` of each.
@@ -321,7 +328,7 @@ def run_ships(
     functions = compiled(structure)
     number, width = ships.shape
     asked, states = len(plan.probes), structure.states
-    results = np.empty(number * asked * (1 + len(states)))
+    filled = np.empty(number * asked * (1 + len(states)))
     outcomes = np.empty(len(OutcomeField) * number)
     flat = np.ascontiguousarray(ships).reshape(-1)
     orders, questions, given = plan.orders_array, plan.questions_array, np.array(settings)
@@ -340,7 +347,7 @@ def run_ships(
             questions,
             asked,
             room,
-            results,
+            filled,
             outcomes,
         )
         return last - first
@@ -352,12 +359,12 @@ def run_ships(
         for size in done:
             if advance is not None:
                 advance(size)
-    values = results.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
-    answers = Answers(
+    values = filled.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
+    results = ProbeResults(
         places=plan.places,
         states=states,
         values=values,
-        speed=settings[Setting.speed],
+        speed=settings[SettingField.speed],
         L=float(ships[0, Constant.L]),
     )
-    return answers, outcomes.reshape(-1, len(OutcomeField))[:, OutcomeField.status]
+    return results, outcomes.reshape(-1, len(OutcomeField))[:, OutcomeField.status]

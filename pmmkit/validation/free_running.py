@@ -22,6 +22,7 @@ from pmmkit.identification.comparing import predicted_window
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
+from pmmkit.metrics import unit_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
 from pmmkit.progress import Progress
@@ -29,7 +30,6 @@ from pmmkit.simulation import Track
 from pmmkit.simulation.simulate import simulate
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.evaluate import JUDGED
-from pmmkit.trials.table import unit_of
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.uncertainty import COVERAGE
 
@@ -298,9 +298,9 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
     settings = run.settings
     trial = evaluate(run, campaign)
     asked: dict[str, Any] = {}
-    if run.test in ("turning", "zigzag"):
+    if run.kind_of_test.turns_rudder:
         asked["rudder_deg"] = math.degrees(settings.rudder)
-    if run.test == "zigzag":
+    if run.kind_of_test.switches:
         switch = settings.rudder if settings.switch is None else settings.switch
         asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
     rate = campaign.rudder.get("rate_deg_s")

@@ -36,7 +36,7 @@ def with_more(names):
 REORDERED = ("GearField", "ProbeField", "StepField", "OutcomeField", "InputField")
 DISTURBED = {
     "Constant": with_more,
-    **{"PhaseField": turned(3), "Setting": turned(3), "EventField": turned(4), "Status": turned(2)},
+    **{name: turned(3) for name in ("PhaseField", "SettingField", "EventField", "Status")},
     **{name: turned(-1) for name in (*REORDERED, "End", "Ask", "OverGround")},
 }
 file = Path(find_spec("pmmkit").origin).parent / "equations" / "layouts.py"
@@ -195,8 +195,8 @@ def test_places_of_a_layout_lie_side_by_side(layout):
         (layouts.PhaseField, ""),
         (layouts.EventField, ""),
         (layouts.EventField, "_order"),
-        (layouts.Setting, "_rate"),
-        (layouts.Setting, "_lag"),
+        (layouts.SettingField, "_rate"),
+        (layouts.SettingField, "_lag"),
         (layouts.InputField, ""),
     ],
 )

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import DYNAMIC_TESTS, FREE_TESTS, Correction, Kind, Run
+from pmmkit.campaigns.run import Correction, Kind, Run
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame, in_phase_parts
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, RowLoader, check_rows
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.errors import DataError, Problem
-from pmmkit.readers import reader_for, recognise, usual_of
+from pmmkit.readers import reader_for
 from pmmkit.readers.base import Cells, Options, Request, fault, to_number
 from pmmkit.readers.rows import filled_in, matching_rows, no_column
 from pmmkit.ship import Ship, Water
@@ -185,7 +186,7 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
 
 
 def _request(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Request | None:
-    free = entry.test in FREE_TESTS
+    free = kind_of(entry.test).free_running
     if free != (setup.kind == "free-running"):
         out.problems.append(
             Problem(
@@ -318,8 +319,9 @@ def _add_history(
 
 def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
     """Channels that a file holds."""
-    names = reader_for(request).names(request)
-    found, _ = pick(names, len(names), specs, request, usual=usual_of(request, names))
+    reader = reader_for(request)
+    names = reader.names(request)
+    found, _ = pick(names, len(names), specs, request, usual=reader.usual(names))
     return {column.name for column in found}
 
 
@@ -334,8 +336,7 @@ def _motion(
         if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
             out.problems.append(setup.missing_file(entry.motion, label))
         return None
-    options = Options(format=recognise(path, ["openfoam"]))
-    return replace(request, path=path, shown=entry.motion, options=options)
+    return replace(request, path=path, shown=entry.motion, options=Options())
 
 
 def _add_row(
@@ -359,7 +360,7 @@ def _add_row(
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **_set(corrections)}
     kind, values, dimensional = _contents(numbers, picked, request.options.in_phase_with)
-    dynamic = entry.test in DYNAMIC_TESTS
+    dynamic = kind_of(entry.test).oscillates
     if dynamic != (kind == "harmonics"):
         out.problems.append(
             request.problem(

@@ -22,11 +22,8 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.edit import with_effect, without_effect
 from pmmkit.models.model import Part, needs_roll
-from pmmkit.models.terms import HULL
+from pmmkit.models.terms import HULL, RUDDER
 from pmmkit.tables import DerivativeTable, converted
-
-ADDED: Final = "Added "
-"""How a step begins in the history of a model."""
 
 
 def fitted_table(
@@ -162,12 +159,12 @@ def refitted(
         determine keeps its value.
     """
     varies = any(item.by_speed for label in fit.names for item in _places(label, own))
-    Fn = (model.Fn or _froude_numbers(campaign)) if varies else ()
+    Fn = (model.Fn or froude_numbers(campaign)) if varies else ()
     table = converted(fitted_table(fit, base, campaign, Fn, own), _target(model.convention))
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
     rudder = [name for name in known if parse_derivative(name).count("d")]
-    steered = "rudder_abkowitz" in model.parts
+    steered = RUDDER in model.parts
     roll = [] if model.rolls else [name for name in known if needs_roll(name)]
     left = [*([] if steered else rudder), *roll]
     notes = []
@@ -183,7 +180,7 @@ def refitted(
             and block.candidate.name in catalogue()
             and (catalogue()[block.candidate.name].enters)
         ):
-            changed = _with_part(changed, block, fit, _froude_numbers(campaign))
+            changed = _with_part(changed, block, fit, froude_numbers(campaign))
     return Refit(model=changed, notes=tuple(notes))
 
 
@@ -199,7 +196,27 @@ def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -
         Fn=Fn,
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
     )
-    return made.with_(history=model.history)
+    return made.with_(steps=model.steps)
+
+
+def places_of(block: Block, model: Model, own: Sequence[OwnEffect] = ()) -> tuple[str, ...]:
+    """Parts and values (``hull_polynomial.Yvvr``) of a model that an effect of a fit stands in.
+
+    Parameters
+    ----------
+    block : Block
+        The effect.
+    model : Model
+        With the values of the fit.
+    own : sequence of OwnEffect
+        Effects of the user.
+    """
+    c = block.candidate
+    if c.name in model.parts:
+        return (c.name,)
+    names = dict.fromkeys(item.derivative for label in labels(c) for item in _places(label, own))
+    rudder = [name for name in names if RUDDER in model.parts and parse_derivative(name).count("d")]
+    return tuple(f"{_home(name, rudder)}.{name}" for name in names)
 
 
 def _target(convention: Convention) -> Convention:
@@ -208,7 +225,8 @@ def _target(convention: Convention) -> Convention:
     return replace(convention, surge=surge, U="instantaneous")
 
 
-def _froude_numbers(campaign: Campaign) -> tuple[float, ...]:
+def froude_numbers(campaign: Campaign) -> tuple[float, ...]:
+    """Froude numbers of the runs of a campaign, ascending."""
     found = {
         round(campaign.ship.froude(run.settings.speed, campaign.water.g), 6)
         for run in campaign.runs
@@ -252,7 +270,7 @@ def _with_table(
 
 def _home(name: str, rudder: Sequence[str]) -> str:
     if name in rudder:
-        return "rudder_abkowitz"
+        return RUDDER
     accelerates = any(factor.endswith("dot") for factor in parse_derivative(name).factors)
     return "added_mass" if accelerates else HULL
 
@@ -264,12 +282,11 @@ def effects_of(model: Model) -> tuple[str, ...]:
     ----------
     model : Model
         A model: its effects with coefficients of usual sizes, and the faults of the measurement
-        that its history knows.
+        that its steps know.
     """
     parts = [name for name in model.parts if catalogue()[name].coefficients]
-    steps = [name_of_step(line) for line in model.history if line.startswith(ADDED)]
     varying = [name for name, own in _OF_SPEED.items() if any(_varies(model, x) for x in own)]
-    faults = [name for name in steps if is_fault(name)]
+    faults = [step.effect for step in model.steps if step.action == "fault_corrected"]
     return tuple(dict.fromkeys([*parts, *varying, *faults]))
 
 
@@ -287,20 +304,3 @@ def _varies(model: Model, name: str) -> bool:
     """Whether a model has different values of a derivative at its Froude numbers."""
     value = model.parts[HULL].values.get(name) if HULL in model.parts else None
     return isinstance(value, tuple) and len(set(value)) > 1
-
-
-def name_of_step(line: str) -> str:
-    """The effect that a line of a model's history added.
-
-    Examples
-    --------
-    >>> name_of_step("Added memory (over 1000 to 1): error of left-out conditions …")
-    'memory'
-    """
-    return line.removeprefix(ADDED).split(":")[0].split(" (")[0]
-
-
-def is_fault(effect: str) -> bool:
-    """Whether an effect is a fault of the measurement."""
-    known = catalogue().get(effect)
-    return known is not None and known.kind == "observation"

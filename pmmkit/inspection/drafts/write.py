@@ -8,14 +8,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from pmmkit.campaigns.run import FREE_TESTS, TESTS, Campaign, Run
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.column_mapping import required_channels
+from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import split_unit
 from pmmkit.inspection import ColumnLook, FileLook
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
-from pmmkit.inspection.drafts.settle import NEEDED, WORDS, Setting
+from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.guessing import Suggestion
-from pmmkit.readers.base import Options
+from pmmkit.readers import Options, reader_of
+from pmmkit.readers.saved import SavedCampaign
 
 _MEANS: Final[dict[str, str]] = {
     "t": "time [s]",
@@ -66,14 +68,14 @@ def written(draft: Draft) -> Written:
         "",
         *_ship(draft, todo),
     ]
-    if any(entry.look.format in _COMPUTED for entry in draft.runs):
+    if any(reader_of(entry.look.format).computed for entry in draft.runs):
         lines += ["", *_cfd(todo)]
     if base is not None:
         lines += ["", "[source]", *_source(base, base.options)]
         lines += ["", "[columns]                        # our name = theirs"]
         lines += _columns(base, draft.kind, todo, table=False)
     elif draft.saved:
-        lines += ["", "[source]", 'format = "pmmkit"']
+        lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *_saved_run(file, run)]
@@ -191,9 +193,6 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     return [*lines, "", "[water]", rho]
 
 
-_COMPUTED: Final = ("openfoam", "star-ccm+")
-
-
 def _cfd(todo: _Todo) -> list[str]:
     """What forces that were computed need."""
     todo.add(
@@ -242,9 +241,9 @@ def _largest(draft: Draft) -> FileLook | None:
 
 def _source(look: FileLook, options: Options, *, every: bool = False) -> list[str]:
     values: dict[str, Any] = {"format": look.format}
-    if look.format in ("csv", "excel"):
+    if look.layout is not None or look.has_sheets:
         values |= {"skip_rows": options.skip_rows} if options.skip_rows or every else {}
-        if look.format == "csv":
+        if look.layout is not None:
             values |= {"encoding": options.encoding or "utf-8"} if options.encoding or every else {}
             values |= {"delimiter": options.delimiter, "decimal": options.decimal}
         values |= {"header": options.header} if options.header is False or every else {}
@@ -307,8 +306,9 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
         identity = f"{plain}_{{{_id_column(entry.look)}}}"
     lines += [f"id = {toml(identity)}"]
     if entry.test is None:
-        usual = FREE_TESTS if kind == "free-running" else TESTS[: -len(FREE_TESTS)]
-        lines.append(f"# test = ...   # TODO one of {', '.join(usual)}")
+        free = kind == "free-running"
+        usual = ", ".join(name for name, item in kinds().items() if item.free_running == free)
+        lines.append(f"# test = ...   # TODO one of {usual}")
         todo.of_run("test", entry.id)
     else:
         lines.append(f"test = {toml(entry.test)}")
@@ -403,7 +403,7 @@ def _saved_run(file: str, run: Run) -> list[str]:
     values = {"speed": found.speed}
     values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
     values |= {key: value for key, value in plain.items() if value is not None}
-    for key in NEEDED.get(run.test, ()):
+    for key in asked_of(run.test):
         if key.endswith("_deg"):
             values.setdefault(key, 0.0)
     lines = ["[[runs]]", f"id = {toml(run.id)}", f"test = {toml(run.test)}", f"file = {toml(file)}"]
