@@ -222,7 +222,7 @@ def _of_records(
     **chosen: Any,
 ) -> _Answer:
     from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-    from pmmkit.identification.known import chosen_records
+    from pmmkit.identification.chosen import chosen_records
     from pmmkit.models import load_model
 
     model = load_model(name)
