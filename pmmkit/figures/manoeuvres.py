@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.figures.turns import trajectory, turn_histories
-from pmmkit.metrics import HARD_OVER, limits_in_lengths, unit_of
+from pmmkit.metrics import HARD_OVER, limits_in_lengths, metrics_named
 from pmmkit.plotting import style
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from pmmkit.simulation.ensemble import Ensemble
+    from pmmkit.simulation.manoeuvres.manoeuvre import Drawn
     from pmmkit.simulation.sensitivity import Sensitivities
     from pmmkit.simulation.spiral import SpiralCurve
     from pmmkit.simulation.track import Track
@@ -36,15 +38,10 @@ def manoeuvre(track: Track) -> Mapping[str, Figure]:
     Returns
     -------
     mapping of str to Figure
-        A turning circle gives ``trajectory`` and ``histories``, a zigzag ``zigzag`` and so on.
+        As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``.
     """
-    if track.manoeuvre == "turning":
-        return {"trajectory": trajectory([track]), "histories": turn_histories([track])}
-    if track.manoeuvre == "zigzag":
-        return {"zigzag": zigzag([track])}
-    if track.manoeuvre == "spiral":
-        return {"spiral": spiral(track), "histories": histories(track)}
-    return {"path": path(track), "histories": histories(track)}
+    known = manoeuvres().get(track.manoeuvre)
+    return _DRAWN[known.drawn if known else "path"](track)
 
 
 def zigzag(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figure:
@@ -140,11 +137,11 @@ def spiral(track: Track) -> Figure:
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
         for number, (way, text) in enumerate((("first", "first way"), ("back", "way back"))):
-            ending = f"_{way}"
+            (rates_at,) = metrics_named(f"yaw_rate_deg_s_at_{{}}_{way}")
             points = sorted(
-                (float(name.removeprefix("yaw_rate_deg_s_at_").removesuffix(ending)), value)
+                (float(angle), value)
                 for name, value in track.metrics.items()
-                if name.startswith("yaw_rate_deg_s_at_") and name.endswith(ending)
+                if (angle := rates_at.count(name))
             )
             angles, rates = zip(*points, strict=True)
             axis.plot(
@@ -364,7 +361,7 @@ def distributions(ensemble: Ensemble, metrics: Sequence[str]) -> Figure:
             left, right = axis.get_xlim()
             if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
                 axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(_titled(metric, unit_of(metric)))
+            axis.set_title(_titled(metric, ensemble.units[metric]))
             axis.set_yticks([])
         axes[0].set_ylabel("number of ships")
         style.legend_below(figure, list(axes))
@@ -405,3 +402,15 @@ def importance(found: Sensitivities, metric: str, most: int = 12) -> Figure:
             else f"change of the {words} per 1 % of the derivative [%]"
         )
     return figure
+
+
+_DRAWN: Final[Mapping[Drawn, Callable[[Track], Mapping[str, Figure]]]] = {
+    "turning circle": lambda track: {
+        "trajectory": trajectory([track]),
+        "histories": turn_histories([track]),
+    },
+    "zigzag": lambda track: {"zigzag": zigzag([track])},
+    "spiral": lambda track: {"spiral": spiral(track), "histories": histories(track)},
+    "path": lambda track: {"path": path(track), "histories": histories(track)},
+}
+"""What is drawn of a manoeuvre, by the kind that it declares."""

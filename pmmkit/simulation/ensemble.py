@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -14,20 +14,16 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.program import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
+from pmmkit.metrics import unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.progress import Progress
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for
-from pmmkit.simulation.simulate import (
-    ENVIRONMENT,
-    RTOL,
-    RudderLaw,
-    check_request,
-    gear_of,
-    plan_for,
-)
+from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,6 +54,8 @@ class Ensemble:
         Where the differences come from.
     name, manoeuvre, scale : str
         Of the model and the manoeuvre.
+    units : mapping of str to str
+        Of the metrics.
     """
 
     metrics: Mapping[str, Array]
@@ -71,6 +69,7 @@ class Ensemble:
     name: str
     manoeuvre: str
     scale: str
+    units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def __len__(self) -> int:
         return len(next(iter(self.metrics.values())))
@@ -274,17 +273,17 @@ class Batch:
         settings = settings_for(
             structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
         )
-        answers, status = run_ships(
+        results, status = run_ships(
             structure, stacked(k, len(values)), self.plan, settings, jobs=jobs, advance=advance
         )
         with np.errstate(all="ignore"):
-            metrics = {name: np.asarray(x) for name, x in self.plan.measure(answers).items()}
+            metrics = {name: np.asarray(x) for name, x in self.plan.metrics_of(results).items()}
         return metrics, status
 
 
 def batch_of(
     model: Model | str | Path,
-    manoeuvre: str,
+    manoeuvre: str | Manoeuvre,
     *,
     speed: float,
     rtol: float = RTOL,
@@ -299,8 +298,9 @@ def batch_of(
     loaded = model if isinstance(model, Model) else load_model(model)
     around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
     settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
+    chosen = manoeuvre_of(manoeuvre)
     check_request(
-        manoeuvre,
+        chosen,
         settings,
         around,
         speed=speed,
@@ -312,7 +312,7 @@ def batch_of(
     )
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
-    plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
+    plan = chosen.plan(pace, wind=conditions.wind_speed > 0.0, **settings)
     return Batch(
         model=loaded,
         plan=plan,
@@ -329,7 +329,7 @@ def batch_of(
 
 def monte_carlo(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     n: int = 10_000,
@@ -345,7 +345,7 @@ def monte_carlo(
     ----------
     model : Model, str or path
         A model, a library name or a file.
-    manoeuvre : str
+    manoeuvre : str or Manoeuvre
         As for `simulate`.
     speed : float
         Approach speed [m/s].
@@ -394,7 +394,7 @@ def monte_carlo(
         nonlocal done
         done += size
         if progress is not None:
-            progress(done, n, f"{manoeuvre}, {loaded.name}")
+            progress(done, n, f"{batch.plan.name}, {loaded.name}")
 
     for first in range(0, n, CHUNK):
         count = min(CHUNK, n - first)
@@ -414,6 +414,7 @@ def monte_carlo(
         seed=seed,
         origin=drawn.origin,
         name=loaded.name,
-        manoeuvre=manoeuvre,
+        manoeuvre=batch.plan.name,
         scale=loaded.scale,
+        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
     )

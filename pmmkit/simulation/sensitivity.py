@@ -16,6 +16,7 @@ from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,7 +110,7 @@ class Sensitivities:
 
 def sensitivities(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,
@@ -232,7 +233,7 @@ class SobolIndices:
 
 def sobol(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,
