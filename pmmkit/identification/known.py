@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Final
 
 import numpy as np
 
@@ -18,9 +16,7 @@ from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.hull import hull_table
 from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.tables import DerivativeTable, converted, interpolate, read_table
-
-TABLES: Final = (".csv", ".nc", ".h5", ".xlsx")
+from pmmkit.tables import DerivativeTable, converted, interpolate, is_table, read_table
 
 
 def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
@@ -117,7 +113,7 @@ def known_before(
     own = prior_of(model, names, speed, spread=spread, extrapolate=extrapolate)
     if prior is None:
         return replace(own, origin=f"{model.name}, {own.origin}")
-    if Path(prior).suffix.lower() in TABLES:
+    if is_table(prior):
         return _from_table(own, read_table(prior), model, speed, prior, spread, extrapolate)
     other = load_model(prior)
     if other.convention != model.convention:
