@@ -261,6 +261,15 @@ _GROUPED: Final = re.compile(
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
     """Numbers of some columns of a small file, every cell checked.
 
+    Parameters
+    ----------
+    cells : Cells
+        The file.
+    positions : sequence of int
+        Columns wanted, counted from 0.
+    request : Request
+        It too, for messages and its options.
+
     Raises
     ------
     CampaignError

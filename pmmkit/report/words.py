@@ -10,21 +10,6 @@ from markupsafe import Markup
 from pmmkit.conventions import Convention, parse_derivative
 
 _LETTERS: Final = {"phi": "φ", "d": "δ", "|d|": "|δ|"}
-TESTS: Final = {
-    "resistance": "resistance",
-    "propulsion": "self-propulsion",
-    "static_drift": "static drift",
-    "static_heel": "static heel",
-    "static_rudder": "static rudder",
-    "drift_rudder": "drift with rudder",
-    "circular_motion": "circular motion",
-    "pure_surge": "pure surge",
-    "pure_sway": "pure sway",
-    "pure_yaw": "pure yaw",
-    "yaw_drift": "yaw with drift",
-    "yaw_rudder": "yaw with rudder",
-    "sway_yaw": "sway and yaw",
-}
 
 
 def symbol(name: str, convention: Convention) -> Markup:

@@ -111,8 +111,8 @@ def _words(found: Comparison) -> list[str]:
 
 def _table(table: pd.DataFrame) -> str:
     """Errors by channel and kind of test."""
+    from pmmkit.campaigns.test_kinds.registry import kind_of
     from pmmkit.numerics import rms
-    from pmmkit.validation.misfit import words_of_test
 
     rows = []
     for key, group in table.groupby(["channel", "unit", "test"], sort=False):
@@ -122,7 +122,7 @@ def _table(table: pd.DataFrame) -> str:
         )
         rows.append(
             [
-                f"{channel} [{unit}], {words_of_test(test)}",
+                f"{channel} [{unit}], {kind_of(test).title}",
                 str(len(group)),
                 f"{error:.3g}",
                 f"{100 * error / measured:.1f} %" if measured else "-",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.cli.options import Campaign, Data, Out, numbers, results_folder, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.presentation import aligned
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from pmmkit.trials import Trial
 
 SHOWN: Final = {
-    "turning": (
+    TURNING.name: (
         "advance",
         "transfer",
         "tactical_diameter",
@@ -26,7 +27,7 @@ SHOWN: Final = {
         "time_90",
         "time_180",
     ),
-    "zigzag": (
+    ZIGZAG.name: (
         "overshoot_1_deg",
         "overshoot_2_deg",
         "overshoot_3_deg",
@@ -36,7 +37,7 @@ SHOWN: Final = {
         "period",
         "initial_turning_distance",
     ),
-    "stopping": ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
+    STOPPING.name: ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
 }
 """Measures in the text, by test; the files hold all."""
 
@@ -117,7 +118,7 @@ def _names(found: Sequence[Trial]) -> list[str]:
 
 
 def _text(item: Trial) -> list[str]:
-    rudder = "" if item.test == "stopping" else f", rudder {item.rudder_deg:+.1f}°"
+    rudder = "" if item.test == STOPPING.name else f", rudder {item.rudder_deg:+.1f}°"
     std = f" ± {item.speed_std:.2f}" if math.isfinite(item.speed_std) else ""
     lines = [
         "",
