@@ -18,8 +18,8 @@ from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.figures import trajectory
 from pmmkit.figures.derivatives import derivatives_over_froude
-from pmmkit.figures.turns import trajectory
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
