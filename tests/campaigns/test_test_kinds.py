@@ -219,7 +219,9 @@ def test_a_kind_of_another_package_is_reduced_compared_and_planned(folder, insta
     options = options_of(limits, campaign.ship, campaign.water)
     assert len(options) == 4
     assert all(option.id.startswith("DS_1.5_b") for option in options)
-    advice = next_runs(model, campaign, effects=("modulus_sway_drag", "nonlinear_added_mass"), options=options)
+    advice = next_runs(
+        model, campaign, effects=("modulus_sway_drag", "nonlinear_added_mass"), options=options
+    )
     assert advice.runs[0].option.test == "double_sway", advice.words
 
 
