@@ -21,7 +21,7 @@ from pmmkit.figures import (
 )
 from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
-from pmmkit.report.words import Reference
+from pmmkit.report.reference import Reference
 from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:

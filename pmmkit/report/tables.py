@@ -13,7 +13,8 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.report.words import Reference, symbol
+from pmmkit.report.reference import Reference
+from pmmkit.report.words import symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 

@@ -3,31 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 from markupsafe import Markup
 
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.tables import DerivativeTable
 
 _LETTERS: Final = {"phi": "φ", "d": "δ", "|d|": "|δ|"}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reference:
-    """Derivatives of a source that stand beside ours.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Its values, in any convention.
-    name : str
-        Its name in tables and figures.
-    """
-
-    table: DerivativeTable
-    name: str
 
 
 def symbol(name: str, convention: Convention) -> Markup:

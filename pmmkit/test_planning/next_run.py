@@ -89,6 +89,32 @@ class Advice:
     checks: Mapping[str, str]
     words: str
 
+    @property
+    def options(self) -> tuple[Option, ...]:
+        """The best run, as often as it is to be made."""
+        return tuple(item.option for item in self.runs[:1] for _ in range(item.repeats))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit plan --json`` prints of the next run."""
+        return {
+            "words": self.words,
+            "rivals": self.rivals,
+            "wanted": self.wanted,
+            "runs": [
+                {
+                    **item.option.entry,
+                    "repeats": item.repeats,
+                    "gain": item.gain,
+                    "gains": item.gains,
+                    "resolves": item.resolves,
+                    "hours": item.hours,
+                    "words": item.words,
+                }
+                for item in self.runs
+            ],
+            "checks": self.checks,
+        }
+
     def to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, gain, hours, probability that it resolves."""
         import pandas as pd

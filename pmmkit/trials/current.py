@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,18 @@ class Current:
         if self.speed <= max(self.std):
             return max(self.std)
         return math.sqrt(self.variance_along(math.radians(self.direction_deg)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "x": self.x,
+            "y": self.y,
+            "std_x": self.std[0],
+            "std_y": self.std[1],
+            "speed": self.speed,
+            "direction_deg": self.direction_deg,
+            "origin": self.origin,
+        }
 
     def variance_along(self, heading: float) -> float:
         """Variance of the component along a heading [m²/s²]."""

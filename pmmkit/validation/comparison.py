@@ -29,7 +29,7 @@ from pmmkit.validation.misfit import (
     order_words,
     standouts_of,
 )
-from pmmkit.validation.uncertainty import SHARES, rms_of
+from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,6 +105,23 @@ class Comparison:
         import pandas as pd
 
         return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit compare --json`` prints."""
+        return {
+            "campaign": self.campaign,
+            "model": self.model,
+            "kind": self.kind,
+            "floor": self.floor,
+            "coverage_factor": COVERAGE,
+            "runs": self.rows(),
+            "misfit": self.misfit().to_dict("records"),
+            "standouts": [{"text": str(item), **asdict(item)} for item in self.outstanding()]
+            if self.captive
+            else [{"text": text} for text in self.standouts()],
+            "manoeuvres": [row for item in self.manoeuvres for row in item.rows()],
+            "notes": list(self.notes),
+        }
 
     def harmonics(self) -> pd.DataFrame:
         """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,
