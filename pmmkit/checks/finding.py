@@ -155,6 +155,7 @@ def share_of(x: Array, y: Array) -> tuple[float, float]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> share_of(np.array([1., 2., 3.]), np.array([2., 4., 6.]))
     (2.0, 0.0)
     """
@@ -173,6 +174,7 @@ def straight_line(x: Array, y: Array) -> tuple[float, float, float]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> slope, intercept, error = straight_line(np.array([0., 1., 2.]), np.array([1., 3., 5.]))
     >>> round(slope, 9), round(intercept, 9), round(error, 9)
     (2.0, 1.0, 0.0)

@@ -41,14 +41,17 @@ class Part:
         Words that choose a form of the effect.
     source : str
         Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+    references : tuple of str
+        The same as keys of the bibliography, where it stands there.
     sources : mapping of str to str
-        The same for single values, where it differs.
+        In words for single values, where it differs.
     """
 
     effect: str
     values: Mapping[str, Value] = field(default_factory=_frozen)
     options: Mapping[str, str] = field(default_factory=_frozen)
     source: str = ""
+    references: tuple[str, ...] = ()
     sources: Mapping[str, str] = field(default_factory=_frozen)
 
     def source_of(self, name: str) -> str:

@@ -14,8 +14,8 @@ from pmmkit.plotting.style import save
 from pmmkit.reduction import Reduction
 from pmmkit.report.build import write_report
 from pmmkit.report.loop import Loop
+from pmmkit.report.reference import Reference
 from pmmkit.report.turning import Turns
-from pmmkit.report.words import Reference
 from pmmkit.simulation.results import sweep_frame, track_files
 from pmmkit.tables import write_table
 

@@ -14,10 +14,11 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.program import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
-from pmmkit.metrics import unit_of
+from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
@@ -27,13 +28,16 @@ from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_reque
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 CHUNK: Final = 10_000
 """Ships whose constants are held at a time."""
+SHOWN: Final = 3
+"""Metrics that are drawn as distributions where none are named."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Ensemble:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Ensemble(Described):
     """A manoeuvre of many ships that differ in their derivatives.
 
     Parameters
@@ -112,6 +116,61 @@ class Ensemble:
         import pandas as pd
 
         return pd.DataFrame(dict(self.metrics))
+
+    def plot(self, metrics: Sequence[str] | None = None) -> Figure:
+        """How metrics are distributed, with the model as it stands and IMO limits nearby.
+
+        Parameters
+        ----------
+        metrics : sequence of str, optional
+            Up to four; the main one and those after it by default.
+        """
+        from pmmkit.plotting.metrics import distributions
+
+        chosen = list(metrics or self.varying()[:SHOWN])
+        return distributions(
+            {name: self.metrics[name] for name in chosen},
+            self.nominal,
+            {name: self.interval(name) for name in chosen},
+            self.units,
+        )
+
+    def varying(self) -> list[str]:
+        """The metrics that differ between the ships, the main one first."""
+        first = main_of(self.metrics)
+        names = [first, *(name for name in in_lengths(self.metrics) if name != first)]
+        return [name for name in names if name == first or _differs(self.metrics[name])]
+
+    def _headline(self) -> str:
+        return (
+            f"{counted(len(self), 'ship')} like {self.name}, {self.manoeuvre.replace('_', ' ')} at "
+            f"{self.speed:.2f} m/s: {self.failed} could not be simulated"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        rows = []
+        for name in in_lengths(self.metrics):
+            values = self.metrics[name][np.isfinite(self.metrics[name])]
+            std = float(values.std(ddof=1)) if len(values) > 1 else np.nan
+            numbers = (self.nominal[name], std, *self.interval(name))
+            unit = self.units.get(name, "")
+            rows.append([name, *(number(x) for x in numbers), unit, str(len(values))])
+        head = ["metric", "as it is", "std", "2.5 %", "97.5 %", "unit", "ships"]
+        return [
+            Section(
+                paragraphs=[
+                    f"Fn {self.Fn:.3f}; {self.scale}",
+                    f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
+                    f"{self.seed}",
+                ]
+            ),
+            Section(title="Metrics", tables=[Grid(head=head, groups=[Group(rows=rows)])]),
+        ]
+
+
+def _differs(values: Array) -> bool:
+    there = values[np.isfinite(values)]
+    return len(there) > 1 and float(np.ptp(there)) > 0.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Write what docs/ takes from the program: effects.md, checks.md and the README's pictures.
+"""Write what docs/ takes from the program: effects, checks, rooms and the README's pictures.
 
     python -m scripts.documentation.make_docs [--check]
 
@@ -18,11 +18,12 @@ from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.figures import trajectory
 from pmmkit.figures.derivatives import derivatives_over_froude
-from pmmkit.figures.turns import trajectory
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
+from scripts.documentation import rooms
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -148,7 +149,11 @@ def effects_page() -> str:
 
 def pages() -> dict[str, str]:
     checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
-    return {"effects.md": effects_page(), "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}"}
+    return {
+        "effects.md": effects_page(),
+        "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
+        "architecture.md": rooms.page(),
+    }
 
 
 def pictures() -> None:

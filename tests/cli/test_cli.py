@@ -71,7 +71,7 @@ def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
     def diverges(*_, **__):
         raise SimulationError("it grows without bound")
 
-    monkeypatch.setattr("pmmkit.simulation.simulate", diverges)
+    monkeypatch.setattr("pmmkit.report.turning.simulate", diverges)
     arguments = ["--parts", "s175-3dof", "--out", tmp_path / "r"]
     status, content, words = said(capsys, "reduce", campaign, *arguments)
     assert status == 0

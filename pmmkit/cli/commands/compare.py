@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -69,29 +68,10 @@ def compare(
         found = comparison.compare(
             known, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
         )
-    content = {**_content(found), "findings": [item.to_dict() for item in findings]}
+    content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     files = write_results(folder, _files(found, content, figures))
     lines = [*_words(found), *warned(findings), "", f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
-
-
-def _content(found: Comparison) -> dict[str, Any]:
-    from pmmkit.validation.uncertainty import COVERAGE
-
-    return {
-        "campaign": found.campaign,
-        "model": found.model,
-        "kind": found.kind,
-        "floor": found.floor,
-        "coverage_factor": COVERAGE,
-        "runs": found.rows(),
-        "misfit": found.misfit().to_dict("records"),
-        "standouts": [{"text": str(item), **asdict(item)} for item in found.outstanding()]
-        if found.captive
-        else [{"text": text} for text in found.standouts()],
-        "manoeuvres": [row for item in found.manoeuvres for row in item.rows()],
-        "notes": list(found.notes),
-    }
 
 
 def _files(found: Comparison, content: Mapping[str, Any], drawn: bool) -> Iterator[tuple[str, Any]]:
@@ -131,8 +111,8 @@ def _words(found: Comparison) -> list[str]:
 
 def _table(table: pd.DataFrame) -> str:
     """Errors by channel and kind of test."""
+    from pmmkit.campaigns.test_kinds.registry import kind_of
     from pmmkit.numerics import rms
-    from pmmkit.validation.misfit import words_of_test
 
     rows = []
     for key, group in table.groupby(["channel", "unit", "test"], sort=False):
@@ -142,7 +122,7 @@ def _table(table: pd.DataFrame) -> str:
         )
         rows.append(
             [
-                f"{channel} [{unit}], {words_of_test(test)}",
+                f"{channel} [{unit}], {kind_of(test).title}",
                 str(len(group)),
                 f"{error:.3g}",
                 f"{100 * error / measured:.1f} %" if measured else "-",

@@ -40,17 +40,7 @@ Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
 ]
 WINDOW: Final = 60.0
-FLOOR: Final = 0.02
-SPREAD: Final = (0.05, 0.1)
-"""Relative standard deviations of a model's values: beside a covariance, and without one."""
 LARGE: Final = 3.0
-ERRORS: Final = {
-    "heading": "deg",
-    "position": "m",
-    "position_end": "m",
-    "speed": "m/s",
-    "yaw_rate": "deg/s",
-}
 
 
 def diagnose(
@@ -222,26 +212,24 @@ def _of_records(
     **chosen: Any,
 ) -> _Answer:
     from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-    from pmmkit.identification.known import chosen_records
+    from pmmkit.identification.chosen import chosen_records
     from pmmkit.models import load_model
 
     model = load_model(name)
+    settings = stated(floor=floor)
     used, kept = chosen_records(campaign, model, rudder="auto", wind=True, **chosen)
-    beside, alone = SPREAD
     if spread is not None:
-        beside, alone = (0.0 if model.covariance is None else spread), spread
+        settings |= {"spread": 0.0 if model.covariance is None else spread, "loose": spread}
     found = diagnose_free(
         model,
         used.records,
-        spread=beside,
-        loose=alone,
         windage=windage,
         sensors=sensors,
-        floor=FLOOR if floor is None else floor,
         window=judged,
         held_out=kept.records if kept else (),
         held_out_window=window if kept else None,
         progress=say,
+        **settings,
     )
     errors = {name: dict(row) for name, row in found.errors.items()}
     return _Answer(
@@ -387,8 +375,10 @@ def _hides(share: float) -> str:
 
 
 def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:
-    names = [name for name in ERRORS if any(name in row for row in errors.values())]
-    head = [f"{name.replace('_', ' ')} [{ERRORS[name]}]" for name in names]
+    from pmmkit.identification.comparing import UNITS
+
+    names = [name for name in UNITS if any(name in row for row in errors.values())]
+    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
     rows = [
         [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
         for what, row in errors.items()

@@ -27,9 +27,9 @@ from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
+    from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.consistency import Consistency
-    from pmmkit.identification.known import Chosen
     from pmmkit.identification.methods import Identified
     from pmmkit.identification.smoother import Smoothed
 
@@ -134,10 +134,11 @@ def identify(
     """Identify derivatives from free-running records, and predict runs that were held out."""
     from pmmkit.errors import UnknownNameError
     from pmmkit.files import write_results
+    from pmmkit.identification.chosen import chosen_records
     from pmmkit.identification.comparing import compare_methods
     from pmmkit.identification.consistency import consistency
     from pmmkit.identification.filters import Filtered
-    from pmmkit.identification.known import chosen_records, known_before, parameters_of
+    from pmmkit.identification.known import known_before, parameters_of
     from pmmkit.identification.methods import METHODS
     from pmmkit.identification.predict import reference
     from pmmkit.identification.record import CHANNELS

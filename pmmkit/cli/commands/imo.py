@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, Spread, results_folder, stem
 from pmmkit.cli.output import Outcome
-from pmmkit.presentation import aligned
-
-if TYPE_CHECKING:
-    from pmmkit.simulation.imo import Verdict
+from pmmkit.presentation import text_of
 
 
 def imo(
@@ -30,7 +26,7 @@ def imo(
 
     from pmmkit.files import write_results
     from pmmkit.models import load_model
-    from pmmkit.simulation.imo import SOURCE, imo_verdicts
+    from pmmkit.simulation.imo import imo_verdicts, verdict_sections
 
     folder = results_folder(out, f"{stem(model)}-imo")
     loaded = load_model(model)
@@ -41,28 +37,9 @@ def imo(
     table = pd.DataFrame([{**row, "conditions": " ".join(row["conditions"])} for row in rows])
     files = write_results(folder, [("imo.json", rows), ("imo.csv", table)])
     lines = [
-        f"{loaded.name}, {speed:g} m/s (Fn {loaded.ship.froude(speed, loaded.water.g):.3f}), "
-        f"criteria of {SOURCE}",
-        f"Scale: {found[0].scale}",
-        aligned(
-            ["criterion", "manoeuvre", "value", "limit", "margin", "", "probability"],
-            [_verdict_row(item) for item in found],
-        ),
-        *dict.fromkeys(text for item in found for text in item.conditions),
+        f"{loaded.name}, {speed:g} m/s (Fn {loaded.ship.froude(speed, loaded.water.g):.3f})",
+        text_of(verdict_sections(found)),
+        "",
         f"Results: {folder}",
     ]
     return Outcome(content={"out": str(folder), "files": files, "verdicts": rows}, lines=lines)
-
-
-def _verdict_row(item: Verdict) -> list[str]:
-    word = {True: "met", False: "NOT met", None: "not judged"}[item.passed]
-    unit = " L" if item.unit == "L" else "°"
-    return [
-        item.criterion.replace("_", " "),
-        item.manoeuvre,
-        f"{item.value:.2f}{unit}" if math.isfinite(item.value) else "-",
-        f"{item.limit:.4g}{unit}",
-        f"{item.margin:+.2f}" if math.isfinite(item.margin) else "-",
-        word,
-        "-" if item.probability is None else f"{100 * item.probability:.1f} %",
-    ]

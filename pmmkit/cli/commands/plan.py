@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,8 +13,6 @@ from pmmkit.cli.output import Outcome
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from pmmkit.campaigns.run import Campaign
     from pmmkit.test_planning.next_run import Advice
     from pmmkit.test_planning.options import Limits, Option
@@ -83,9 +80,10 @@ def plan(
         "noise": noise,
     }
     if opened is not None and opened.runs and runs is None and hours is None:
-        return _advised(next_runs(model, opened, **asked), folder)
+        advice = next_runs(model, opened, **asked)
+        return _written(advice, _advice_lines(advice), folder)
     made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
-    return _planned(made, folder)
+    return _written(made, _plan_lines(made), folder)
 
 
 def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
@@ -121,23 +119,19 @@ def _limits(
     return read_plan_file(file, ship, found)
 
 
-def _advised(advice: Advice, out: Path) -> Outcome:
+def _written(found: Advice | Plan, lines: Sequence[str], folder: Path) -> Outcome:
     from pmmkit.files import write_results
+    from pmmkit.test_planning.plan_file import entries_text
 
-    runs = [
-        {
-            **item.option.entry,
-            "repeats": item.repeats,
-            "gain": item.gain,
-            "gains": item.gains,
-            "resolves": item.resolves,
-            "hours": item.hours,
-            "words": item.words,
-        }
-        for item in advice.runs
-    ]
-    chosen = [item.option for item in advice.runs[:1] for _ in range(item.repeats)]
-    files = write_results(out, _files(advice.to_pandas(), chosen))
+    results = [("plan.csv", found.to_pandas()), ("plan.toml", entries_text(found.options))]
+    files = write_results(folder, results)
+    return Outcome(
+        content={"out": str(folder), "files": files, **found.to_dict()},
+        lines=[*lines, f"Results: {folder}"],
+    )
+
+
+def _advice_lines(advice: Advice) -> list[str]:
     lines = [advice.words]
     if advice.runs and advice.rivals:
         lines.append(
@@ -165,23 +159,10 @@ def _advised(advice: Advice, out: Path) -> Outcome:
                 ],
             )
         )
-    lines.append(f"Results: {out}")
-    content = {
-        "out": str(out),
-        "files": files,
-        "words": advice.words,
-        "rivals": advice.rivals,
-        "wanted": advice.wanted,
-        "runs": runs,
-        "checks": advice.checks,
-    }
-    return Outcome(content=content, lines=lines)
+    return lines
 
 
-def _planned(made: Plan, out: Path) -> Outcome:
-    from pmmkit.files import write_results
-
-    files = write_results(out, _files(made.to_pandas(), made.options))
+def _plan_lines(made: Plan) -> list[str]:
     head = (
         f"{made.made} tests are made and show {len(made.before)} of {len(made.sights)} effects. "
         if made.made
@@ -194,7 +175,7 @@ def _planned(made: Plan, out: Path) -> Outcome:
         if last
         else "No further run is worth its time."
     )
-    lines = [
+    return [
         head + told,
         aligned(
             ["run", "min", "hours", "visible", "apart", "becomes visible"],
@@ -212,31 +193,4 @@ def _planned(made: Plan, out: Path) -> Outcome:
         ),
         "Stays invisible:" if made.invisible else "Nothing stays invisible.",
         *(f"  {item.name}: {item.why}." for item in made.invisible),
-        f"Results: {out}",
     ]
-    content: Mapping[str, Any] = {
-        "out": str(out),
-        "files": files,
-        "hours": made.hours,
-        "made": made.made,
-        "before": made.before,
-        "steps": [
-            {
-                **step.option.entry,
-                "duration_h": step.option.hours,
-                "hours": step.hours,
-                "shown": step.shown,
-                "visible": step.visible,
-                "separated": step.separated,
-            }
-            for step in made.steps
-        ],
-        "effects": [asdict(item) for item in made.sights],
-    }
-    return Outcome(content=content, lines=lines)
-
-
-def _files(table: pd.DataFrame, options: Sequence[Option]) -> list[tuple[str, Any]]:
-    from pmmkit.test_planning.plan_file import entries_text
-
-    return [("plan.csv", table), ("plan.toml", entries_text(options))]

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from pmmkit.report import Loop, Reference, Turns
     from pmmkit.tables import DerivativeTable
 
-STEPS: Final = 7
-"""Froude numbers of a sweep in a report."""
 ROUNDS: Final = 3
 """Rounds of naming and adding in a demo."""
 PARTS: Final = ("propeller", "rudder_mmg")
@@ -97,7 +95,7 @@ def reduced(
     data: Path | None = None,
     parts: str | None = None,
     reference: str | None = None,
-    reference_name: str | None = None,
+    reference_name: str = "",
     asked: str | None = None,
     jobs: int | None = None,
     memory: float = 1000.0,
@@ -119,7 +117,7 @@ def reduced(
         Library ship or model file whose propeller and rudder the model gets.
     reference : str, optional
         Library ship, model file or derivative table to compare with.
-    reference_name : str, optional
+    reference_name : str
         Its name in the report.
     asked : str, optional
         A simpler structure: the report ends with what it lacks.
@@ -138,12 +136,12 @@ def reduced(
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
     from pmmkit.reduction.reading.resume import forget, resume_folder
-    from pmmkit.report import changes, loop_of
+    from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
 
     check_folder(out)
     donor = load_model(parts) if parts else None
-    beside = _reference(reference, reference_name) if reference else None
+    beside = reference_of(reference, reference_name) if reference else None
     opened = open_campaign(campaign, data=data)
     kept = resume_folder(out)
     with shown() as progress:
@@ -158,7 +156,7 @@ def reduced(
             resume=kept,
         )
     model, why = _model(found, donor)
-    turns, why_not = _turns(found, model, reference, beside)
+    turns, why_not = _turns(found, model, beside)
     why += why_not
     loop = None
     if asked:
@@ -182,7 +180,7 @@ def reduced(
         "model": "model.toml" if model else None,
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
-        "changes": changes(turns.tracks) if turns and len(turns.tracks) > 1 else {},
+        "changes": changes(turns.tracks) if turns else {},
         "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
     lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
@@ -205,21 +203,6 @@ def _missing(loop: Loop | None) -> list[str]:
     ]
 
 
-def _reference(given: str, name: str | None) -> Reference:
-    """A library ship, a model file or a table, by what the text looks like."""
-    from pmmkit.models.hull import hull_table
-    from pmmkit.report import Reference
-    from pmmkit.tables import read_table
-
-    if _is_table(given):
-        return Reference(table=read_table(given), name=name or Path(given).stem)
-    return Reference(table=hull_table(given), name=name or given)
-
-
-def _is_table(given: str) -> bool:
-    return Path(given).suffix.lower() in (".csv", ".nc", ".h5", ".xlsx")
-
-
 def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[str]]:
     """The model, and in words what it lacks."""
     from pmmkit.api import model_of
@@ -239,34 +222,19 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
 
 
 def _turns(
-    found: Reduction, model: Model | None, given: str | None, beside: Reference | None
+    found: Reduction, model: Model | None, beside: Reference | None
 ) -> tuple[Turns | None, list[str]]:
-    """Turning circles at the speeds of the tests and sweeps between them, or why there are none."""
-    import numpy as np
-
+    """Turning circles, or why there are none."""
     from pmmkit.errors import SimulationError
-    from pmmkit.metrics import HARD_OVER
-    from pmmkit.report import Turns
-    from pmmkit.simulation import froude_sweep, simulate
+    from pmmkit.report import turns_of
 
     if model is None or any(name not in model.parts for name in PARTS):
         return None, []
-    tested = model.Fn or tuple(sorted({round(item.froude, 4) for item in found.runs}))
-    along = np.linspace(tested[0], tested[-1], STEPS if len(tested) > 1 else 1).tolist()
-    speeds = [model.ship.speed(number, model.water.g) for number in tested]
-    sweeps = {}
+    tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
-        tracks = [
-            simulate(model, rudder_deg=HARD_OVER, speed=speed, compiled=False) for speed in speeds
-        ]
-        sweeps["these derivatives"] = froude_sweep(
-            model, Fn=along, rudder_deg=HARD_OVER, compiled=False
-        )
+        return turns_of(model, tested, beside), []
     except SimulationError as error:
         return None, [f"No turning circle: {error}"]
-    if given and beside and not _is_table(given):
-        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=HARD_OVER, compiled=False)
-    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes), []
 
 
 def _words(
@@ -322,7 +290,7 @@ def turn_table(turns: Turns) -> str:
     from pmmkit.report import changes
 
     names = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
-    moved = changes(turns.tracks) if len(turns.tracks) > 1 else {}
+    moved = changes(turns.tracks)
     rows = [
         [
             name.replace("_L", " / L").replace("_", " "),

@@ -21,7 +21,7 @@ from pmmkit.cli.options import (
     stem,
 )
 from pmmkit.cli.output import Outcome
-from pmmkit.presentation import aligned
+from pmmkit.presentation import text_of
 
 
 def simulate(
@@ -58,10 +58,8 @@ def simulate(
     out: Out = None,
 ) -> Outcome:
     """Simulate a manoeuvre: track, metrics and figures."""
-    import math
-
     from pmmkit.files import write_results
-    from pmmkit.simulation.imo import imo_turning
+    from pmmkit.simulation.imo import imo_turning, verdict_sections
     from pmmkit.simulation.results import metrics_of, track_files
     from pmmkit.simulation.simulate import simulate
 
@@ -89,27 +87,11 @@ def simulate(
     )
     results = list(track_files(track))
     if figures:
-        from pmmkit.figures import manoeuvre as drawn
         from pmmkit.plotting.style import figure_files
 
-        results += figure_files(drawn(track), "svg")
+        results += figure_files(track.figures(), "svg")
     files = write_results(folder, results)
-    rows = [
-        [name, f"{value:.4g}"] for name, value in track.metrics.items() if not math.isnan(value)
-    ]
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
-    limits = [
-        f"IMO {item.criterion.replace('_', ' ')}: {item.value:.2f} L, limit {item.limit:g} L, "
-        f"{'met' if item.passed else 'not reached' if item.passed is None else 'NOT met'}"
-        for item in verdicts
-    ]
-    lines = [
-        f"{track.name}, {track.manoeuvre.replace('_', ' ')}, {track.rudder_deg:+g}° of rudder, "
-        f"{track.speed:g} m/s (Fn {track.Fn:.3f})",
-        f"Scale: {track.scale}",
-        aligned(["metric", "value"], rows),
-        *limits,
-        *track.notes,
-        f"Results: {folder}",
-    ]
+    judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
+    lines = [str(track), "", *judged, f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)

@@ -23,6 +23,7 @@ from pmmkit.cli.options import (
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.metrics import in_lengths
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -99,8 +100,7 @@ def sweep(
 def _told(found: xr.Dataset) -> list[str]:
     """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
     names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
-    kept = [name for name in names if f"{name}_L" not in names]
-    return [name for name in kept if found[name].notnull().any()][:MOST]
+    return [name for name in in_lengths(names) if found[name].notnull().any()][:MOST]
 
 
 def _cell(row: Mapping[str, Any], name: str) -> str:

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.cli.options import Campaign, Data, Out, numbers, results_folder, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from pmmkit.trials import Trial
 
 SHOWN: Final = {
-    "turning": (
+    TURNING.name: (
         "advance",
         "transfer",
         "tactical_diameter",
@@ -29,7 +27,7 @@ SHOWN: Final = {
         "time_90",
         "time_180",
     ),
-    "zigzag": (
+    ZIGZAG.name: (
         "overshoot_1_deg",
         "overshoot_2_deg",
         "overshoot_3_deg",
@@ -39,7 +37,7 @@ SHOWN: Final = {
         "period",
         "initial_turning_distance",
     ),
-    "stopping": ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
+    STOPPING.name: ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
 }
 """Measures in the text, by test; the files hold all."""
 
@@ -81,7 +79,7 @@ def trial(
         "campaign": opened.title,
         "source": SOURCE,
         "findings": [item.to_dict() for item in findings],
-        "runs": [_entry(item) for item in found],
+        "runs": [item.to_dict() for item in found],
     }
     files = write_results(folder, _files(found, content))
     lines = [f"{opened.title}: {len(found)} runs, limits of {SOURCE}"]
@@ -104,47 +102,8 @@ def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple
     yield "trial.csv", pd.DataFrame([row for item in found for row in item.rows()])
     yield "trial.json", content
     for item, name in zip(found, _names(found), strict=True):
-        yield f"path_{name}.csv", _path(item)
+        yield f"path_{name}.csv", item.path()
         yield f"trial_{name}.svg", partial(save, trial_figure(item))
-
-
-def _entry(item: Trial) -> dict[str, Any]:
-    current = None
-    if item.current is not None:
-        current = {
-            "x": item.current.x,
-            "y": item.current.y,
-            "std_x": item.current.std[0],
-            "std_y": item.current.std[1],
-            "speed": item.current.speed,
-            "direction_deg": item.current.direction_deg,
-            "origin": item.current.origin,
-        }
-    return {
-        "run": item.run,
-        "test": item.test,
-        "L": item.L,
-        "speed": item.speed,
-        "speed_std": item.speed_std,
-        "heading_deg": item.heading_deg,
-        "rudder_deg": item.rudder_deg,
-        "order": item.order,
-        "orders": list(item.orders),
-        "metrics": dict(item.metrics),
-        "std": dict(item.std),
-        "current": current,
-        "wind": None if item.wind is None else asdict(item.wind),
-        "noise": asdict(item.noise),
-        "imo": [asdict(verdict) for verdict in item.verdicts],
-        "notes": list(item.notes),
-    }
-
-
-def _path(item: Trial) -> pd.DataFrame:
-    import pandas as pd
-
-    names = ("t", "x", "y", "psi", "x_ground", "y_ground", "delta")
-    return pd.DataFrame({name: getattr(item, name) for name in names})
 
 
 def _names(found: Sequence[Trial]) -> list[str]:
@@ -159,7 +118,7 @@ def _names(found: Sequence[Trial]) -> list[str]:
 
 
 def _text(item: Trial) -> list[str]:
-    rudder = "" if item.test == "stopping" else f", rudder {item.rudder_deg:+.1f}°"
+    rudder = "" if item.test == STOPPING.name else f", rudder {item.rudder_deg:+.1f}°"
     std = f" ± {item.speed_std:.2f}" if math.isfinite(item.speed_std) else ""
     lines = [
         "",

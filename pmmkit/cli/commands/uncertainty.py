@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated
 
 import typer
 
@@ -22,15 +22,7 @@ from pmmkit.cli.options import (
     stem,
 )
 from pmmkit.cli.output import Outcome
-from pmmkit.presentation import aligned
-
-if TYPE_CHECKING:
-    from pmmkit.numerics import Array
-
-SHOWN: Final = 3
-"""Metrics drawn as distributions."""
-LISTED: Final = 10
-"""Derivatives listed."""
+from pmmkit.presentation import text_of
 
 
 def uncertainty(
@@ -51,12 +43,12 @@ def uncertainty(
 ) -> Outcome:
     """How sure a manoeuvre is, and which derivatives decide it."""
     from pmmkit.errors import UnknownNameError
-    from pmmkit.figures import distributions, importance
     from pmmkit.files import write_results
+    from pmmkit.metrics import main_of
     from pmmkit.models import load_model
     from pmmkit.plotting.style import save
     from pmmkit.progress import shown
-    from pmmkit.simulation.ensemble import monte_carlo
+    from pmmkit.simulation.ensemble import SHOWN, monte_carlo
     from pmmkit.simulation.sensitivity import sensitivities
 
     folder = results_folder(out, f"{stem(model)}-uncertainty")
@@ -69,49 +61,24 @@ def uncertainty(
     }
     with shown() as progress:
         many = monte_carlo(loaded, manoeuvre, n=ships, seed=seed, progress=progress, **settings)
-    names = [
-        name for name in many.metrics if name.endswith("_L") or f"{name}_L" not in many.metrics
-    ]
-    chosen = metric or ("tactical_diameter_L" if "tactical_diameter_L" in names else names[0])
+    chosen = metric or main_of(many.metrics)
     if chosen not in many.metrics:
         raise UnknownNameError(
             f"{manoeuvre} has no metric {chosen!r}; it has {', '.join(many.metrics)}."
         )
     found = sensitivities(loaded, manoeuvre, **settings)
     summary, causes = many.summary(), found.table(chosen)
-    drawn = [chosen, *[name for name in names if name != chosen and _varies(many.metrics[name])]]
+    drawn = [chosen, *(name for name in many.varying() if name != chosen)]
     files = write_results(
         folder,
         [
             ("metrics.csv", summary.to_csv),
             ("causes.csv", causes.to_csv),
-            ("distributions.svg", partial(save, distributions(many, drawn[:SHOWN]))),
-            ("causes.svg", partial(save, importance(found, chosen))),
+            ("distributions.svg", partial(save, many.plot(drawn[:SHOWN]))),
+            ("causes.svg", partial(save, found.plot(chosen))),
         ],
     )
-    columns = ["nominal", "std", "low", "high"]
-    lines = [
-        f"{many.name}, {manoeuvre.replace('_', ' ')}, {speed:g} m/s (Fn {many.Fn:.3f}): {ships} "
-        f"ships drawn from {many.origin}; {many.failed} could not be simulated.",
-        f"Scale: {many.scale}",
-        aligned(
-            ["metric", "as it is", "std", "2.5 %", "97.5 %"],
-            [[name, *(f"{x:.4g}" for x in summary.loc[name, columns])] for name in names],
-        ),
-        f"What decides {chosen}:",
-        aligned(
-            ["derivative", "share of the variance", "% per %"],
-            [
-                [
-                    str(name),
-                    f"{100 * row['share_of_variance']:.1f} %",
-                    f"{row['per_cent_per_per_cent']:+.2f}",
-                ]
-                for name, row in causes.head(LISTED).iterrows()
-            ],
-        ),
-        f"Results: {folder}",
-    ]
+    lines = [str(many), "", text_of([found.describe(chosen)]), "", f"Results: {folder}"]
     content = {
         "out": str(folder),
         "files": files,
@@ -127,10 +94,3 @@ def uncertainty(
         "causes": causes.to_dict("index"),
     }
     return Outcome(content=content, lines=lines)
-
-
-def _varies(values: Array) -> bool:
-    import numpy as np
-
-    there = values[np.isfinite(values)]
-    return len(there) > 1 and float(np.ptp(there)) > 0.0

@@ -16,8 +16,6 @@ from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
 STEP: Final = 1e-4
-SWAY: Final = ("pure_sway", "sway_yaw")
-YAW: Final = ("pure_yaw", "yaw_drift", "yaw_rudder")
 
 
 def _one(view: View, forces: Forces | Mapping[str, Array]) -> Mapping[str, Array]:
@@ -135,7 +133,7 @@ def _inertia(view: View, base: Base, value: float) -> Mapping[str, Array]:
 def _amplitude(view: View, base: Base, value: float) -> Mapping[str, Array]:
     """Sway larger than stated by a share, in tests that sway."""
     del value
-    if view.run.test not in SWAY:
+    if not view.run.kind_of_test.sways:
         return {}
 
     def moved(view: View) -> tuple[State, float]:
@@ -150,8 +148,8 @@ def _phase(view: View, base: Base, combined: float) -> Mapping[str, Array]:
 
     In tests that yaw alone, or (1) in those that sway and yaw at once as well.
     """
-    tests = (*YAW, "sway_yaw") if combined else YAW
-    if view.run.test not in tests or view.omega == 0.0:
+    kind = view.run.kind_of_test
+    if not kind.yaws or (kind.sways and not combined) or view.omega == 0.0:
         return {}
 
     def moved(view: View) -> tuple[State, float]:
@@ -172,7 +170,7 @@ def _carriage(view: View, base: Base, speed: float) -> Mapping[str, Array]:
 
     def moved(view: View) -> tuple[State, float]:
         m = view.motion
-        v = m.v if view.run.dynamic and view.run.test in SWAY else m.v * (1 + STEP)
+        v = m.v if view.run.kind_of_test.sways else m.v * (1 + STEP)
         return m.with_(u=m.u * (1 + STEP), v=v), view.speed * (1 + STEP)
 
     return _one(view, base.change(view, moved, STEP))

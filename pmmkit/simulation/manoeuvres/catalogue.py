@@ -45,6 +45,11 @@ def manoeuvres() -> Mapping[str, Manoeuvre]:
 def manoeuvre_of(name: str | Manoeuvre) -> Manoeuvre:
     """The manoeuvre of a name; one that is given stays as it is.
 
+    Parameters
+    ----------
+    name : str or Manoeuvre
+        One of `manoeuvres`.
+
     Raises
     ------
     UnknownNameError

@@ -9,9 +9,9 @@ from functools import lru_cache
 from typing import Any, Final, Literal
 
 from pmmkit.metrics import Metric
+from pmmkit.plotting.manoeuvres import Drawn
 from pmmkit.simulation.plan import Plan
 
-Drawn = Literal["turning circle", "zigzag", "spiral", "path"]
 STEEPEST: Final = 90.0
 """Largest angle of a rudder that is taken [deg]."""
 

@@ -1,23 +1,21 @@
-"""Turning circles: the paths, what happens on them, and their measures over the Froude number."""
+"""Turning circles: the paths, and what happens on them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.metrics import limits_in_lengths, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pmmkit.simulation.track import Track
+    from pmmkit.plotting.history import History
 
 _DASHES: Final = ("-", "--", "-.", ":")
 _HALF: Final = ((-0.5, 0.36), (-0.47, 0.5), (0.2, 0.5), (0.38, 0.3), (0.5, 0.0))
@@ -27,14 +25,9 @@ _SLENDER: Final = 0.145
 """Breadth over length of the outlines; they show the heading, not the ship."""
 _EVERY: Final = np.pi / 4
 """Heading between two outlines of the ship [rad]."""
-_LIMITS: Final = limits_in_lengths()
-MEASURES: Final = {
-    f"{metric.name}_L": f"{metric.title} / L [-]"
-    for metric in metrics_named("advance", "transfer", "tactical_diameter", "steady_diameter")
-}
 
 
-def trajectory(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figure:
+def trajectory(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
     """Paths of turning circles in ship lengths, approach upwards, midship at the origin.
 
     The origin is where the rudder is ordered. A filled mark stands where the heading has changed
@@ -43,7 +36,7 @@ def trajectory(tracks: Sequence[Track], names: Sequence[str] | None = None) -> F
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of History
         The tracks.
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
@@ -73,12 +66,12 @@ def trajectory(tracks: Sequence[Track], names: Sequence[str] | None = None) -> F
     return figure
 
 
-def turn_histories(tracks: Sequence[Track], names: Sequence[str] | None = None) -> Figure:
+def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
     """Speed, yaw rate and drift angle in the turn, over the time in ship lengths.
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of History
         The tracks.
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
@@ -115,50 +108,13 @@ def turn_histories(tracks: Sequence[Track], names: Sequence[str] | None = None) 
     return figure
 
 
-def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
-    """Measures of the turning circle over the Froude number, with the IMO limits.
-
-    Parameters
-    ----------
-    sweeps : mapping of str to Dataset
-        Sweeps as `froude_sweep` gives them, by their name in the legend; the first is ours, the
-        others are drawn to compare with.
-
-    Returns
-    -------
-    Figure
-        A matplotlib figure, a panel a measure.
-    """
-    with style.styled():
-        figure = style.canvas(3.2)
-        axes = figure.subplots(1, len(MEASURES))
-        for axis, (measure, title) in zip(axes, MEASURES.items(), strict=True):
-            for number, (name, sweep) in enumerate(sweeps.items()):
-                axis.plot(
-                    sweep["Fn"].values,
-                    sweep[measure].values,
-                    ms=4,
-                    label=name,
-                    color=style.ORDERED[0] if number == 0 else style.REFERENCE,
-                    marker=style.marker(number),
-                    ls="-" if number == 0 else "--",
-                )
-            if measure in _LIMITS:
-                axis.axhline(_LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
-            axis.set_title(title)
-            axis.set_xlabel("Froude number [-]")
-        style.legend_below(figure, list(axes))
-    return figure
-
-
-def _labels(tracks: Sequence[Track], names: Sequence[str] | None) -> list[str]:
+def _labels(tracks: Sequence[History], names: Sequence[str] | None) -> list[str]:
     if not tracks:
         raise DataError("There is no track to draw.")
     return list(names or (f"Fn {item.Fn:.3f}, rudder {item.rudder_deg:+.3g}°" for item in tracks))
 
 
-def _path(axis: Axes, track: Track, number: int, name: str) -> None:
+def _path(axis: Axes, track: History, number: int, name: str) -> None:
     length, colour = track.L, style.colour(number)
     ahead, aside, turned = track.x / length, track.y / length, _turned(track)
     axis.plot(aside, ahead, color=colour, ls=_DASHES[number % 4], label=name)
@@ -181,7 +137,7 @@ def _path(axis: Axes, track: Track, number: int, name: str) -> None:
             )
 
 
-def _turned(track: Track) -> Array:
+def _turned(track: History) -> Array:
     """Change of heading in the sense of the turn, never going back [rad]."""
     change = np.unwrap(track.psi) - track.psi[0]
     return np.maximum.accumulate(change * (1.0 if change[-1] >= 0 else -1.0))
@@ -199,7 +155,7 @@ def _outline(heading: float) -> Array:
     )
 
 
-def _measures(axis: Axes, track: Track) -> None:
+def _measures(axis: Axes, track: History) -> None:
     """Advance, transfer and tactical diameter as dimension lines."""
     length, turned = track.L, _turned(track)
     quarter, half = np.searchsorted(turned, [np.pi / 2, np.pi])
