@@ -13,7 +13,6 @@ import pytest
 
 from pmmkit import plugins
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.figures import manoeuvre as figures_of
 from pmmkit.metrics import METRICS, Criterion, Metric, criteria, metric_of, metrics_named, unit_of
 from pmmkit.simulation import (
     Manoeuvre,
@@ -130,7 +129,7 @@ def test_a_new_manoeuvre_works_like_those_of_pmmkit():
     track = simulate("s175-3dof", EASING, speed=8.0, ease_deg=30.0)
     assert track.manoeuvre == "easing"
     assert track.metrics["way_eased_L"] == pytest.approx(track.metrics["way_eased"] / 175.0)
-    assert set(figures_of(track)) == {"path", "histories"}
+    assert set(track.figures()) == {"path", "histories"}
     swept = sweep("s175-3dof", "ease_deg", [20.0, 40.0], EASING, speed=8.0)
     assert swept.attrs["manoeuvre"] == "easing"
     assert swept["ease_deg"].attrs["units"] == swept["turned_eased_deg"].attrs["units"] == "deg"
