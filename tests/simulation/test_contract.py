@@ -4,6 +4,7 @@ pass."""
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from dataclasses import replace
 from importlib.metadata import EntryPoint, EntryPoints
@@ -283,3 +284,34 @@ def test_a_wrong_metric_does_not_pass(wrong, said):
     with pytest.raises(AssertionError) as caught:
         check_metric(replace(DRIFT, **wrong))
     assert said in str(caught.value)
+
+
+# The command line
+
+
+def option(command, name):
+    """An option of a command."""
+    import typer.main
+
+    from pmmkit.cli.app import application
+
+    commands = typer.main.get_command(application()).commands
+    return next(x for x in commands[command].params if x.name == name)
+
+
+@pytest.mark.parametrize("command", ["simulate", "sweep", "uncertainty"])
+def test_the_command_line_names_every_manoeuvre(command):
+    said = option(command, "manoeuvre").help
+    assert all(name in said for name in catalogue.manoeuvres())
+
+
+def test_any_setting_can_be_given_on_the_command_line(tmp_path, capsys):
+    from pmmkit.cli import main
+
+    given = ["simulate", "s175-3dof", "--speed", "8", "--no-figures", "--json"]
+    given += ["--manoeuvre", "zigzag", "--set", "executes=3", "--out", str(tmp_path / "out")]
+    assert main(given) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "overshoot_2_deg" in found
+    assert "overshoot_3_deg" not in found
+    assert main([*given, "--set", "executes"]) == 2
