@@ -10,7 +10,7 @@ from typing import Final
 
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
-from pmmkit.equations.constants import FIRST, ROLLING, STATES
+from pmmkit.equations.layouts import ROLLING, STATES, Constant
 from pmmkit.errors import MissingPartError, ModelError
 
 POLYNOMIALS: Final = ("hull_polynomial", "rudder_abkowitz")
@@ -95,7 +95,7 @@ class Structure:
     def places(self) -> dict[tuple[str, str], slice]:
         """Where each parameter stands in the constants: (effect, name) to a slice."""
         found: dict[tuple[str, str], slice] = {}
-        place = FIRST + (sum(len(channels) for _, channels in self.products or ()))
+        place = len(Constant) + sum(len(channels) for _, channels in self.products or ())
         for item in self.used:
             lengths = dict(item.tables)
             for name in item.own:
