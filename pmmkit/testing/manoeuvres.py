@@ -176,9 +176,13 @@ def _faults_of_plan(manoeuvre: Manoeuvre, settings: Mapping[str, Any]) -> Iterat
     one, other = (manoeuvre.orders(_PACE, **given) for _ in range(2))
     if one != other:
         yield "its plan is not the same twice"
-    numbers = [*one.orders, *one.questions]
-    if not all(isinstance(x, (int, float)) for x in numbers) or not one.phases:
-        yield "its plan does not consist of phases and probes of numbers"
+    try:
+        numbers = [*one.orders, *one.questions]
+    except (TypeError, ValueError) as error:
+        yield f"its plan does not consist of numbers: {error}"
+        return
+    if not numbers:
+        yield "its plan is empty"
     for probe, place in one.probes.items():
         if not 0 <= place.first <= place.last < len(one.phases):
             yield f"the probe {probe} looks at phases that there are not"

@@ -16,6 +16,8 @@ from pmmkit import plugins
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.metrics import METRICS, Criterion, Metric, criteria, metric_of, metrics_named, unit_of
 from pmmkit.simulation import (
+    Ask,
+    End,
     Manoeuvre,
     Phase,
     Plan,
@@ -90,14 +92,17 @@ def easing(pace, *, rudder_deg, ease_deg):
     phases = (
         Phase(
             rudder=rudder,
-            until="heading",
+            until=End.heading,
             level=side * math.radians(ease_deg),
             side=side,
             longest=500.0 / pace,
         ),
         Phase(rudder=0.0, longest=10.0 / pace),
     )
-    probes = {"ease": Probe(ask="begin", first=1, last=1), "end": Probe(ask="end", first=1, last=1)}
+    probes = {
+        "ease": Probe(ask=Ask.begin, first=1, last=1),
+        "end": Probe(ask=Ask.end, first=1, last=1),
+    }
 
     def measure(found):
         return {
@@ -238,10 +243,13 @@ WRONG = {
     "the default of rudder_deg": changed(settings=(rudder_setting(120.0), EASING.settings[1])),
     "not the same twice": drifting(),
     "phases that there are not": of_plan(
-        lambda plan: replace(plan, probes=plan.probes | {"later": Probe(ask="end", last=7)})
+        lambda plan: replace(plan, probes=plan.probes | {"later": Probe(ask=Ask.end, last=7)})
     ),
     "ease_deg = 1.0 ends in KeyError": changed(orders=choosy),
     "is refused without its name": changed(orders=silent),
+    "does not consist of numbers": of_plan(
+        lambda plan: replace(plan, phases=(replace(plan.phases[0], until="heading"),))
+    ),
     "no metric 'speed_lost'": measuring(speed_lost=0.1),
     "does not give offset": changed(metrics=(*EASING.metrics, *metrics_named("offset"))),
     "way_eased is nan": measuring(way_eased=math.nan),
