@@ -88,7 +88,7 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
     lines += [
         f"NS = {len(states)}",
         f"N_AT = {states.index('n') if 'n' in states else -1}",
-        f"TURNS = {int(structure.turns)}",
+        f"REVOLUTIONS = {int(structure.revolutions)}",
         f"FREE = {free}",
         f"BALANCE = {balance}",
         f"STRIDE = {len(StepField) + 5 * len(states)}",
@@ -116,14 +116,14 @@ def _rates(structure: Structure) -> list[str]:
     body = [f"u, v, r, psi = y[{State.u}], y[{State.v}], y[{State.r}], y[{State.psi}]"]
     body += [f"p, phi = y[{State.p}], y[{State.phi}]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
-    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = turn")
-    body += ["n_order = turn", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
+    body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
     lines, extra_mass, rates_of = summed(structure)
     body += [*lines, *_motion(structure, extra_mass)]
     body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
     return [
         "@entry",
-        "def rates(y, delta, turn, bucket, k, out):",
+        "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
 

@@ -88,7 +88,7 @@ class Structure:
         return tuple(name for name in self.states if name not in (*STATES, *ROLLING))
 
     @cached_property
-    def turns(self) -> bool:
+    def revolutions(self) -> bool:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Constant
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import Place, places, replaced

@@ -13,7 +13,7 @@ import numpy as np
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Status
-from pmmkit.equations.program import packed, stacked, values_at
+from pmmkit.equations.prepared import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model

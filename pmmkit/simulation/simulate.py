@@ -15,7 +15,7 @@ import numpy as np
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions, prepare
 from pmmkit.equations.layouts import Control, End, State
-from pmmkit.equations.program import feels_depth
+from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of

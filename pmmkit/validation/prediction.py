@@ -12,7 +12,7 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.state import State
 from pmmkit.equations import CALM
 from pmmkit.equations.histories import repeating_states, water_forces
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, scaled
 from pmmkit.models.model import Part

@@ -13,17 +13,18 @@ from pmmkit.cli.options import (
     Extrapolate,
     Manoeuvre,
     Model,
+    More,
     Out,
     RudderDeg,
     Spread,
     SwitchDeg,
     numbers,
     results_folder,
+    settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
-from pmmkit.metrics import in_lengths
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ def sweep(
     manoeuvre: Manoeuvre = "turning",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
+    more: More = None,
     depth: Depth = None,
     ships: Annotated[int, typer.Option(help="Ships drawn per value for 95 % intervals.")] = 0,
     spread: Spread = None,
@@ -68,6 +70,7 @@ def sweep(
         "extrapolate": extrapolate,
         "compiled": ships > 0,
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
+        **settings_of(more),
     }
     if over is not None and (values is None or asked is None or len(asked) != 1):
         raise typer.BadParameter("--over needs --values and one approach speed, --speeds 8.")
@@ -99,6 +102,8 @@ def sweep(
 
 def _told(found: xr.Dataset) -> list[str]:
     """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
+    from pmmkit.metrics import in_lengths
+
     names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
     return [name for name in in_lengths(names) if found[name].notnull().any()][:MOST]
 
