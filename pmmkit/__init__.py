@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pmmkit.checks import examine, refuse
     from pmmkit.diagnosis.diagnose import diagnose
     from pmmkit.effects.catalogue import catalogue
-    from pmmkit.effects.own import own_effect, own_effects
+    from pmmkit.effects.grammar import own_effect, own_effects
     from pmmkit.empirical import estimate
     from pmmkit.errors import PmmkitError
     from pmmkit.exports import export
@@ -133,7 +133,7 @@ _HOMES: Final = {
     "models.edit": ("with_effect", "without_effect"),
     "validation.comparison": ("Comparison", "compare"),
     "diagnosis.diagnose": ("diagnose",),
-    "effects.own": ("own_effect", "own_effects"),
+    "effects.grammar": ("own_effect", "own_effects"),
     "loop.session": ("fit",),
     "test_planning.next_run": ("next_runs",),
     "test_planning.options": ("Limits",),

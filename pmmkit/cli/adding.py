@@ -14,7 +14,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import examine, refuse
 from pmmkit.cli.console import Outcome, aligned
 from pmmkit.cli.tracks import check_folder
-from pmmkit.effects.own import own_effects
+from pmmkit.effects.grammar import own_effects
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
 from pmmkit.loop.session import ErrorFall, begin, undone

@@ -14,7 +14,7 @@ from pmmkit.cli.findings import findings_of
 from pmmkit.cli.options import stem
 from pmmkit.cli.tracks import check_folder
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.own import own_effects
+from pmmkit.effects.grammar import own_effects
 from pmmkit.errors import DataError
 from pmmkit.files import atomic_folder
 from pmmkit.loop.session import begin

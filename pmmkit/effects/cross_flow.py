@@ -142,7 +142,11 @@ CROSSFLOW_DRAG: Final = Effect(
     summary="Drag of the flow across each section, summed over the length.",
     parameters=(
         Parameter(
-            name="CD", text="drag coefficient of a section on its draught", low=0.0, typical=0.55
+            name="CD",
+            text="drag coefficient of a section on its draught",
+            low=0.0,
+            typical=0.55,
+            uncertain=True,
         ),
         Parameter(name="CrY", text="factor of the yaw rate in the force", default=1.0),
         Parameter(name="CrN", text="factor of the yaw rate in the moment", default=1.0),

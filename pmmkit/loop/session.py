@@ -17,7 +17,7 @@ from pmmkit.diagnosis.captive.refit import ADDED, is_fault, name_of_step, refitt
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.own import OwnEffect
+from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text
 from pmmkit.models import Model, load_model
@@ -70,7 +70,7 @@ class Session:
         Effects that the base has from the beginning.
     steps : tuple of Step
         What was added.
-    own : tuple of OwnEffect
+    own : tuple of Effect
         Effects of the user.
     """
 
@@ -80,7 +80,7 @@ class Session:
     floor: float
     begun: tuple[str, ...] = ()
     steps: tuple[Step, ...] = ()
-    own: tuple[OwnEffect, ...] = ()
+    own: tuple[Effect, ...] = ()
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -247,7 +247,7 @@ def begin(
     floor: float | None = None,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """A session about a model and captive tests.
 
@@ -290,7 +290,7 @@ def replay(
     *,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """The steps of a file carried out again on a model and a campaign.
 
@@ -371,14 +371,14 @@ def fit(
     return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
-def undone(model: Model, own: Sequence[OwnEffect] = ()) -> tuple[Model, str]:
+def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     """A model without the effect that was added last, and its name; its values are to be refitted.
 
     Parameters
     ----------
     model : Model
         With a step in its history.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
 
     Raises

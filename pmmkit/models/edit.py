@@ -9,9 +9,7 @@ from typing import Literal, Protocol
 
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.own import OwnEffect
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models import Model, Part
 from pmmkit.models.model import Value
@@ -34,7 +32,7 @@ class Found(Protocol):
         """Grid value of its nonlinear parameter."""
 
 
-Named = str | OwnEffect | Found
+Named = str | Effect | Found
 Sizes = Mapping[str, float] | Literal["typical"] | None
 
 
@@ -53,7 +51,7 @@ def with_effect(
     ----------
     model : Model
         The model.
-    effect : str, Finding, OwnEffect or sequence of them
+    effect : str, Finding, Effect or sequence of them
         A name of the catalogue, a finding of `diagnose`, an effect of one's own, or several at
         once (``finding.best``).
     coefficients : mapping of str to float, or "typical", optional
@@ -110,7 +108,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
     ----------
     model : Model
         The model.
-    effect : str, Finding, OwnEffect or sequence of them
+    effect : str, Finding, Effect or sequence of them
         As for `with_effect`.
 
     Returns
@@ -158,7 +156,7 @@ def _asked(
     """What is asked for, checked against what there is."""
     typical: Mapping[str, float]
     given: Mapping[str, float] | None = None
-    if isinstance(effect, OwnEffect):
+    if isinstance(effect, Effect):
         name, shares, typical = effect.name, effect.shares, effect.typical
     else:
         if isinstance(effect, str):
@@ -202,7 +200,7 @@ def _asked(
 
 
 def _refuse(entry: Effect) -> None:
-    if entry.kind == "observation":
+    if entry.faulty:
         raise ModelError(
             f"{entry.name} is a fault of the measurement: it corrects the data, it does not enter "
             f"a model. {entry.summary} To be sure: {entry.check}."

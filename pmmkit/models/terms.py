@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, Part
 from pmmkit.models.model import Value, needs_roll

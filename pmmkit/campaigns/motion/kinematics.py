@@ -54,7 +54,14 @@ _DISPLACEMENT: Final = {
 """Channels that tell the phase, best first; whether they go with cos θ; whose sign counts."""
 _RATES: Final = ("udot", "vdot", "rdot", "pdot")
 _OSCILLATING: Final = ("u", "v", "r", "p", *_RATES, "x", "y", "psi")
-_HELD: Final = {"phi": "phi", "delta": "delta", "n": "rps", "T": "thrust"}
+_HELD: Final = {
+    "phi": "phi",
+    "delta": "delta",
+    "n": "rps",
+    "T": "thrust",
+    "sinkage": "sinkage",
+    "trim": "trim",
+}
 _CLEAR: Final = 5.0
 
 

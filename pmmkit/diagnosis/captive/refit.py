@@ -16,8 +16,7 @@ from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.own import OwnEffect
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.edit import with_effect, without_effect
@@ -34,7 +33,7 @@ def fitted_table(
     base: Base,
     campaign: Campaign,
     Fn: Sequence[float] = (),
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> DerivativeTable:
     """The derivatives of a joint fit, those of effects that are derivatives among them.
 
@@ -49,7 +48,7 @@ def fitted_table(
     Fn : sequence of float
         Froude numbers of the rows; one pooled row without them. Needed where derivatives change
         with the speed.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user, whose coefficients stand for derivatives.
 
     Returns
@@ -97,7 +96,7 @@ class _Place:
     by_speed: bool = False
 
 
-def _places(label: str, own: Sequence[OwnEffect]) -> tuple[_Place, ...]:
+def _places(label: str, own: Sequence[Effect]) -> tuple[_Place, ...]:
     """Where a coefficient of a fit belongs; nowhere if its effect is no derivative."""
     effect, _, name = label.rpartition(": ")
     for item in own:
@@ -135,7 +134,7 @@ def refitted(
     effects: Sequence[Block],
     base: Base,
     campaign: Campaign,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Refit:
     """A model with the values of a joint fit.
 
@@ -152,7 +151,7 @@ def refitted(
         Of the fit.
     campaign : Campaign
         The tests.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
 
     Returns
@@ -303,4 +302,4 @@ def name_of_step(line: str) -> str:
 def is_fault(effect: str) -> bool:
     """Whether an effect is a fault of the measurement."""
     known = catalogue().get(effect)
-    return known is not None and known.kind == "observation"
+    return known is not None and known.faulty

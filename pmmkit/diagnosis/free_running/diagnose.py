@@ -17,9 +17,9 @@ from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.findings import Diagnosis, Verdict
 from pmmkit.diagnosis.free_running.candidates import (
-    CURRENT,
-    RUDDER_ZERO,
     FreeCandidate,
+    Sailing,
+    candidate_of,
     candidates_for,
 )
 from pmmkit.diagnosis.free_running.evidence import (
@@ -56,12 +56,15 @@ from pmmkit.diagnosis.free_running.system import (
     log_likelihood,
     sized,
 )
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
 from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 
 WINDOW: Final = 5.0
@@ -78,13 +81,6 @@ TURNS: Final = 8
 """Most turns in which the sizes of unknown forces and the values of the largest model are found."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
-BASE: Final = {
-    "rudder_mmg": ("epsilon", "aH", "gamma_positive", "gamma_negative", "gamma", "cRr"),
-    "propeller": ("wp",),
-    "crossflow_drag": ("CD",),
-    "wind": ("cx", "cy", "cn"),
-}
-"""Values beside the derivatives that no model knows exactly."""
 
 
 def base_prior(
@@ -114,7 +110,7 @@ def base_prior(
     Returns
     -------
     Prior
-        Derivatives of hull, rudder and added mass, and of rudder and propeller what `BASE` lists.
+        Derivatives of hull, rudder and added mass, and the uncertain values of other parts.
 
     Examples
     --------
@@ -123,19 +119,17 @@ def base_prior(
     >>> len(found.names), round(float(found.std[found.names.index("Yv")]), 4)
     (25, 0.0184)
     """
-    known = catalogue()
     names = [
         name
-        for part in ("hull_polynomial", "rudder_abkowitz", "added_mass")
+        for part in DERIVATIVE_PARTS
         if part in model.parts
         for name in model.parts[part].values
-        if known[part].parameter(name) is None
+        if effect_of(part).parameter(name) is None
     ] + [
-        f"{part}.{name}"
-        for part, own in BASE.items()
-        if part in model.parts
-        for name in own
-        if name in model.parts[part].values
+        f"{part.effect}.{item.name}"
+        for part in model.parts.values()
+        for item in part.known.parameters
+        if item.uncertain and item.name in part.values
     ]
     relative = {name: loose for name in names if name not in model.covariance_names}
     found = prior_of(model, names, speed, spread=relative, extrapolate=extrapolate)
@@ -155,7 +149,8 @@ def diagnose_free(
     window: float | None = None,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
-    candidates: Sequence[FreeCandidate] | None = None,
+    candidates: Sequence[FreeCandidate | Effect] | None = None,
+    own: Sequence[Effect] = (),
     windage: tuple[float, float] | None = None,
     sensors: Mapping[str, float] | None = None,
     most: int = 3,
@@ -185,8 +180,10 @@ def diagnose_free(
         Records that take no part but in the errors before and after.
     held_out_window : float, optional
         Length of their windows [s]; by default that of the others.
-    candidates : sequence of FreeCandidate, optional
+    candidates : sequence of FreeCandidate or Effect, optional
         Who takes part; by default all of `candidates_for`.
+    own : sequence of Effect
+        Effects beside the catalogue, on equal terms.
     windage : (float, float), optional
         Frontal and lateral area above water [m²].
     sensors : mapping of str to float, optional
@@ -234,8 +231,13 @@ def diagnose_free(
         raise DataError("There is no record to diagnose.")
     speed = records[0].speed
     prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
-    every = tuple(
-        candidates_for(model, records, windage=windage) if candidates is None else candidates
+    every = (
+        candidates_for(model, records, windage=windage, own=own)
+        if candidates is None
+        else tuple(
+            item if isinstance(item, FreeCandidate) else candidate_of(item, Sailing(model, speed))
+            for item in candidates
+        )
     )
     large = model
     for item in every:
