@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
+from pmmkit.bibliography import cite
 from pmmkit.conventions import Convention
 from pmmkit.errors import UnknownNameError
 from pmmkit.ship import Ship
@@ -29,11 +30,14 @@ class Estimate:
         What they mean.
     source : str
         Author and year, and what of it was not checked against the text.
+    sources : tuple of str
+        The same as keys of the bibliography, that of the added mass last.
     """
 
     values: Mapping[str, float]
     convention: Convention
     source: str
+    sources: tuple[str, ...]
 
 
 _PRIME: Final = Convention(system="prime", coriolis="in-derivatives")
@@ -171,22 +175,35 @@ def yoshimura_masumoto(ship: Ship) -> dict[str, float]:
     }
 
 
-_UNREAD: Final = "as public programs quote it; the paper was not at hand"
-METHODS: Final[Mapping[str, tuple[Callable[[Ship], dict[str, float]], Convention, str]]] = (
-    MappingProxyType(
-        {
-            "wagner-smitt": (wagner_smitt, _PRIME, "Wagner Smitt 1971 (π form)"),
-            "norrbin": (norrbin, _PRIME, "Norrbin 1971"),
-            "inoue": (inoue, _PRIME, "Inoue, Hirano and Kijima 1981"),
-            "clarke": (clarke, _PRIME, "Clarke, Gedling and Hine 1983"),
-            "kijima": (kijima, _BETA, f"Kijima et al. 1990, {_UNREAD}"),
-            "yoshimura-masumoto": (
-                yoshimura_masumoto,
-                _MMG,
-                f"Yoshimura and Masumoto 2012, {_UNREAD}",
-            ),
-        }
-    )
+@dataclass(frozen=True)
+class Method:
+    """A regression over hulls, its added mass, and where both come from."""
+
+    hull: Callable[[Ship], dict[str, float]]
+    added_mass: Callable[[Ship], dict[str, float]]
+    convention: Convention
+    sources: tuple[str, str]
+    """Keys of the bibliography, of the hull and of the added mass."""
+    quoted: str = ""
+    """What is to be said with the first of them."""
+
+
+_CLARKE: Final = "clarke_gedling_hine_1983"
+_ZHOU: Final = "zhou_1983"
+_UNREAD: Final = ", as public programs quote it; the paper was not at hand"
+METHODS: Final[Mapping[str, Method]] = MappingProxyType(
+    {
+        "wagner-smitt": Method(
+            wagner_smitt, clarke_accelerations, _PRIME, ("wagner_smitt_1971", _CLARKE), " (π form)"
+        ),
+        "norrbin": Method(norrbin, clarke_accelerations, _PRIME, ("norrbin_1971", _CLARKE)),
+        "inoue": Method(inoue, clarke_accelerations, _PRIME, ("inoue_hirano_kijima_1981", _CLARKE)),
+        "clarke": Method(clarke, clarke_accelerations, _PRIME, (_CLARKE, _CLARKE)),
+        "kijima": Method(kijima, zhou_added_mass, _BETA, ("kijima_1990", _ZHOU), _UNREAD),
+        "yoshimura-masumoto": Method(
+            yoshimura_masumoto, zhou_added_mass, _MMG, ("yoshimura_masumoto_2012", _ZHOU), _UNREAD
+        ),
+    }
 )
 
 
@@ -219,14 +236,25 @@ def estimate(ship: Ship, method: str) -> Estimate:
     """
     if method not in METHODS:
         raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
-    function, convention, source = METHODS[method]
-    linear = convention.system == "prime"
-    mass = clarke_accelerations(ship) if linear else zhou_added_mass(ship)
-    if convention.sway == "beta":
+    found = METHODS[method]
+    mass = found.added_mass(ship)
+    if found.convention.sway == "beta":
         mass = {name: -x if name.endswith("vdot") else x for name, x in mass.items()}
     return Estimate(
-        values=MappingProxyType({**function(ship), **mass}), convention=convention, source=source
+        values=MappingProxyType({**found.hull(ship), **mass}),
+        convention=found.convention,
+        source=cite(found.sources[0]) + found.quoted,
+        sources=found.sources,
     )
+
+
+RUDDER_SOURCES: Final = (
+    "fujii_1960",
+    "quadvlieg_2013",
+    "matsumoto_suemitsu_1980",
+    "yoshimura_masumoto_2012",
+)
+"""Where `rudder_values` come from."""
 
 
 def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[str, float]:

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
+from types import MappingProxyType
 from typing import Final, Literal
 
+from pmmkit.bibliography import cite
 from pmmkit.conventions import CHANNELS, canonical, parse_derivative
 from pmmkit.errors import UnknownNameError
+from pmmkit.plugins import offered
+
+GROUP: Final = "pmmkit.structures"
+"""Entry point group by which other packages bring structures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,15 +31,23 @@ class Structure:
         The non-dimensional system in which it is usually written.
     surge : {"u", "delta-u"}
         What factors u mean (see `conventions.Convention`).
-    source : str
-        Where the form comes from.
+    sources : tuple of str
+        Where the form comes from, as keys of the bibliography.
+    quoted : str
+        What of the last source was left out.
     """
 
     name: str
     derivatives: tuple[str, ...]
     system: Literal["prime", "prime-d"] = "prime"
     surge: Literal["u", "delta-u"] = "u"
-    source: str = ""
+    sources: tuple[str, ...] = ()
+    quoted: str = ""
+
+    @property
+    def source(self) -> str:
+        """Where the form comes from, in words."""
+        return " ".join(filter(None, (cite(*self.sources), self.quoted)))
 
     def of(self, channel: str) -> tuple[str, ...]:
         """The derivatives of one channel."""
@@ -41,13 +56,7 @@ class Structure:
     def with_(self, *names: str) -> Structure:
         """A copy with more derivatives (those already there are left as they are)."""
         added = [name for name in map(canonical, names) if name not in self.derivatives]
-        return Structure(
-            name=self.name,
-            derivatives=_ordered((*self.derivatives, *added)),
-            system=self.system,
-            surge=self.surge,
-            source=self.source,
-        )
+        return replace(self, derivatives=_ordered((*self.derivatives, *added)))
 
 
 def _ordered(names: Iterable[str]) -> tuple[str, ...]:
@@ -67,54 +76,63 @@ def _named(terms: Mapping[str, str]) -> tuple[str, ...]:
 _LINEAR: Final = {"X": "udot uu vv rr vr", "YN": "v r vdot rdot"}
 _CUBIC: Final = {**_LINEAR, "YN": "v r vvv rrr vdot rdot"}
 
-STRUCTURES: Final[dict[str, Structure]] = {
-    structure.name: structure
-    for structure in (
-        Structure(name="linear", derivatives=_named(_LINEAR)),
-        Structure(name="cubic", derivatives=_named(_CUBIC), source="Abkowitz 1964"),
-        Structure(
-            name="abkowitz3",
-            derivatives=_named({**_LINEAR, "YN": "v r vvv rrr vvr vrr vdot rdot"}),
-            source="Abkowitz 1964; Son and Nomoto 1981 without heel",
+_OURS: Final = (
+    Structure(name="linear", derivatives=_named(_LINEAR)),
+    Structure(name="cubic", derivatives=_named(_CUBIC), sources=("abkowitz_1964",)),
+    Structure(
+        name="abkowitz3",
+        derivatives=_named({**_LINEAR, "YN": "v r vvv rrr vvr vrr vdot rdot"}),
+        sources=("abkowitz_1964", "son_nomoto_1981"),
+        quoted="without heel",
+    ),
+    Structure(
+        name="modulus",
+        derivatives=_named({**_LINEAR, "YN": "v r v|v| r|r| vvr vrr vdot rdot"}),
+        sources=("fedyaevsky_sobolev_1964", "norrbin_1971"),
+    ),
+    Structure(
+        name="mariner",
+        derivatives=_named(
+            {
+                "X": "udot u uu uuu vv rr dd udd vr vd uvd",
+                "YN": "vdot rdot v r vvv vvr uv ur d ddd ud uud vdd vvd 0 0u 0uu",
+            }
         ),
-        Structure(
-            name="modulus",
-            derivatives=_named({**_LINEAR, "YN": "v r v|v| r|r| vvr vrr vdot rdot"}),
-            source="Fedyaevsky and Sobolev 1964; Norrbin 1971",
+        surge="delta-u",
+        sources=("chislett_strom_tejsen_1965",),
+    ),
+    Structure(
+        name="mmg",
+        derivatives=_named({"X": "udot uu vv vr rr vvvv", "YN": "v r vvv vvr vrr rrr vdot rdot"}),
+        system="prime-d",
+        sources=("yasukawa_yoshimura_2015",),
+    ),
+    Structure(
+        name="son-nomoto",
+        derivatives=_named(
+            {
+                "X": "udot uu vr rr phiphi vv",
+                "Y": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot rdot",
+                "N": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot rdot",
+                "K": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot pdot",
+            }
         ),
-        Structure(
-            name="mariner",
-            derivatives=_named(
-                {
-                    "X": "udot u uu uuu vv rr dd udd vr vd uvd",
-                    "YN": "vdot rdot v r vvv vvr uv ur d ddd ud uud vdd vvd 0 0u 0uu",
-                }
-            ),
-            surge="delta-u",
-            source="Chislett and Strøm-Tejsen 1965",
-        ),
-        Structure(
-            name="mmg",
-            derivatives=_named(
-                {"X": "udot uu vv vr rr vvvv", "YN": "v r vvv vvr vrr rrr vdot rdot"}
-            ),
-            system="prime-d",
-            source="Yasukawa and Yoshimura 2015",
-        ),
-        Structure(
-            name="son-nomoto",
-            derivatives=_named(
-                {
-                    "X": "udot uu vr rr phiphi vv",
-                    "Y": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot rdot",
-                    "N": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot rdot",
-                    "K": "v r p phi vvv rrr vvr vrr vvphi vphiphi rrphi rphiphi vdot pdot",
-                }
-            ),
-            source="Son and Nomoto 1981",
-        ),
-    )
-}
+        sources=("son_nomoto_1981",),
+    ),
+)
+
+
+@cache
+def structures() -> Mapping[str, Structure]:
+    """All structures by name: pmmkit's, then those of other installed packages.
+
+    Examples
+    --------
+    >>> structures()["modulus"].source
+    'Fedyaevsky and Sobolev 1964; Norrbin 1971'
+    """
+    ours = {structure.name: structure for structure in _OURS}
+    return MappingProxyType(ours | offered(GROUP, Structure, taken=ours))
 
 
 def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
@@ -140,15 +158,15 @@ def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
     """
     if isinstance(choice, Structure):
         return choice
-    if isinstance(choice, str) and choice in STRUCTURES:
-        return STRUCTURES[choice]
+    if isinstance(choice, str) and choice in structures():
+        return structures()[choice]
     names = choice.replace(",", " ").split() if isinstance(choice, str) else list(choice)
     try:
         if not names:
             raise UnknownNameError("the list is empty.")
         return Structure(name="custom", derivatives=_ordered(names))
     except UnknownNameError as error:
-        known = ", ".join(STRUCTURES)
+        known = ", ".join(structures())
         raise UnknownNameError(
             f"{choice!r} is neither a structure ({known}) nor a list of derivatives: {error}"
         ) from error

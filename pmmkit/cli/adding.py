@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,15 +11,16 @@ from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.effects.grammar import own_effects
 from pmmkit.errors import PmmkitError
 from pmmkit.files import atomic_folder
 from pmmkit.loop.session import ErrorFall, begin, undone
+from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model, save_model
+from pmmkit.presentation import aligned
 
-RUDDER_DEG: Final = 35.0
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 
 
@@ -107,8 +107,9 @@ def _write(fall: ErrorFall, out: Path, drawn: bool) -> list[str]:
     with atomic_folder(out) as folder:
         fall.to_pandas().to_csv(folder / "error_fall.csv", index=False)
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.diagnosis")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import diagnosis as figures
+            from pmmkit.plotting.style import save
+
             save(figures.error_fall(fall), folder / "error_fall.svg")
         return sorted(file.name for file in folder.iterdir())
 
@@ -126,7 +127,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
             track = simulate(
                 model,
                 "turning",
-                rudder_deg=RUDDER_DEG,
+                rudder_deg=HARD_OVER,
                 speed=model.ship.speed(Fn, model.water.g),
                 compiled=False,
             )
@@ -165,7 +166,7 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
         )
     lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
     if turns:
-        lines += ["", f"Turning circle, rudder {RUDDER_DEG:g}°, in ship lengths:"]
+        lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])
         lines.append(
             aligned(

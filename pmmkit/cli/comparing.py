@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -10,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
 from pmmkit.models import load_model
 from pmmkit.numerics import rms
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 from pmmkit.validation.comparison import TOLD, Comparison, compare
 from pmmkit.validation.misfit import words_of_test
@@ -103,8 +103,9 @@ def _write(found: Comparison, out: Path, content: Mapping[str, Any], *, drawn: b
             found.metrics().to_csv(folder / "manoeuvres.csv", index=False)
         (folder / "comparison.json").write_text(json_text(content) + "\n", encoding="utf-8")
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.comparison")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import comparison as figures
+            from pmmkit.plotting.style import save
+
             for name, figure in figures.comparison_figures(found).items():
                 save(figure, folder / f"{name}.png")
         return sorted(file.name for file in folder.iterdir())

@@ -77,30 +77,3 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
             }
         )
     say(f"pmmkit: {text or type(error).__name__}")
-
-
-def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table in plain text, the first column to the left, the others to the right.
-
-    Parameters
-    ----------
-    head : sequence of str
-        Names of the columns.
-    rows : sequence of sequence of str
-        The cells.
-
-    Examples
-    --------
-    >>> print(aligned(["", "Yv"], [["Fn 0.145", "-11.6"]]))
-                 Yv
-    Fn 0.145  -11.6
-    """
-    every = [list(head), *map(list, rows)]
-    widths = [max(len(row[column]) for row in every) for column in range(len(head))]
-    return "\n".join(
-        "  ".join(
-            cell.ljust(width) if column == 0 else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in every
-    )

@@ -20,7 +20,7 @@ from pmmkit.files import atomic_folder
 from pmmkit.loop.session import begin
 from pmmkit.models import load_model
 from pmmkit.report.loop import loop_of, write_diagnosis
-from pmmkit.structures import STRUCTURES
+from pmmkit.structures import structures
 
 
 def diagnose(
@@ -118,7 +118,7 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
     if not found.findings:
         return []
     names = " ".join(item.effect for item in found.findings)
-    if model in STRUCTURES:
+    if model in structures():
         reduced = f"{stem(campaign)}-reduced"
         return [
             f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.cli.console import Outcome, aligned, json_text, say
+from pmmkit.cli.console import Outcome, json_text, say
 from pmmkit.cli.diagnosis_words import words
 from pmmkit.cli.identifying_input import chosen_records
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.files import atomic_folder
 from pmmkit.models import Model, save_model
+from pmmkit.presentation import aligned
 
 FLOOR: Final = 0.02
 SPREAD: Final = (0.05, 0.1)
@@ -126,8 +126,9 @@ def diagnose_records(
             if made is not None:
                 save_model(made, folder / f"{name}.toml")
         if drawn:
-            figures = importlib.import_module("pmmkit.figures.diagnosis")
-            save = importlib.import_module("pmmkit.figures").save
+            from pmmkit.figures import diagnosis as figures
+            from pmmkit.plotting.style import save
+
             save(figures.evidence(found), folder / "evidence.svg")
             save(figures.coverage(found), folder / "coverage.svg")
         files = sorted(file.name for file in folder.iterdir())

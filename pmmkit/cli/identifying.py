@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +12,7 @@ import numpy as np
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.identifying_input import Chosen, chosen_records, known_before, parameters_of
 from pmmkit.cli.tracks import check_folder
@@ -34,6 +33,7 @@ from pmmkit.identification.predict import reference
 from pmmkit.identification.record import CHANNELS
 from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import load_model, save_model
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 
 WIDE: Final = 1.96
@@ -167,8 +167,9 @@ def identify(
 def _write(work: _Work, out: Path, content: Mapping[str, Any], *, extrapolate: bool) -> list[str]:
     """All files of the results, or none."""
     found = work.found
-    figures = importlib.import_module("pmmkit.figures.identification")
-    save = importlib.import_module("pmmkit.figures").save
+    from pmmkit.figures import identification as figures
+    from pmmkit.plotting.style import save
+
     with atomic_folder(out) as folder:
         found.parameters().to_csv(folder / "identified.csv", index=False)
         errors = found.errors()

@@ -17,8 +17,8 @@ from pmmkit.files import write_text
 from pmmkit.inspection import CampaignLook, Clock, ColumnLook, FileLook, Group, Look, look
 from pmmkit.inspection.folder import MOST_COUNTED
 from pmmkit.inspection.sampling import sample_of
-from pmmkit.inspection.seen import FORMAT_WORDS
 from pmmkit.inspection.values import values_of
+from pmmkit.readers import reader_of
 
 _DELIMITERS: Final = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|": "bars"}
 _KINDS: Final = {
@@ -89,7 +89,7 @@ def group_lines(group: Group) -> list[str]:
 
 def file_words(look: FileLook) -> str:
     """Format, layout and size of a file in words."""
-    words = [FORMAT_WORDS.get(look.format, look.format), _KINDS[look.kind]]
+    words = [reader_of(look.format).words, _KINDS[look.kind]]
     layout = look.layout
     if layout is not None:
         sign = "comma" if layout.decimal == "," else "point"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -10,11 +9,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import UnknownNameError
 from pmmkit.files import atomic_folder
 from pmmkit.models import load_model
+from pmmkit.presentation import aligned
 from pmmkit.progress import shown
 from pmmkit.simulation.imo import SOURCE, Verdict, imo_verdicts
 from pmmkit.simulation.linear import stability as stability_of
@@ -142,7 +142,8 @@ def stability(
     with atomic_folder(out) as folder:
         (folder / "stability.json").write_text(json_text(numbers) + "\n", encoding="utf-8")
         curve.to_pandas().to_csv(folder / "spiral.csv", index=False)
-        figures = importlib.import_module("pmmkit.figures")
+        from pmmkit import figures
+
         figures.save(figures.steady_turns(curve), folder / "spiral.svg")
         files = sorted(file.name for file in folder.iterdir())
     word = "stable" if found.stable else "UNSTABLE"
@@ -230,7 +231,8 @@ def uncertainty(
     with atomic_folder(out) as folder:
         summary.to_csv(folder / "metrics.csv")
         causes.to_csv(folder / "causes.csv")
-        figures = importlib.import_module("pmmkit.figures")
+        from pmmkit import figures
+
         figures.save(figures.distributions(many, drawn[:SHOWN]), folder / "distributions.svg")
         figures.save(figures.importance(found, chosen), folder / "causes.svg")
         files = sorted(file.name for file in folder.iterdir())

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.empirical import METHODS
 from pmmkit.empirical import estimate as estimate_of
 from pmmkit.files import atomic_folder
 from pmmkit.models import estimated_model, full_scale, load_model, save_model, scaled
+from pmmkit.presentation import aligned
 from pmmkit.ship import Ship, Water
 from pmmkit.simulation.simulate import simulate
 

@@ -9,11 +9,12 @@ from typing import Any
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.files import atomic_folder
 from pmmkit.models import load_model
+from pmmkit.presentation import aligned
 from pmmkit.test_planning.next_run import Advice, next_runs
 from pmmkit.test_planning.options import Limits, Option, limits_of
 from pmmkit.test_planning.plan_file import entries_text, read_plan_file

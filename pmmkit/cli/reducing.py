@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.api import hull_table, model_of
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.cli.console import Outcome, aligned, say
+from pmmkit.cli.console import Outcome, say
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.results import write_reduction
 from pmmkit.cli.tracks import check_folder
@@ -18,20 +18,20 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.errors import MissingPartError, ModelError, SimulationError
 from pmmkit.files import datasets_folder
 from pmmkit.loop.session import begin
+from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
+from pmmkit.presentation import aligned, percent
 from pmmkit.progress import shown
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.reading.resume import forget, resume_folder
 from pmmkit.report import Loop, Reference, Turns, changes, loop_of, tables
 from pmmkit.report.loop import VERDICTS
-from pmmkit.report.words import percent
 from pmmkit.simulation import froude_sweep, simulate
 from pmmkit.tables import DerivativeTable, read_table
 
 if TYPE_CHECKING:
     from pmmkit.observations.prepare import CycleChoice
 
-RUDDER_DEG: Final = 35.0
 STEPS: Final = 7
 """Froude numbers of a sweep in a report."""
 ROUNDS: Final = 3
@@ -206,15 +206,15 @@ def _turns(
     sweeps = {}
     try:
         tracks = [
-            simulate(model, rudder_deg=RUDDER_DEG, speed=speed, compiled=False) for speed in speeds
+            simulate(model, rudder_deg=HARD_OVER, speed=speed, compiled=False) for speed in speeds
         ]
         sweeps["these derivatives"] = froude_sweep(
-            model, Fn=along, rudder_deg=RUDDER_DEG, compiled=False
+            model, Fn=along, rudder_deg=HARD_OVER, compiled=False
         )
     except SimulationError as error:
         return None, [f"No turning circle: {error}"]
     if given and beside and not _is_table(given):
-        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=RUDDER_DEG, compiled=False)
+        sweeps[beside.name] = froude_sweep(given, Fn=along, rudder_deg=HARD_OVER, compiled=False)
     return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes), []
 
 
@@ -232,7 +232,7 @@ def _words(
     )
     lines += why
     if turns:
-        lines += ["", f"Turning circle, {RUDDER_DEG:g}° of rudder, {turns.tracks[0].scale}:"]
+        lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
         lines.append(turn_table(turns))
     return lines
 

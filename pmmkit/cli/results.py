@@ -13,7 +13,7 @@ from pmmkit.files import atomic_folder
 from pmmkit.models import Model, save_model
 from pmmkit.reduction import Reduction
 from pmmkit.report import Loop, Reference, Turns, write_report
-from pmmkit.tables import write
+from pmmkit.tables import write_table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,8 +51,8 @@ def write_reduction(
         Names of the files.
     """
     with atomic_folder(out) as folder:
-        write(reduction.table, folder / "derivatives.csv")
-        write(reduction.table, folder / "derivatives.nc")
+        write_table(reduction.table, folder / "derivatives.csv")
+        write_table(reduction.table, folder / "derivatives.nc")
         by_method(reduction).to_csv(folder / "derivatives_by_method.csv", index=False)
         reduction.runs_to_pandas().to_csv(folder / "runs.csv", index=False)
         (folder / "findings.json").write_text(

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.cli.console import Outcome, aligned
+from pmmkit.cli.console import Outcome
 from pmmkit.cli.tracks import check_folder, metrics_of, sweep_rows, write_sweep, write_track
 from pmmkit.models import load_model
+from pmmkit.presentation import aligned
 from pmmkit.simulation.imo import imo_turning
 from pmmkit.simulation.simulate import simulate
 

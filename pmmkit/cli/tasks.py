@@ -18,7 +18,7 @@ from pmmkit.files import write_text
 from pmmkit.models import load_model
 from pmmkit.report.tables import meaning
 from pmmkit.ship_library import ships
-from pmmkit.tables import converted, read_table, write
+from pmmkit.tables import converted, read_table, write_table
 
 
 def check(campaign: Path, *, data: Path | None, out: Path | None) -> Outcome:
@@ -76,7 +76,7 @@ def convert(table: Path, out: Path, ending: str, changes: Mapping[str, Any]) -> 
     if target.resolve() == table.resolve():
         raise FileExists(f"{table} is already that table: say a system, a convention or a format.")
     check_folder(out)
-    write(made, target)
+    write_table(made, target)
     line = f"{target}: {meaning(made)}."
     return Outcome(
         content={"file": str(target), "convention": asdict(made.convention)}, lines=[line]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -61,7 +60,8 @@ def write_track(track: Track, out: Path, *, drawn: bool = True) -> list[str]:
     with atomic_folder(out) as folder:
         put_track(track, folder, "")
         if drawn:
-            figures = importlib.import_module("pmmkit.figures")
+            from pmmkit import figures
+
             for name, figure in figures.manoeuvre(track).items():
                 figures.save(figure, folder / f"{name}.svg")
         return sorted(file.name for file in folder.iterdir())
@@ -117,7 +117,8 @@ def write_sweep(sweep: xr.Dataset, metrics: Sequence[str], out: Path) -> list[st
     """
     with atomic_folder(out) as folder:
         sweep_frame(sweep).to_csv(folder / "sweep.csv", index=False)
-        figures = importlib.import_module("pmmkit.figures")
+        from pmmkit import figures
+
         figures.save(figures.metrics_over(sweep, metrics[:4]), folder / "sweep.svg")
         return sorted(file.name for file in folder.iterdir())
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -11,13 +10,14 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine, refuse
-from pmmkit.cli.console import Outcome, aligned, json_text
+from pmmkit.cli.console import Outcome, json_text
 from pmmkit.cli.findings import findings_of
 from pmmkit.cli.tracks import check_folder
 from pmmkit.files import atomic_folder
+from pmmkit.metrics import unit_of
+from pmmkit.presentation import aligned
 from pmmkit.simulation.imo import SOURCE
 from pmmkit.trials import Trial, evaluate_trials
-from pmmkit.trials.table import unit_of
 
 SHOWN: Final = {
     "turning": (
@@ -81,8 +81,9 @@ def trial(
         content = {"campaign": opened.title, "source": SOURCE, "findings": warnings}
         text = json_text({**content, "runs": entries})
         (folder / "trial.json").write_text(text + "\n", encoding="utf-8")
-        figures = importlib.import_module("pmmkit.figures.trials")
-        save = importlib.import_module("pmmkit.figures").save
+        from pmmkit.figures import trials as figures
+        from pmmkit.plotting.style import save
+
         for item, name in zip(found, _names(found), strict=True):
             _path(item).to_csv(folder / f"path_{name}.csv", index=False)
             save(figures.trial_figure(item), folder / f"trial_{name}.svg")

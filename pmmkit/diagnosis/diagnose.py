@@ -12,7 +12,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.errors import DataError
 from pmmkit.models import Model, load_model
-from pmmkit.structures import STRUCTURES, Structure
+from pmmkit.structures import Structure, structures
 
 
 def diagnose(
@@ -50,7 +50,7 @@ def _free(
     model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, **settings: Any
 ) -> Diagnosis:
     """Free-running records ask a model that can sail."""
-    if isinstance(model, (str, Path)) and model not in STRUCTURES:
+    if isinstance(model, (str, Path)) and model not in structures():
         model = load_model(model)
     if not isinstance(model, Model):
         raise DataError(

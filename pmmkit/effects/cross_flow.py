@@ -200,7 +200,7 @@ def hoerner_cd(B: float, d: float) -> float:
     Notes
     -----
     Points of the curve as Leite, Aranha, Umeda and de Conti (1998) give it, in the reading of the
-    MSS toolbox.
+    MSS toolbox (Fossen and Perez 2004).
 
     Examples
     --------

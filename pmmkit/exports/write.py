@@ -21,7 +21,7 @@ from pmmkit.exports.track import write_track_csv, write_track_netcdf
 from pmmkit.files import write_text
 from pmmkit.models import Model
 from pmmkit.simulation.track import Track
-from pmmkit.tables import DerivativeTable, write
+from pmmkit.tables import DerivativeTable, write_table
 from pmmkit.tables.io import sidecar_of
 
 if TYPE_CHECKING:
@@ -227,4 +227,4 @@ def _table_as(to: str, table: DerivativeTable, path: Path) -> None:
     """By the room of the tables, which goes by the ending."""
     if path.suffix.lower() not in (ENDINGS[to], *((".h5",) if to == "netcdf" else ())):
         raise DataError(f"{path}: a table as {to} needs the ending {ENDINGS[to]}.")
-    write(table, path)
+    write_table(table, path)

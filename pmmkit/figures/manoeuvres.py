@@ -9,9 +9,8 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.figures.turns import trajectory, turn_histories
+from pmmkit.metrics import HARD_OVER, limits_in_lengths, unit_of
 from pmmkit.plotting import style
-from pmmkit.simulation.imo import RUDDER_DEG
-from pmmkit.simulation.sweeps import metric_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from pmmkit.simulation.spiral import SpiralCurve
     from pmmkit.simulation.track import Track
 
-_LIMITS: Final = {"advance_L": 4.5, "tactical_diameter_L": 5.0, "initial_turning_distance_L": 2.5}
+_LIMITS: Final = limits_in_lengths()
 
 
 def manoeuvre(track: Track) -> Mapping[str, Figure]:
@@ -186,7 +185,7 @@ def steady_turns(curve: SpiralCurve) -> Figure:
     with style.styled():
         figure = style.canvas(4.2, 5.6)
         axis = figure.subplots()
-        near = np.abs(curve.rudder_deg) <= RUDDER_DEG
+        near = np.abs(curve.rudder_deg) <= HARD_OVER
         rudder, rate = curve.rudder_deg[near], curve.yaw_rate_deg_s[near]
         for stays, dash, text in ((True, "-", "stays"), (False, "--", "leaves by itself")):
             kept = np.where(curve.stable[near] == stays, rate, np.nan)
@@ -365,7 +364,7 @@ def distributions(ensemble: Ensemble, metrics: Sequence[str]) -> Figure:
             left, right = axis.get_xlim()
             if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
                 axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
-            axis.set_title(_titled(metric, metric_unit(metric)))
+            axis.set_title(_titled(metric, unit_of(metric)))
             axis.set_yticks([])
         axes[0].set_ylabel("number of ships")
         style.legend_below(figure, list(axes))

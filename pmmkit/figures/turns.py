@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.metrics import limits_in_lengths, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
-from pmmkit.simulation.imo import TURNING_LIMITS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,12 +27,10 @@ _SLENDER: Final = 0.145
 """Breadth over length of the outlines; they show the heading, not the ship."""
 _EVERY: Final = np.pi / 4
 """Heading between two outlines of the ship [rad]."""
-_LIMITS: Final = {f"{name}_L": limit for name, limit in TURNING_LIMITS}
+_LIMITS: Final = limits_in_lengths()
 MEASURES: Final = {
-    "advance_L": "advance / L [-]",
-    "transfer_L": "transfer / L [-]",
-    "tactical_diameter_L": "tactical diameter / L [-]",
-    "steady_diameter_L": "steady diameter / L [-]",
+    f"{metric.name}_L": f"{metric.title} / L [-]"
+    for metric in metrics_named("advance", "transfer", "tactical_diameter", "steady_diameter")
 }
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.inspection.guessing import Suggestion, rates_of, suggest
 from pmmkit.inspection.seen import Clock, ColumnLook, FileLook
 from pmmkit.numerics import Array
-from pmmkit.readers import usual_of
+from pmmkit.readers import reader_of
 
 
 def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = ()) -> FileLook:
@@ -27,7 +27,7 @@ def judged(look: FileLook, values: Mapping[int, Array], seams: Sequence[int] = (
     """
     headers = [column.header for column in look.columns]
     units = [column.unit for column in look.columns]
-    usual = usual_of(look.request, headers)
+    usual = reader_of(look.format).usual(headers)
     found = suggest(headers, units, values, usual=usual)
     kind = _kind(headers, found, values, look.columns)
     if kind in ("table", "open water"):

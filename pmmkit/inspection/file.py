@@ -12,9 +12,10 @@ from pmmkit.inspection.columns import judged
 from pmmkit.inspection.guessing import bare_header
 from pmmkit.inspection.sampling import LARGE, Sample, sample_of
 from pmmkit.inspection.seen import ColumnLook, FileLook
-from pmmkit.inspection.values import reader_of, values_of
-from pmmkit.readers import FORMATS, head_of, recognise
-from pmmkit.readers.base import HEAD, Options, Request
+from pmmkit.inspection.values import values_of
+from pmmkit.readers import Options, Request, reader_of, readers, recognise
+from pmmkit.readers.base import HEAD, head_of
+from pmmkit.readers.text import DelimitedText
 from pmmkit.readers.text.layout import Layout, layout_of, mostly_numbers, text_of
 
 _TOP: Final = 200
@@ -51,14 +52,14 @@ def look_at(path: Path, shown: str, *, numbers: bool = True) -> tuple[FileLook, 
     if name is None:
         return (replace(base, problems=(not_recognised(base.request, head),)),)
     base = replace(base, format=name, options=Options(format=name))
-    if name == "pmmkit":
+    if base.is_campaign:
         return (base,)
-    if name == "csv":
+    if name == DelimitedText.name:
         layout = layout_of(head, whole=len(head) < HEAD)
         if layout is not None:
             return (_text(base, layout, numbers),)
     try:
-        if name == "excel":
+        if base.has_sheets:
             return _sheets(base, numbers)
         return (_other(base, numbers),)
     except CampaignError as error:
@@ -74,7 +75,7 @@ def not_recognised(request: Request, head: bytes) -> Problem:
     what = "rows of numbers in columns" if decoded else "text, nor any of the binary formats read"
     return request.problem(
         f"the layout is not known: there are no {what}. Expected: one of "
-        f"{', '.join(FORMATS)}, text files with at least two rows of numbers between commas, "
+        f"{', '.join(readers())}, text files with at least two rows of numbers between commas, "
         f"semicolons, tabs or blanks. It begins:{begins}",
         remedy="\n  If it is text of columns, state skip_rows, delimiter and decimal in [source].",
     )
@@ -127,9 +128,7 @@ def _total(rows: int, sample: Sample) -> int:
 
 
 def _sheets(look: FileLook, numbers: bool) -> tuple[FileLook, ...]:
-    from pmmkit.readers.excel import reader as excel
-
-    names = excel.sheets(look.request)
+    names = reader_of(look.format).sheets(look.request)
     return tuple(
         _sheet(replace(look, options=replace(look.options, sheet=name)), len(names), numbers)
         for name in names
@@ -142,7 +141,7 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
     options = replace(look.options, sheet=None if count == 1 else look.options.sheet)
     look = replace(look, shown=shown, options=options)
     try:
-        cells = reader_of("excel").cells(look.request)
+        cells = reader_of(look.format).cells(look.request)
     except CampaignError as error:
         return replace(look, problems=error.problems)
     numeric = [

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
@@ -15,7 +14,7 @@ from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection.file import look_at
 from pmmkit.inspection.seen import FileLook
-from pmmkit.readers import FORMATS, head_of, recognise
+from pmmkit.readers import reader_of, readers, recognise
 
 MOST_FILES: Final = 2000
 """Files of a folder that are looked at; of more it is only said how many there are."""
@@ -24,8 +23,6 @@ MOST_COUNTED: Final = 20_000
 _RESULTS: Final = ("derivatives.csv", "comparison.json", "diagnosis.json", "metrics.json")
 """Files by which a folder with results of pmmkit is known; it is passed over."""
 _DEEPEST: Final = 8
-_FEW: Final = 40
-"""Lines from which the beginning of an export is told."""
 _PASSED: Final = frozenset(
     {
         ".toml",
@@ -171,7 +168,7 @@ def look(path: str | Path) -> Look:
     if place.suffix == ".toml":
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     looks = look_at(place, place.name)
-    if looks[0].format == "pmmkit":
+    if looks[0].is_campaign:
         return Look(path=place, campaigns=(_campaign(place, place.name),))
     good = [item for item in looks if item.columns]
     problems = tuple(problem for item in looks for problem in item.problems)
@@ -195,7 +192,7 @@ def _look_folder(folder: Path) -> Look:
             others[path.suffix.lower()] += 1
             continue
         for item in look_at(path, shown, numbers=False):
-            if item.format == "pmmkit":
+            if item.is_campaign:
                 campaigns.append(_campaign(path, shown))
             elif item.columns:
                 groups.setdefault(_key(item), []).append(item)
@@ -289,29 +286,9 @@ def _walk(folder: Path, depth: int) -> Iterator[Path]:
 
 
 def _is_one_run(folder: Path) -> bool:
-    """Whether a folder is one measurement: of a format of folders, its files parts of one run.
-
-    Exports of STAR-CCM+ are so if their columns differ, or if one begins well after another.
-    """
+    """Whether a folder is one measurement: of a format of folders, its files parts of one run."""
     name = recognise(folder)
-    if name is None or name != "star-ccm+":
-        return name is not None
-    heads = [head_of(file).split(b"\n") for file in sorted(folder.glob("*.csv"))]
-    tops = {lines[0] for lines in heads}
-    return len(heads) > 1 and (len(tops) == len(heads) or _follow(heads))
-
-
-def _follow(heads: Sequence[Sequence[bytes]]) -> bool:
-    """Whether files with the same columns begin at different times, as restarts do."""
-    if len({lines[0] for lines in heads}) > 1:
-        return False
-    try:
-        times = [[float(line.split(b",")[0]) for line in lines[1:_FEW]] for lines in heads]
-    except ValueError:
-        return False
-    begins = sorted(own[0] for own in times if own)
-    usual = max((own[-1] - own[0] for own in times if own), default=0.0)
-    return len(begins) == len(heads) and all(b - a > usual for a, b in pairwise(begins))
+    return name is not None and reader_of(name).is_one_run(folder)
 
 
 def _campaign(path: Path, shown: str) -> CampaignLook:
@@ -339,6 +316,6 @@ def _nothing(folder: Path, others: Mapping[str, int], problems: list[Problem]) -
     main = Problem(
         message=f"there are no measurements in this folder. {said}",
         file=str(folder),
-        remedy=f"Expected: files of the formats {', '.join(FORMATS)}.",
+        remedy=f"Expected: files of the formats {', '.join(readers())}.",
     )
     return CampaignError([main, *problems])

@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.inspection.guessing import Suggestion
-from pmmkit.readers.base import Options, Request
+from pmmkit.readers import Options, Request, reader_of
 from pmmkit.readers.text.layout import Layout
-
-FORMAT_WORDS: Final[Mapping[str, str]] = {
-    "csv": "text of columns",
-    "excel": "workbook",
-    "pmmkit": "campaign saved by pmmkit",
-    "openfoam": "OpenFOAM",
-    "star-ccm+": "STAR-CCM+ export",
-    "matlab": "MATLAB file",
-    "tdms": "TDMS (LabVIEW)",
-    "hdf5": "HDF5",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,6 +132,16 @@ class FileLook:
     clock: Clock | None = None
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def is_campaign(self) -> bool:
+        """Whether it is a campaign of its own, with ship and runs."""
+        return bool(self.format) and reader_of(self.format).campaign
+
+    @property
+    def has_sheets(self) -> bool:
+        """Whether it is a workbook, or a sheet of one."""
+        return bool(self.format) and "sheet" in reader_of(self.format).keys
 
     @property
     def titles(self) -> tuple[str, ...]:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import cast
 
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.inspection.seen import FileLook
 from pmmkit.numerics import Array
-from pmmkit.readers import FORMATS, Reader
-from pmmkit.readers.base import ABSURD, Request, to_number
+from pmmkit.readers import Request, reader_of
+from pmmkit.readers.base import ABSURD, to_number
 from pmmkit.readers.text.layout import Layout
 
 
@@ -46,11 +44,6 @@ def values_of(look: FileLook, positions: Sequence[int] | None = None) -> Values:
     return Values(numbers=dict(zip(read.positions, read.values, strict=True)), notes=read.notes)
 
 
-def reader_of(name: str) -> Reader:
-    """The module that reads a format."""
-    return cast(Reader, importlib.import_module(FORMATS[name]))
-
-
 def _numeric(look: FileLook) -> list[int]:
     if look.layout is not None:
         return [place for place, numeric in enumerate(look.layout.numeric) if numeric]
@@ -66,8 +59,8 @@ def _few(problems: Sequence[Problem], request: Request) -> tuple[Problem, ...]:
 
 def _lenient(look: FileLook, positions: Sequence[int]) -> dict[int, Array]:
     """Columns of a damaged text file or sheet, NaN where there is no number; else nothing."""
-    if look.format == "excel":
-        cells = reader_of("excel").cells(look.request)
+    if look.has_sheets:
+        cells = reader_of(look.format).cells(look.request)
         found = {
             place: np.array([to_number(row[place]) for row in cells.rows], dtype=float)
             for place in positions

@@ -1,100 +1,115 @@
-"""Readers of measured files, one module for each format.
+"""Readers of measured files: a class for each format, in a file or folder of its own.
 
-A reader is a module with three functions:
-
-``names(request)``
-    The headers of the file, nothing else read.
-``columns(request, choose)``
-    Some columns of a history as numbers; ``choose(headers, count)`` says which.
-``cells(request)``
-    A small file whole, as text and numbers: tables whose rows are runs.
-
-and, where the format asks for it,
-
-``USUAL``, or ``usual(headers)``
-    Our channels and the headers (without unit) that they usually stand under.
-``files(request)``
-    The files that a folder or a pattern stands for.
-``recognises(path, head)``
-    Whether a file is of the format, or a folder, whose `head` is empty: told by content, cheap,
-    never raising.
-
-To add a format, write the module and put its name below.
+To add a format, write a file with a class derived from `Reader` into this folder, or into a package
+of your own that names the class in the entry point group ``pmmkit.readers``.
 """
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import inspect
+import pkgutil
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from importlib.metadata import entry_points
 from pathlib import Path, PurePath
-from typing import Final, Protocol, cast
+from types import MappingProxyType
+from typing import Final, Literal
 
 from pmmkit.errors import UnknownNameError
-from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Options, Request
+from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, head_of
+from pmmkit.readers.reader import Reader
 
 __all__ = [
-    "FORMATS",
+    "GROUP",
     "Cells",
+    "Choose",
     "Columns",
     "Options",
+    "Reader",
     "Request",
     "files_of",
     "format_of",
-    "head_of",
     "reader_for",
+    "reader_of",
+    "readers",
     "recognise",
-    "usual_of",
 ]
 
-FORMATS: Final[dict[str, str]] = {
-    "csv": "pmmkit.readers.text.csv",
-    "excel": "pmmkit.readers.excel.reader",
-    "hdf5": "pmmkit.readers.hdf5.reader",
-    "matlab": "pmmkit.readers.matlab.reader",
-    "openfoam": "pmmkit.readers.openfoam",
-    "pmmkit": "pmmkit.readers.saved.reader",
-    "star-ccm+": "pmmkit.readers.starccm.reader",
-    "tdms": "pmmkit.readers.tdms.reader",
-}
-"""Formats by name, and the module that reads each."""
-
-_SUFFIXES: Final[dict[str, str]] = {
-    ".xls": "excel",
-    ".xlsx": "excel",
-    ".xlsm": "excel",
-    ".xlsb": "excel",
-    ".ods": "excel",
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".nc": "hdf5",
-    ".nc4": "hdf5",
-    ".mat": "matlab",
-    ".tdms": "tdms",
-    ".csv": "csv",
-}
-_CONTAINERS: Final = (".h5", ".hdf5", ".nc", ".nc4")
-"""Suffixes that say how a file is packed and not what its layout is."""
-_GENERAL: Final = ("hdf5", "csv")
-"""Formats of which others are special cases: they are tried last."""
-OF_FOLDERS: Final = "openfoam"
-"""Format of a folder that no reader recognises."""
+GROUP: Final = "pmmkit.readers"
+"""Entry point group by which other packages bring readers."""
 
 
-class Reader(Protocol):
-    """What a module of a format offers: `names`, `columns` and `cells`."""
+@cache
+def readers() -> Mapping[str, Reader]:
+    """All readers by name: those of this folder, then those of other installed packages.
 
-    def names(self, request: Request) -> tuple[str, ...]:
-        """Headers of the file."""
+    A reader of another package that cannot be imported, or whose name is taken, is left out with a
+    warning.
 
-    def columns(self, request: Request, choose: Choose) -> Columns:
-        """Some columns as numbers."""
+    Examples
+    --------
+    >>> readers()["tdms"].words, ".nc" in readers()["hdf5"].suffixes
+    ('TDMS (LabVIEW)', True)
+    """
+    found = {reader.name: reader for reader in sorted(_ours(), key=lambda item: item.name)}
+    for entry in sorted(entry_points(group=GROUP), key=lambda item: item.name):
+        package = "a package" if entry.dist is None else entry.dist.name
+        try:
+            reader = entry.load()()
+            if not isinstance(reader, Reader):
+                raise TypeError(f"{entry.value} is not a Reader")
+            if reader.name in found:
+                raise ValueError(f"the name {reader.name!r} is taken")
+        except Exception as error:
+            warnings.warn(
+                f"The reader {entry.name!r} of {package} is left out: {error}", stacklevel=2
+            )
+        else:
+            found[reader.name] = reader
+    return MappingProxyType(found)
 
-    def cells(self, request: Request) -> Cells:
-        """The whole of a small file."""
+
+def _ours() -> Iterator[Reader]:
+    """A reader of each class that the modules and packages of this folder define."""
+    for item in pkgutil.iter_modules(__path__):
+        module = importlib.import_module(f"{__name__}.{item.name}")
+        for thing in vars(module).values():
+            if (
+                isinstance(thing, type)
+                and issubclass(thing, Reader)
+                and thing.__module__ == module.__name__
+                and not inspect.isabstract(thing)
+            ):
+                yield thing()
+
+
+def reader_of(name: str) -> Reader:
+    """The reader of a format.
+
+    Parameters
+    ----------
+    name : str
+        Of the format.
+
+    Raises
+    ------
+    UnknownNameError
+        If the format is not known.
+
+    Examples
+    --------
+    >>> reader_of("openfoam").computed
+    True
+    """
+    if name not in readers():
+        raise UnknownNameError(f"Format {name!r} is not known: {', '.join(readers())}.")
+    return readers()[name]
 
 
 def format_of(file: str, options: Options, path: Path | None = None) -> str:
-    """Format of a file: as stated, else by its suffix, else by its content, else ``csv``.
+    """Format of a file: as stated, else by its suffix, else by its content, else text of columns.
 
     Parameters
     ----------
@@ -114,14 +129,21 @@ def format_of(file: str, options: Options, path: Path | None = None) -> str:
     if options.format:
         return options.format
     suffix = PurePath(file).suffix.lower()
-    named = _SUFFIXES.get(suffix)
+    named = next((reader for reader in readers().values() if suffix in reader.suffixes), None)
+    otherwise = named.name if named is not None else _fallback("file")
     if path is None:
-        return named or "csv"
+        return otherwise
     if path.is_dir():
-        return recognise(path) or OF_FOLDERS
-    if named is not None and suffix not in _CONTAINERS:
-        return named
-    return recognise(path, [name for name in _ordered() if name != "csv"]) or named or "csv"
+        return recognise(path) or _fallback("folder")
+    if named is not None and not named.container:
+        return named.name
+    told = [name for name in _ordered() if readers()[name].fallback != "file"]
+    return recognise(path, told) or otherwise
+
+
+def _fallback(kind: Literal["file", "folder"]) -> str:
+    """The format of a file or folder of which nothing tells it."""
+    return next(reader.name for reader in readers().values() if reader.fallback == kind)
 
 
 def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
@@ -147,35 +169,13 @@ def recognise(path: Path, formats: Iterable[str] | None = None) -> str | None:
         head = head_of(path)
     except OSError:
         return None
-    for name in _ordered() if formats is None else formats:
-        recognises = getattr(importlib.import_module(FORMATS[name]), "recognises", None)
-        if recognises is not None and recognises(path, head):
-            return name
-    return None
+    tried = _ordered() if formats is None else formats
+    return next((name for name in tried if readers()[name].recognises(path, head)), None)
 
 
 def _ordered() -> list[str]:
-    """All formats, special ones first."""
-    return [*(name for name in FORMATS if name not in _GENERAL), *_GENERAL]
-
-
-def head_of(path: Path) -> bytes:
-    """The first bytes of a file, none of a folder.
-
-    Parameters
-    ----------
-    path : Path
-        File or folder.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    """
-    if path.is_dir():
-        return b""
-    with path.open("rb") as stream:
-        return stream.read(HEAD)
+    """All formats, special ones first, text last."""
+    return sorted(readers(), key=lambda name: (readers()[name].general, not readers()[name].binary))
 
 
 def reader_for(request: Request) -> Reader:
@@ -191,26 +191,7 @@ def reader_for(request: Request) -> Reader:
     UnknownNameError
         If the format is not known.
     """
-    name = format_of(request.shown, request.options, request.path)
-    if name not in FORMATS:
-        raise UnknownNameError(f"Format {name!r} is not known: {', '.join(FORMATS)}.")
-    return cast(Reader, importlib.import_module(FORMATS[name]))
-
-
-def usual_of(request: Request, headers: Sequence[str]) -> Mapping[str, str]:
-    """Channels and the headers that they usually stand under in the format of a file.
-
-    Parameters
-    ----------
-    request : Request
-        The file.
-    headers : sequence of str
-        Of the file.
-    """
-    reader = reader_for(request)
-    find: Callable[[Sequence[str]], Mapping[str, str]] | None = getattr(reader, "usual", None)
-    usual: Mapping[str, str] = getattr(reader, "USUAL", {})
-    return usual if find is None else find(headers)
+    return reader_of(format_of(request.shown, request.options, request.path))
 
 
 def files_of(request: Request) -> dict[str, Path]:
@@ -226,13 +207,4 @@ def files_of(request: Request) -> dict[str, Path]:
     CampaignError
         If the request means a folder that holds nothing of its format.
     """
-    files: Callable[[Request], Sequence[Path]] | None = getattr(reader_for(request), "files", None)
-    if files is None:
-        return {request.shown: request.path}
-    folder = request.path if request.path.is_dir() else request.path.parent
-    shown = request.shown if request.path.is_dir() else request.shown.rpartition("/")[0]
-    return {
-        f"{shown.rstrip('/')}/{name}" if shown else name: path
-        for path in files(request)
-        for name in [path.relative_to(folder).as_posix()]
-    }
+    return {request.inside(path).shown: path for path in reader_for(request).files(request)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final, Literal
@@ -102,6 +102,15 @@ class Request:
     run: str | None = None
     options: Options = field(default_factory=Options)
 
+    def inside(self, path: Path) -> Request:
+        """The request for one of the files that are meant: itself, in the folder, or beside it."""
+        if path == self.path:
+            return self
+        whole = self.path.is_dir()
+        folder = self.shown if whole else self.shown.rpartition("/")[0]
+        name = path.relative_to(self.path if whole else self.path.parent).as_posix()
+        return replace(self, path=path, shown=f"{folder.rstrip('/')}/{name}" if folder else name)
+
     def problem(
         self,
         message: str,
@@ -119,6 +128,25 @@ class Request:
         """The error that tells the problems of this file."""
         title = None if len(problems) == 1 else f"{self.shown} cannot be read"
         return CampaignError(problems, title=title)
+
+
+def head_of(path: Path) -> bytes:
+    """The first bytes of a file, none of a folder.
+
+    Parameters
+    ----------
+    path : Path
+        File or folder.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    """
+    if path.is_dir():
+        return b""
+    with path.open("rb") as stream:
+        return stream.read(HEAD)
 
 
 @dataclass(frozen=True, kw_only=True)

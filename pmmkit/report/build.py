@@ -8,12 +8,13 @@ from typing import Any
 
 from pmmkit.checks.finding import name_runs
 from pmmkit.files import write_text
+from pmmkit.presentation import Grid, Group, Section, counted, percent
 from pmmkit.reduction import Reduction
 from pmmkit.report import pictures, tables
 from pmmkit.report.loop import Loop, loop_sections
 from pmmkit.report.page import page
 from pmmkit.report.turning import Turns, changes, turning_section
-from pmmkit.report.words import Grid, Group, Reference, Section, counted, flattened, percent
+from pmmkit.report.words import Reference, flattened
 from pmmkit.version import __version__
 
 

@@ -14,8 +14,9 @@ from pmmkit.figures.diagnosis import coverage, error_fall, evidence
 from pmmkit.files import write_text
 from pmmkit.loop.session import ErrorFall, Session
 from pmmkit.plotting.style import svg
+from pmmkit.presentation import Cell, Grid, Group, Picture, Section, counted, number
 from pmmkit.report.page import page
-from pmmkit.report.words import TESTS, Cell, Grid, Group, Picture, Section, counted, number
+from pmmkit.report.words import TESTS
 from pmmkit.version import __version__
 
 WIDE: Final = 1.96

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
 
-from pmmkit.report.words import Section
+from pmmkit.presentation import Section
 from pmmkit.version import __version__
 
 

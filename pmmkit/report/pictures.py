@@ -17,8 +17,9 @@ from pmmkit.figures import (
     over_a_cycle,
     svg,
 )
+from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
-from pmmkit.report.words import TESTS, Picture, Reference
+from pmmkit.report.words import TESTS, Reference
 from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:

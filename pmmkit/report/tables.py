@@ -10,8 +10,9 @@ import numpy as np
 
 from pmmkit.conventions import CHANNELS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.report.words import TESTS, Cell, Grid, Group, Reference, number, plus_minus, symbol
+from pmmkit.report.words import TESTS, Reference, symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 

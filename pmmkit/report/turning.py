@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
-from pmmkit.report.words import Cell, Grid, Group, Picture, Section, number, percent
+from pmmkit.metrics import metric_of, unit_of
+from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
 from pmmkit.simulation import imo_turning
 
 if TYPE_CHECKING:
@@ -15,16 +16,16 @@ if TYPE_CHECKING:
 
     from pmmkit.simulation import Track
 
-MEASURES: Final = {
-    "advance_L": "Advance / L",
-    "transfer_L": "Transfer / L",
-    "tactical_diameter_L": "Tactical diameter / L",
-    "steady_diameter_L": "Steady diameter / L",
-    "steady_drift_deg": "Steady drift angle [deg]",
-    "speed_ratio": "Steady speed over approach",
-    "steady_yaw_rate_deg_s": "Steady yaw rate [deg/s]",
-    "heel_max_deg": "Largest heel [deg]",
-}
+MEASURES: Final = (
+    "advance_L",
+    "transfer_L",
+    "tactical_diameter_L",
+    "steady_diameter_L",
+    "steady_drift_deg",
+    "speed_ratio",
+    "steady_yaw_rate_deg_s",
+    "heel_max_deg",
+)
 CHANGING: Final = ("steady_diameter_L", "tactical_diameter_L", "transfer_L", "advance_L")
 
 
@@ -114,7 +115,7 @@ def _measures(turns: Turns) -> Grid:
     moved = changes(tracks) if len(tracks) > 1 else {}
     rows: list[list[Cell]] = []
     for name in names:
-        row: list[Cell] = [MEASURES[name], *(number(track.metrics[name]) for track in tracks)]
+        row: list[Cell] = [_titled(name), *(number(track.metrics[name]) for track in tracks)]
         if moved:
             row.append(percent(moved[name]) if name in moved else "")
         rows.append([*row, limits.get(name, "")])
@@ -122,6 +123,12 @@ def _measures(turns: Turns) -> Grid:
     return Grid(
         head=[*head, *(["change"] if moved else []), "IMO limit"], groups=[Group(rows=rows)]
     )
+
+
+def _titled(name: str) -> str:
+    """Long name of a number, with its unit."""
+    title, unit = metric_of(name).title.capitalize(), unit_of(name)
+    return title if unit == "-" else f"{title} / L" if unit == "L" else f"{title} [{unit}]"
 
 
 def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
@@ -138,5 +145,5 @@ def _verdicts(tracks: Sequence[Track]) -> dict[str, str]:
             text += f", exceeded at {', '.join(exceeded)}"
         elif all(item.passed for item in same):
             text += ", met"
-        found[f"{same[0].criterion}_L"] = text
+        found[same[0].metric] = text
     return found

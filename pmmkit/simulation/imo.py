@@ -4,12 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.bibliography import cite
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError
+from pmmkit.metrics import (
+    HARD_OVER,
+    Criterion,
+    Metric,
+    criteria,
+    first_overshoot_limit,
+    second_overshoot_limit,
+)
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.simulation.track import Track
@@ -17,13 +27,10 @@ from pmmkit.simulation.track import Track
 if TYPE_CHECKING:
     from pmmkit.simulation.ensemble import Ensemble
 
-SOURCE: Final = "IMO MSC.137(76), 2002"
-TURNING_LIMITS: Final = (("advance", 4.5), ("tactical_diameter", 5.0))
-INITIAL_LIMIT: Final = 2.5
-OVERSHOOT_20: Final = 25.0
-STOPPING_LIMIT: Final = 15.0
-RUDDER_DEG: Final = 35.0
+SOURCE: Final = cite("msc137")
 SHORTEST: Final = 100.0
+"""Length from which on the standard applies [m]."""
+LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +70,50 @@ class Verdict:
     manoeuvre: str = ""
     probability: float | None = None
 
+    @property
+    def metric(self) -> str:
+        """Name of the number that is judged."""
+        return next(m.judged(item) for m, item in criteria() if item.name == self.criterion)
+
+
+def judge(
+    metric: Metric,
+    criterion: Criterion,
+    metrics: Mapping[str, float],
+    *,
+    L: float,
+    speed: float,
+    manoeuvre: str,
+    scale: str,
+    conditions: tuple[str, ...] = (),
+) -> Verdict:
+    """A criterion applied to the numbers of a manoeuvre.
+
+    Parameters
+    ----------
+    metric, criterion : Metric, Criterion
+        What is asked of what.
+    metrics : mapping of str to float
+        Numbers of the manoeuvre.
+    L, speed : float
+        Ship length [m], test speed [m/s].
+    manoeuvre, scale, conditions
+        As in `Verdict`.
+    """
+    limit = criterion.limit_for(L, speed)
+    value = metrics.get(metric.judged(criterion), math.nan)
+    return Verdict(
+        criterion=criterion.name,
+        limit=limit,
+        value=value,
+        margin=limit - value,
+        passed=None if math.isnan(value) else value <= limit,
+        conditions=conditions,
+        scale=scale,
+        unit="L" if metric.length else metric.unit,
+        manoeuvre=manoeuvre,
+    )
+
 
 def zigzag_limits(L: float, speed: float) -> tuple[float, float]:
     """Limits of the first and the second overshoot of a 10/10 zigzag [deg].
@@ -80,11 +131,7 @@ def zigzag_limits(L: float, speed: float) -> tuple[float, float]:
     ((10.0, 25.0), (15.0, 32.5), (20.0, 40.0))
     """
     time = L / speed
-    if time < 10.0:
-        return 10.0, 25.0
-    if time < 30.0:
-        return 5.0 + 0.5 * time, 17.5 + 0.75 * time
-    return 20.0, 40.0
+    return first_overshoot_limit(time), second_overshoot_limit(time)
 
 
 def imo_turning(track: Track) -> list[Verdict]:
@@ -117,16 +164,28 @@ def imo_turning(track: Track) -> list[Verdict]:
     """
     if track.manoeuvre != "turning":
         raise DataError(f"The criteria are for a turning circle, not for {track.manoeuvre!r}.")
-    conditions = _conditions(track)
-    if abs(abs(track.rudder_deg) - RUDDER_DEG) > 0.5:
-        conditions = (
-            f"The standard asks for 35° of rudder or the largest permissible; this is "
-            f"{abs(track.rudder_deg):g}°.",
-            *conditions,
-        )
-    side = "starboard" if track.rudder_deg > 0 else "port"
-    conditions += (f"The standard asks for turns to both sides; this is the one to {side}.",)
-    return [_verdict(name, limit, f"{name}_L", track, conditions) for name, limit in TURNING_LIMITS]
+    conditions = turning_conditions(track.rudder_deg, _conditions(track))
+    return [
+        _verdict(metric, item, track, conditions)
+        for metric, item in criteria()
+        if item.manoeuvre == track.manoeuvre
+    ]
+
+
+def turning_conditions(
+    rudder_deg: float, others: tuple[str, ...], digits: str = "g"
+) -> tuple[str, ...]:
+    """What one turning circle does not show of the two that the standard asks for."""
+    rudder = (
+        f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
+        f"{abs(rudder_deg):{digits}}°."
+    )
+    side = "starboard" if rudder_deg > 0 else "port"
+    return (
+        *([rudder] if abs(abs(rudder_deg) - HARD_OVER) > 0.5 else []),
+        *others,
+        f"The standard asks for turns to both sides; this is the one to {side}.",
+    )
 
 
 def imo_verdicts(
@@ -171,44 +230,26 @@ def imo_verdicts(
     (12, 13)
     """
     loaded = model if isinstance(model, Model) else load_model(model)
-    first, second = zigzag_limits(loaded.ship.L, speed)
-    hard = min(RUDDER_DEG, steering(loaded).get("max_deg", RUDDER_DEG))
+    hard = min(HARD_OVER, steering(loaded).get("max_deg", HARD_OVER))
     drawn = n if spread is not None or loaded.covariance is not None else 0
+    sided = [(metric, item) for metric, item in criteria() if "rudder_deg" in item.settings]
+    tests = groupby(sided, key=lambda pair: (pair[1].manoeuvre, dict(pair[1].settings)))
+    asked = [(manoeuvre, given, tuple(pairs)) for (manoeuvre, given), pairs in tests]
     found: list[Verdict] = []
     for side in (1.0, -1.0):
-        asked: list[tuple[str, dict[str, Any], list[tuple[str, float, str, str]]]] = [
-            (
-                "turning",
-                {"rudder_deg": side * hard},
-                [(name, limit, f"{name}_L", "L") for name, limit in TURNING_LIMITS],
-            ),
-            (
-                "initial_turning",
-                {"rudder_deg": side * 10.0},
-                [("initial_turning", INITIAL_LIMIT, "initial_turning_distance_L", "L")],
-            ),
-            (
-                "zigzag",
-                {"rudder_deg": side * 10.0, "switch_deg": 10.0, "executes": 3},
-                [
-                    ("first_overshoot_10_10", first, "overshoot_1_deg", "deg"),
-                    ("second_overshoot_10_10", second, "overshoot_2_deg", "deg"),
-                ],
-            ),
-            (
-                "zigzag",
-                {"rudder_deg": side * 20.0, "switch_deg": 20.0, "executes": 2},
-                [("first_overshoot_20_20", OVERSHOOT_20, "overshoot_1_deg", "deg")],
-            ),
-        ]
-        for manoeuvre, given, criteria in asked:
+        for manoeuvre, given, pairs in asked:
+            rudder = given["rudder_deg"]
+            given = given | {"rudder_deg": side * (hard if rudder == HARD_OVER else rudder)}
             track = simulate(loaded, manoeuvre, speed=speed, **settings, **given)
             many = _many(loaded, manoeuvre, speed, drawn, spread, seed, settings, given)
-            found += [
-                _verdict(name, limit, metric, track, _conditions(track), unit, many)
-                for name, limit, metric, unit in criteria
-            ]
-    return [*found, _stopping(loaded, speed, settings)]
+            for metric, item in pairs:
+                verdict = _verdict(metric, item, track, _conditions(track))
+                if many is not None:
+                    probability = many.probability(verdict.metric, verdict.limit)
+                    verdict = replace(verdict, probability=probability)
+                found.append(verdict)
+    alone = [(metric, item) for metric, item in criteria() if (metric, item) not in sided]
+    return [*found, *(_stopping(loaded, speed, settings, *pair) for pair in alone)]
 
 
 def _many(
@@ -231,15 +272,17 @@ def _many(
     )
 
 
-def _stopping(model: Model, speed: float, settings: Mapping[str, Any]) -> Verdict:
+def _stopping(
+    model: Model, speed: float, settings: Mapping[str, Any], metric: Metric, criterion: Criterion
+) -> Verdict:
     """Track reach of a full astern stop, if the model knows what happens astern."""
     if not any(catalogue()[part].astern for part in model.parts):
-        return Verdict(
-            criterion="track_reach",
-            limit=STOPPING_LIMIT,
-            value=math.nan,
-            margin=math.nan,
-            passed=None,
+        return judge(
+            metric,
+            criterion,
+            {},
+            L=model.ship.L,
+            speed=speed,
             scale=model.scale,
             manoeuvre="stopping, full astern",
             conditions=(
@@ -247,40 +290,24 @@ def _stopping(model: Model, speed: float, settings: Mapping[str, Any]) -> Verdic
                 f"{', '.join(x.name for x in catalogue().values() if x.astern)} do.",
             ),
         )
-    track = simulate(model, "stopping", speed=speed, **settings)
-    conditions = (
-        *_conditions(track),
-        "The administration may allow up to 20 L for ships of large displacement.",
-    )
-    return _verdict("track_reach", STOPPING_LIMIT, "track_reach_L", track, conditions)
+    track = simulate(model, criterion.manoeuvre, speed=speed, **settings)
+    return _verdict(metric, criterion, track, (*_conditions(track), LARGE))
 
 
 def _verdict(
-    criterion: str,
-    limit: float,
-    metric: str,
-    track: Track,
-    conditions: tuple[str, ...],
-    unit: str = "L",
-    many: Ensemble | None = None,
+    metric: Metric, criterion: Criterion, track: Track, conditions: tuple[str, ...]
 ) -> Verdict:
-    value = track.metrics.get(metric, math.nan)
     to = "port" if track.rudder_deg < 0 else "starboard"
     side = f", to {to}" if track.rudder_deg else ""
-    probability = None
-    if many is not None:
-        probability = many.probability(metric, limit)
-    return Verdict(
-        criterion=criterion,
-        limit=limit,
-        value=value,
-        margin=limit - value,
-        passed=None if math.isnan(value) else value <= limit,
-        conditions=conditions,
+    return judge(
+        metric,
+        criterion,
+        track.metrics,
+        L=track.L,
+        speed=track.speed,
         scale=track.scale,
-        unit=unit,
+        conditions=conditions,
         manoeuvre=f"{track.manoeuvre.replace('_', ' ')} {abs(track.rudder_deg):g}°{side}",
-        probability=probability,
     )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.metrics import unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
 from pmmkit.simulation.simulate import simulate
@@ -196,7 +197,7 @@ def _row(
 
 def _variables(over: str, rows: Sequence[Mapping[str, float]]) -> dict[str, Any]:
     return {
-        name: (over, np.array([row[name] for row in rows]), {"units": metric_unit(name)})
+        name: (over, np.array([row[name] for row in rows]), {"units": _unit(name)})
         for name in rows[0]
     }
 
@@ -207,21 +208,5 @@ def _with_unit(over: str) -> dict[str, str]:
     return {"units": _UNITS.get(over, "m/s" if "speed" in over else "deg")}
 
 
-def metric_unit(metric: str) -> str:
-    """Unit of a metric by its name.
-
-    Examples
-    --------
-    >>> metric_unit("advance"), metric_unit("advance_L"), metric_unit("overshoot_1_deg_low")
-    ('m', '-', 'deg')
-    """
-    name = metric.removesuffix("_low").removesuffix("_high")
-    if name.endswith("_L") or "ratio" in name or "share" in name:
-        return "-"
-    if "_deg_s" in name:
-        return "deg/s"
-    if name.endswith("_deg"):
-        return "deg"
-    if name == "final_speed":
-        return "m/s"
-    return "s" if "time" in name or name in ("reach", "period") else "m"
+def _unit(column: str) -> str:
+    return unit_of(column.removesuffix("_low").removesuffix("_high"), lengths="-")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from pmmkit.conventions import Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
+from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -155,6 +156,26 @@ class DerivativeTable:
             runs=self.runs[:, columns],
         )
 
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 over everything the table holds, the same whatever file it is kept in."""
+        words = {"names": self.names, "method": self.method.tolist(), **self._meaning()}
+        return digest(words, (self.Fn, self.value, self.covariance, self.dof), self.runs)
+
+    def attributes(self) -> dict[str, Any]:
+        """Kind, schema, fingerprint, convention, ship, water, notes, provenance, as plain data."""
+        return {"kind": KIND, "schema": SCHEMA, "fingerprint": self.fingerprint, **self._meaning()}
+
+    def _meaning(self) -> dict[str, Any]:
+        """What the numbers mean and where they come from, as plain data."""
+        return {
+            "convention": plain(asdict(self.convention)),
+            "ship": plain(asdict(self.ship)),
+            "water": plain(asdict(self.water)),
+            "notes": list(self.notes),
+            "provenance": plain(self.provenance),
+        }
+
     def to_pandas(self) -> pd.DataFrame:
         """A row per Froude number and derivative: Fn, derivative, value, std, ci_low, ci_high,
         method, runs. Fn is NaN for a pooled table."""
@@ -180,8 +201,6 @@ class DerivativeTable:
         derivative (Fn_2 and derivative_2 for the second pair of the covariance)."""
         import xarray as xr
 
-        from pmmkit.tables.io.netcdf import attributes
-
         over = ("Fn", "derivative")
         names = np.array(self.names, dtype=object)
         return xr.Dataset(
@@ -193,7 +212,7 @@ class DerivativeTable:
                 "runs": (over, self.runs),
             },
             coords={"Fn": self.Fn, "derivative": names, "Fn_2": self.Fn, "derivative_2": names},
-            attrs=attributes(self),
+            attrs=flat(self.attributes()),
         )
 
     def _repr_html_(self) -> str:

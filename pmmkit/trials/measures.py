@@ -70,13 +70,13 @@ def of_turning(path: Path, order: Order, circle: Circle | None, notes: list[str]
         )
         return (side if across else 1.0) * place[across], math.hypot(*parts)
 
-    found.length("advance", *reach(90, across=False))
-    found.length("transfer", *reach(90, across=True))
-    found.length("tactical_diameter", *reach(180, across=True))
+    found.add("advance", *reach(90, across=False))
+    found.add("transfer", *reach(90, across=True))
+    found.add("tactical_diameter", *reach(180, across=True))
     if circle is not None:
         speed, rate = math.hypot(circle.u, circle.v), abs(circle.r)
         share = math.hypot(circle.speed_std / speed, circle.r_std / rate)
-        found.length("steady_diameter", 2.0 * speed / rate, 2.0 * speed / rate * share)
+        found.add("steady_diameter", 2.0 * speed / rate, 2.0 * speed / rate * share)
         ratio = speed / approach.speed
         ratio_std = ratio * math.hypot(
             circle.speed_std / speed, np.nan_to_num(approach.speed_std) / approach.speed
@@ -168,7 +168,7 @@ def of_zigzag(
             math.sqrt(path.variance(at, across=False)),
         )
         if abs(math.degrees(switch) - 10.0) < 0.5:
-            found.length("initial_turning_distance", way, std)
+            found.add("initial_turning_distance", way, std)
         found.add("initial_turning_time", at, math.hypot(late, first.std))
     return found, headings
 
@@ -196,7 +196,7 @@ def of_stopping(path: Path, order: Order, notes: list[str]) -> Measures:
         left = f"{surge[-1]:.2f} m/s" if len(surge) else "way on"
         notes.append(f"The record ends before the ship stops: she still makes {left}.")
         for name in ("head_reach", "track_reach", "lateral_deviation"):
-            found.length(name, math.nan, math.nan)
+            found.add(name, math.nan, math.nan)
         found.add("time_to_stop", math.nan, math.nan)
         return found
     place = int(still[0])
@@ -222,11 +222,11 @@ def of_stopping(path: Path, order: Order, notes: list[str]) -> Measures:
     begun = order.std * path.approach.speed
     turned = path.approach.heading_std
     along, across = (math.sqrt(path.variance(stop, one)) for one in (False, True))
-    found.length("head_reach", ahead, math.hypot(along, begun, aside * turned, left_over))
+    found.add("head_reach", ahead, math.hypot(along, begun, aside * turned, left_over))
     every = max(0.25 * path.L / path.approach.speed, 10.0 * path.step)
     way = way_along(path.t, path.x, path.y, 0.0, stop, every, SHORTEST * path.L)
-    found.length("track_reach", way, math.hypot(along, begun, left_over))
-    found.length("lateral_deviation", aside, math.hypot(across, ahead * turned))
+    found.add("track_reach", way, math.hypot(along, begun, left_over))
+    found.add("lateral_deviation", aside, math.hypot(across, ahead * turned))
     found.add("time_to_stop", stop, math.hypot(stop_std, order.std))
     value, std, _ = path.heading(stop)
     found.add("heading_at_stop_deg", math.degrees(value), math.degrees(std))

@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
+from pmmkit.metrics import IN_LENGTHS, metric_of, unit_of
 from pmmkit.numerics import Array
 from pmmkit.simulation.imo import Verdict
 from pmmkit.trials.current import Current
@@ -15,9 +16,6 @@ from pmmkit.trials.noise import PositionNoise
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-UNITS: Final = {"_deg": "deg", "_L": "L", "_deg_s": "deg/s"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +111,7 @@ class Trial:
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure: run, measure, value, std, unit, limit and whether it is met."""
-        limits = {_metric(verdict): verdict for verdict in self.verdicts}
+        limits = {verdict.metric: verdict for verdict in self.verdicts}
         found = []
         for name, value in self.metrics.items():
             verdict = limits.get(name)
@@ -139,33 +137,6 @@ class Trial:
         return pd.DataFrame(self.rows())
 
 
-def unit_of(metric: str) -> str:
-    """Unit of a metric by its name.
-
-    Examples
-    --------
-    >>> unit_of("advance"), unit_of("advance_L"), unit_of("time_90"), unit_of("speed_ratio")
-    ('m', 'L', 's', '-')
-    """
-    for ending, unit in UNITS.items():
-        if metric.endswith(ending):
-            return unit
-    if metric.startswith(("time", "reach", "period", "initial_turning_time")):
-        return "s"
-    return "-" if metric.startswith("speed") else "m"
-
-
-def _metric(verdict: Verdict) -> str:
-    """Name of the metric that a verdict judges."""
-    overshoots = {"first": "overshoot_1_deg", "second": "overshoot_2_deg"}
-    first, _, rest = verdict.criterion.partition("_")
-    if rest.startswith("overshoot"):
-        return overshoots[first]
-    if verdict.criterion == "initial_turning":
-        return "initial_turning_distance_L"
-    return f"{verdict.criterion}_L"
-
-
 class Measures:
     """Numbers with their standard uncertainties, as they are collected."""
 
@@ -175,13 +146,11 @@ class Measures:
         self.stds: dict[str, float] = {}
 
     def add(self, name: str, value: float, std: float) -> None:
-        """A number that is no length."""
+        """A number; a length also in ship lengths."""
         self.values[name], self.stds[name] = float(value), float(std)
-
-    def length(self, name: str, value: float, std: float) -> None:
-        """A length, in metres and in ship lengths."""
-        self.add(name, value, std)
-        self.add(f"{name}_L", value / self.L, std / self.L)
+        if metric_of(name).length:
+            self.values[name + IN_LENGTHS] = float(value / self.L)
+            self.stds[name + IN_LENGTHS] = float(std / self.L)
 
     def frozen(self) -> tuple[Mapping[str, float], Mapping[str, float]]:
         """The numbers and their uncertainties, read-only."""

@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
-from pmmkit.simulation.imo import (
-    INITIAL_LIMIT,
-    OVERSHOOT_20,
-    RUDDER_DEG,
-    SHORTEST,
-    STOPPING_LIMIT,
-    TURNING_LIMITS,
-    Verdict,
-    zigzag_limits,
-)
+from pmmkit.metrics import Criterion, criteria
+from pmmkit.simulation.imo import LARGE, SHORTEST, Verdict, judge, turning_conditions
 
 CALM: Final = 10.7
 """Upper end of Beaufort 5 [m/s]: the standard asks for calm weather."""
@@ -61,53 +54,44 @@ def verdicts_of(
     >>> [(item.criterion, item.limit, item.passed, round(item.probability, 6)) for item in found]
     [('track_reach', 15.0, True, 1.0)]
     """
-    asked: list[tuple[str, str, float, str]] = []
-    first, second = zigzag_limits(L, speed)
     size = abs(rudder_deg)
+    asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
+    own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
     if test == "turning":
-        asked = [(name, f"{name}_L", limit, "L") for name, limit in TURNING_LIMITS]
-        if abs(size - RUDDER_DEG) > 0.5:
-            conditions = (
-                f"The standard asks for 35° of rudder or the largest permissible; this is "
-                f"{size:.1f}°.",
-                *conditions,
-            )
-        side = "starboard" if rudder_deg > 0 else "port"
-        conditions += (f"The standard asks for turns to both sides; this is the one to {side}.",)
-    elif test == "zigzag" and abs(size - 10.0) < 1.0 and abs(switch_deg - 10.0) < 0.5:
-        asked = [
-            ("first_overshoot_10_10", "overshoot_1_deg", first, "deg"),
-            ("second_overshoot_10_10", "overshoot_2_deg", second, "deg"),
-            ("initial_turning", "initial_turning_distance_L", INITIAL_LIMIT, "L"),
-        ]
-    elif test == "zigzag" and abs(size - 20.0) < 1.0 and abs(switch_deg - 20.0) < 0.5:
-        asked = [("first_overshoot_20_20", "overshoot_1_deg", OVERSHOOT_20, "deg")]
+        conditions = turning_conditions(rudder_deg, conditions, ".1f")
     elif test == "stopping":
-        asked = [("track_reach", "track_reach_L", STOPPING_LIMIT, "L")]
-        conditions += ("The administration may allow up to 20 L for ships of large displacement.",)
+        conditions += (LARGE,)
     words = {"turning": f"turning {size:.0f}°", "zigzag": f"zigzag {size:.0f}/{switch_deg:.0f}"}
     to = "" if test == "stopping" else f", to {'starboard' if rudder_deg > 0 else 'port'}"
     found = []
-    for criterion, metric, limit, unit in asked:
-        value, spread = metrics.get(metric, math.nan), std.get(metric, math.nan)
-        probability = None
-        if math.isfinite(value) and spread > 0:
-            probability = 0.5 * (1.0 + math.erf((limit - value) / spread / math.sqrt(2.0)))
-        found.append(
-            Verdict(
-                criterion=criterion,
-                limit=limit,
-                value=value,
-                margin=limit - value,
-                passed=None if math.isnan(value) else value <= limit,
-                conditions=conditions,
-                scale=f"as measured, L = {L:.4g} m",
-                unit=unit,
-                manoeuvre=words.get(test, test) + to,
-                probability=probability,
-            )
+    for metric, criterion in own_first:
+        verdict = judge(
+            metric,
+            criterion,
+            metrics,
+            L=L,
+            speed=speed,
+            scale=f"as measured, L = {L:.4g} m",
+            manoeuvre=words.get(test, test) + to,
+            conditions=conditions,
         )
+        spread = std.get(verdict.metric, math.nan)
+        if math.isfinite(verdict.value) and spread > 0:
+            probability = 0.5 * (1.0 + math.erf(verdict.margin / spread / math.sqrt(2.0)))
+            verdict = replace(verdict, probability=probability)
+        found.append(verdict)
     return tuple(found)
+
+
+def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> bool:
+    """Whether a run is the test of a criterion: the manoeuvre, and its angles within reach."""
+    if test not in (criterion.manoeuvre, *criterion.shown_by):
+        return False
+    if test != "zigzag":
+        return True
+    settings = criterion.settings
+    heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))
+    return abs(rudder - settings["rudder_deg"]) < 1.0 and abs(switch - heading) < 0.5
 
 
 def conditions_of(

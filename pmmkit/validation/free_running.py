@@ -22,6 +22,7 @@ from pmmkit.identification.comparing import predicted_window
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
+from pmmkit.metrics import unit_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
 from pmmkit.progress import Progress
@@ -29,7 +30,6 @@ from pmmkit.simulation import Track
 from pmmkit.simulation.simulate import simulate
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.evaluate import JUDGED
-from pmmkit.trials.table import unit_of
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.uncertainty import COVERAGE
 

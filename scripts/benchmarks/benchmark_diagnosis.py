@@ -22,11 +22,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
+from pmmkit.diagnosis.captive.physics import PHYSICS
+
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.observations.views import views_of
 

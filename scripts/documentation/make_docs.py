@@ -11,10 +11,11 @@ import sys
 from functools import cache
 from pathlib import Path
 
-import pmmkit as pk
-from pmmkit.checks import CHECKS
 from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
 from pmmkit.diagnosis.captive.physics import PHYSICS
+
+import pmmkit as pk
+from pmmkit.checks import CHECKS
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter

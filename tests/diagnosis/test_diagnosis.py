@@ -19,7 +19,7 @@ from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.findings import odds
 from pmmkit.errors import DataError
 from pmmkit.models import load_model
-from pmmkit.structures import STRUCTURES
+from pmmkit.structures import structures
 
 HERE = Path(__file__).parent
 BASE = (
@@ -208,7 +208,7 @@ def test_something_outside_the_catalogue_is_not_given_a_bare_name():
 
 def test_a_model_a_structure_and_a_list_are_the_same_base():
     campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
-    answers = [diagnose(base, campaign) for base in ("cubic", STRUCTURES["cubic"].derivatives)]
+    answers = [diagnose(base, campaign) for base in ("cubic", structures()["cubic"].derivatives)]
     made = load_model("s175-3dof")
     hull = {
         name: x

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-
 from pmmkit.diagnosis.captive.faults import FAULTS
 from pmmkit.diagnosis.captive.physics import PHYSICS
+
 from pmmkit.diagnosis.captive.signature import signatures
 
 

@@ -19,7 +19,7 @@ from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.state import State
 from pmmkit.errors import UnknownNameError
 from pmmkit.ship import Ship, Water
-from pmmkit.structures import STRUCTURES
+from pmmkit.structures import structures
 
 SHIP = Ship(name="box", L=100.0, B=20.0, d=5.0, volume=6000.0, mass=6.15e6, Izz=3.8e9, GM=0.5)
 WATER = Water(rho=1025.0)
@@ -45,7 +45,7 @@ NAMES = [
     name
     for name in dict.fromkeys(
         [
-            *(name for structure in STRUCTURES.values() for name in structure.derivatives),
+            *(name for structure in structures().values() for name in structure.derivatives),
             *("Yur", "Yv|v|", "Nr|r|", "X0", "Yd", "Nddd", "Kp|p|"),
         ]
     )

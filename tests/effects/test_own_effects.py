@@ -9,13 +9,13 @@ import pytest
 from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
+from pmmkit.diagnosis.captive.own import candidate_of
+from pmmkit.diagnosis.captive.physics import PHYSICS
 
 import pmmkit as pk
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.own import candidate_of
-from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.errors import DataError, ModelError
 from pmmkit.models import load_model
 from pmmkit.observations.views import views_of

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -73,6 +75,13 @@ def test_a_wrong_name_is_an_attribute_error():
         _ = pmmkit.reduse
 
 
-def test_names_are_listed_once_and_shown_by_dir():
-    assert len(set(pmmkit.__all__)) == len(pmmkit.__all__)
-    assert set(pmmkit.__all__) <= set(dir(pmmkit))
+def test_dir_shows_the_public_words_and_nothing_else():
+    assert len(set(pmmkit.__all__)) == len(pmmkit.__all__) > 60
+    assert dir(pmmkit) == sorted(pmmkit.__all__)
+
+
+def test_type_checkers_and_editors_see_each_word():
+    """In a stub only ``import name as name`` is offered to others."""
+    _, *lines = ast.parse(Path(pmmkit.__file__).with_suffix(".pyi").read_text("utf-8")).body
+    assert all(isinstance(line, ast.ImportFrom) for line in lines)
+    assert all(word.asname == word.name for line in lines for word in line.names)

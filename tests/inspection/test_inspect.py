@@ -7,16 +7,14 @@ import json
 import os
 import shutil
 import socket
-import sys
-import types
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from installed_readers import installed
 
-from pmmkit import readers
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, PmmkitError
 from pmmkit.figures.inspecting import envelope
@@ -24,7 +22,7 @@ from pmmkit.inspection import look
 from pmmkit.inspection.columns import clock_of
 from pmmkit.inspection.file import look_at
 from pmmkit.inspection.guessing import bare_header, rates_of, suggest
-from pmmkit.readers import Options, Request, format_of, reader_for, recognise
+from pmmkit.readers import Columns, Options, Reader, Request, format_of, reader_for, recognise
 from pmmkit.readers.text.layout import layout_of
 
 
@@ -156,22 +154,33 @@ def test_formats_that_come_along(datasets, tmp_path):
 
 
 @pytest.fixture
-def boxes(monkeypatch):
+def boxes():
     """A format of one's own: folders that hold a file named ``box``, files that begin with BOX."""
-    module = types.ModuleType("boxes")
-    module.recognises = lambda path, head: head.startswith(b"BOX") or (path / "box").is_file()
-    module.names = lambda request: ("Time [s]", "Fx [kN]")
-    module.columns = lambda request, choose: readers.Columns(
-        headers=module.names(request),
-        positions=tuple(choose(module.names(request), 2)),
-        values=(np.arange(30) * 0.5, np.ones(30)),
-    )
-    silent = types.ModuleType("silent")
-    monkeypatch.setitem(sys.modules, "boxes", module)
-    monkeypatch.setitem(sys.modules, "silent", silent)
-    monkeypatch.setitem(readers.FORMATS, "silent", "silent")
-    monkeypatch.setitem(readers.FORMATS, "boxes", "boxes")
-    return module
+    headers = ("Time [s]", "Fx [kN]")
+
+    class Silent(Reader):
+        name, words, reads = "silent", "silent", "What nobody recognises."
+
+        def columns(self, request, choose):
+            return Columns(headers=(), positions=(), values=())
+
+    class Boxes(Silent):
+        name, words, reads = "boxes", "box", "Boxes."
+
+        def recognises(self, path, head):
+            return head.startswith(b"BOX") or (path / "box").is_file()
+
+        def columns(self, request, choose):
+            positions = tuple(choose(headers, 2))
+            values = (np.arange(30) * 0.5, np.ones(30))
+            return Columns(
+                headers=headers,
+                positions=positions,
+                values=tuple(values[place] for place in positions),
+            )
+
+    with installed(Silent, Boxes):
+        yield Boxes
 
 
 def test_a_further_format_comes_before_plain_text(boxes, tmp_path):
@@ -182,7 +191,7 @@ def test_a_further_format_comes_before_plain_text(boxes, tmp_path):
     assert format_of("run.dat", Options(format="csv"), path) == "csv"
     assert format_of("run.dat", Options()) == "csv"
     assert format_of("run.xlsx", Options(), path) == "excel"
-    assert reader_for(Request(path=path, shown="run.dat")) is boxes
+    assert reader_for(Request(path=path, shown="run.dat")).__class__ is boxes
 
 
 def test_a_container_is_told_by_its_content(boxes, datasets, tmp_path):

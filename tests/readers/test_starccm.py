@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.errors import CampaignError, DataError
+from pmmkit.readers import reader_of
 from pmmkit.readers.base import Options, Request
 from pmmkit.readers.starccm import reader as starccm
 from scripts.datasets.campaign_text import S175
@@ -385,12 +386,14 @@ def test_exports_are_recognised_by_content(tmp_path):
     ]
     for headers in yes:
         for bom in (False, True):
-            assert starccm.recognises(tmp_path / "a.csv", export(headers, T, X, bom=bom))
+            assert reader_of("star-ccm+").recognises(
+                tmp_path / "a.csv", export(headers, T, X, bom=bom)
+            )
     for head in (b"", b"t,X\n0,1\n", b'"t","X"\n0,1\n', b"\x00\xff", b"Fx Monitor: Force (N)"):
-        assert not starccm.recognises(tmp_path / "a.csv", head)
-    assert not starccm.recognises(tmp_path, b"")
+        assert not reader_of("star-ccm+").recognises(tmp_path / "a.csv", head)
+    assert not reader_of("star-ccm+").recognises(tmp_path, b"")
     (tmp_path / "a.CSV").write_bytes(export(yes[0], T, X))
-    assert starccm.recognises(tmp_path, b"")
+    assert reader_of("star-ccm+").recognises(tmp_path, b"")
 
 
 # Damage
@@ -553,5 +556,5 @@ def test_an_export_is_no_table(tmp_path):
     (tmp_path / "a.csv").write_bytes(GOOD)
     request = Request(path=tmp_path / "a.csv", shown="a.csv", options=Options())
     with pytest.raises(CampaignError, match="not a table of rows"):
-        starccm.cells(request)
+        reader_of("star-ccm+").cells(request)
     assert headers_of(tmp_path / "a.csv") == ("Physical Time [s]", "Fx [N]", "Fy [N]", "Mz [N m]")

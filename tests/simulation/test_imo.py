@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.errors import DataError
+from pmmkit.metrics import criteria
 from pmmkit.models import load_model
 from pmmkit.simulation import imo_turning, imo_verdicts, monte_carlo, simulate, zigzag_limits
 
@@ -242,7 +244,8 @@ def test_where_the_limit_is_the_median_one_ship_in_two_passes(monkeypatch):
     )
     median = float(np.median(many.metrics["initial_turning_distance_L"]))
     imo = importlib.import_module("pmmkit.simulation.imo")
-    monkeypatch.setattr(imo, "INITIAL_LIMIT", median)
+    asked = [(m, replace(x, limit=median)) for m, x in criteria() if x.name == "initial_turning"]
+    monkeypatch.setattr(imo, "criteria", lambda: tuple(asked))
     one = by_name(imo_verdicts("s175-3dof", 9.0, n=1000, spread=0.05, seed=1))
     other = by_name(imo_verdicts("s175-3dof", 9.0, n=1000, spread=0.05, seed=2))
     assert one["initial_turning", "starboard"].probability == pytest.approx(0.5, abs=1e-3)

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pmmkit.readers import openfoam
 from pmmkit.readers.base import Options, Request
+from pmmkit.readers.openfoam import reader as openfoam
 
 COFR = (0.35, 0.0, 0.02)
 AXES = "xyz"

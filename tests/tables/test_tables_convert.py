@@ -17,7 +17,7 @@ from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.errors import TableError
 from pmmkit.ship import Ship, Water
-from pmmkit.structures import STRUCTURES
+from pmmkit.structures import structures
 from pmmkit.tables import DerivativeTable, converted, from_values, identical, to_system
 
 WATER = Water(rho=1000.0, g=9.81)
@@ -55,7 +55,7 @@ def random_table(
 ) -> DerivativeTable:
     """Values of order one and a full covariance over derivatives and Froude numbers."""
     rng = np.random.default_rng(seed)
-    names = STRUCTURES[structure].with_(*more).derivatives
+    names = structures()[structure].with_(*more).derivatives
     n = len(names)
     root = rng.normal(size=(rows * n, rows * n)) * 0.01
     table = from_values(

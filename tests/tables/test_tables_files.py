@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 from pmmkit.conventions import Convention
 from pmmkit.errors import TableError
 from pmmkit.ship import Ship, Water
-from pmmkit.tables import DerivativeTable, from_values, identical, read_table, to_latex, write
+from pmmkit.tables import DerivativeTable, from_values, identical, read_table, to_latex, write_table
 
 DATA = Path(__file__).parents[1] / "data"
 SUFFIXES = ("csv", "nc", "h5", "xlsx")
@@ -102,7 +102,7 @@ class TestReadBack:
     @pytest.mark.parametrize("pooled", [False, True])
     def test_the_same(self, tmp_path, suffix, pooled):
         table = example(pooled)
-        back = read_table(write(table, tmp_path / f"t.{suffix}"))
+        back = read_table(write_table(table, tmp_path / f"t.{suffix}"))
         assert identical(back, table)
         assert back.provenance == table.provenance
 
@@ -112,14 +112,14 @@ class TestReadBack:
         max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
     )
     def test_the_same_whatever_it_holds(self, tmp_path, suffix, table):
-        assert identical(read_table(write(table, tmp_path / f"t.{suffix}")), table)
+        assert identical(read_table(write_table(table, tmp_path / f"t.{suffix}")), table)
 
     @pytest.mark.parametrize("suffix", [*SUFFIXES, "tex"])
     def test_the_same_table_gives_the_same_bytes_in_another_process(self, tmp_path, suffix):
-        write(example(), tmp_path / f"a.{suffix}")
+        write_table(example(), tmp_path / f"a.{suffix}")
         code = (
             "import sys; sys.path.insert(0, sys.argv[1]); import test_tables_files as t;"
-            "t.write(t.example(), sys.argv[2])"
+            "t.write_table(t.example(), sys.argv[2])"
         )
         other = tmp_path / f"b.{suffix}"
         subprocess.run([sys.executable, "-c", code, str(Path(__file__).parent), other], check=True)
@@ -127,8 +127,8 @@ class TestReadBack:
 
     @pytest.mark.parametrize("suffix", SUFFIXES)
     def test_an_older_file_is_replaced_and_nothing_else_is_left(self, tmp_path, suffix):
-        write(example(pooled=True), tmp_path / f"t.{suffix}")
-        assert identical(read_table(write(example(), tmp_path / f"t.{suffix}")), example())
+        write_table(example(pooled=True), tmp_path / f"t.{suffix}")
+        assert identical(read_table(write_table(example(), tmp_path / f"t.{suffix}")), example())
         extra = {"t.json"} if suffix == "csv" else set()
         assert {path.name for path in tmp_path.iterdir()} == {f"t.{suffix}"} | extra
 
@@ -139,7 +139,7 @@ class TestReadBack:
             water=Water(),
             provenance={"path": Path("a/b"), "n": np.int64(3), "x": math.inf},
         )
-        back = read_table(write(table, tmp_path / "t.nc"))
+        back = read_table(write_table(table, tmp_path / "t.nc"))
         assert back.provenance == {"path": str(Path("a/b")), "n": 3, "x": "inf"}
 
 
@@ -154,26 +154,26 @@ class TestSavedByVersionOne:
 class TestOthersRead:
     def test_pandas_reads_the_csv(self, tmp_path):
         table = example()
-        frame = pd.read_csv(write(table, tmp_path / "t.csv"))
+        frame = pd.read_csv(write_table(table, tmp_path / "t.csv"))
         assert list(frame.columns) == COLUMNS
         np.testing.assert_allclose(frame["value"], table.value.ravel(), rtol=1e-15)
         np.testing.assert_allclose(frame["Fn"], np.repeat(table.Fn, 5), rtol=1e-15)
         assert frame["derivative"].tolist() == list(table.names) * 3
 
     def test_the_column_fn_of_a_pooled_table_is_empty(self, tmp_path):
-        text = write(example(pooled=True), tmp_path / "t.csv").read_text(encoding="utf-8")
+        text = write_table(example(pooled=True), tmp_path / "t.csv").read_text(encoding="utf-8")
         assert text.splitlines()[1].startswith(",Xuu,0.12")
 
     def test_intervals_are_those_of_student(self, tmp_path):
         """With 9 degrees of freedom 95 % lie within 2.262 standard deviations (any t table)."""
         table = from_values({"Yv": 1.0}, std={"Yv": 0.1}, ship=SHIP, water=Water())
         table = table.with_(dof=np.array([[9.0]]))
-        frame = pd.read_csv(write(table, tmp_path / "t.csv"))
+        frame = pd.read_csv(write_table(table, tmp_path / "t.csv"))
         assert frame["ci_low"][0] == pytest.approx(1 - 0.2262, abs=5e-5)
         assert frame["ci_high"][0] == pytest.approx(1 + 0.2262, abs=5e-5)
 
     def test_the_json_is_json(self, tmp_path):
-        write(example(), tmp_path / "t.csv")
+        write_table(example(), tmp_path / "t.csv")
 
         def no_constant(name):
             raise AssertionError(f"{name} is not JSON")
@@ -186,14 +186,16 @@ class TestOthersRead:
     @pytest.mark.parametrize("suffix", ["nc", "h5"])
     def test_xarray_reads_the_netcdf_as_the_table_shows_itself(self, tmp_path, suffix):
         table = example()
-        with xr.open_dataset(write(table, tmp_path / f"t.{suffix}"), engine="h5netcdf") as data:
+        with xr.open_dataset(
+            write_table(table, tmp_path / f"t.{suffix}"), engine="h5netcdf"
+        ) as data:
             xr.testing.assert_identical(data.load(), table.to_xarray())
             chosen = data["value"].sel(derivative="Yv", Fn=0.2172).item()
         assert chosen == table["Yv"][1]
 
     def test_h5py_reads_it_too(self, tmp_path):
         table = example()
-        with h5py.File(write(table, tmp_path / "t.h5")) as file:
+        with h5py.File(write_table(table, tmp_path / "t.h5")) as file:
             np.testing.assert_array_equal(file["covariance"][...], table.covariance)
             assert file["derivative"].asstr()[...].tolist() == list(table.names)
             assert json.loads(file.attrs["ship"])["L"] == SHIP.L
@@ -201,7 +203,7 @@ class TestOthersRead:
     def test_pandas_reads_the_workbook(self, tmp_path):
         table = example()
         sheets = pd.read_excel(
-            write(table, tmp_path / "t.xlsx"),
+            write_table(table, tmp_path / "t.xlsx"),
             sheet_name=None,
             na_values=[""],
             keep_default_na=False,
@@ -215,7 +217,7 @@ class TestOthersRead:
         assert covariance.loc["Yv @ 0.1448", "Xuu @ 0.2172"] == table.covariance[0, 1, 1, 0]
 
     def test_no_text_of_the_workbook_is_a_formula(self, tmp_path):
-        with zipfile.ZipFile(write(example(), tmp_path / "t.xlsx")) as archive:
+        with zipfile.ZipFile(write_table(example(), tmp_path / "t.xlsx")) as archive:
             sheets = [name for name in archive.namelist() if "worksheets/" in name]
             assert len(sheets) == 3
             assert not any(b"<f>" in archive.read(name) for name in sheets)
@@ -248,7 +250,7 @@ class TestLatex:
         assert r"$Y''_{\beta \beta r}$ & $0.40 \pm 0.10$ \\" in to_latex(table, style="plus-minus")
 
     def test_braces_and_dollars_are_balanced(self, tmp_path):
-        text = write(example(), tmp_path / "t.tex").read_text(encoding="utf-8")
+        text = write_table(example(), tmp_path / "t.tex").read_text(encoding="utf-8")
         assert text.count("{") == text.count("}")
         assert text.count("$") % 2 == 0
         assert {row.count("&") for row in text.splitlines() if "&" in row} == {3}
@@ -299,7 +301,7 @@ class TestCsvAlone:
 
     def test_what_was_read_alone_can_be_kept_in_full(self, tmp_path):
         table = read_table(save_rows(tmp_path / "t.csv", PLAIN))
-        assert identical(read_table(write(table, tmp_path / "u.nc")), table)
+        assert identical(read_table(write_table(table, tmp_path / "u.nc")), table)
 
     def changed(self, tmp_path, row, column, text):
         rows = [list(cells) for cells in PLAIN]
@@ -376,7 +378,7 @@ class TestCsvAlone:
 
 class TestCsvAndItsJson:
     def test_a_changed_value_is_noticed(self, tmp_path):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         rows = csv_rows(path)
         rows[3][2] = repr(float(rows[3][2]) * (1 + 1e-15))
         save_rows(path, rows)
@@ -384,7 +386,7 @@ class TestCsvAndItsJson:
             read_table(path)
 
     def test_a_changed_std_is_named(self, tmp_path):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         rows = csv_rows(path)
         rows[3][3] = "0.0015"
         save_rows(path, rows)
@@ -392,14 +394,14 @@ class TestCsvAndItsJson:
             read_table(path)
 
     def test_a_lost_block_of_rows_is_noticed(self, tmp_path):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         save_rows(path, csv_rows(path)[:11])
         with pytest.raises(TableError, match=r"t\.json"):
             read_table(path)
 
     @pytest.mark.parametrize("content", ["", "{", "[]", "null", "{}", "[" * 100_000, '{"Fn": 1}'])
     def test_a_broken_json(self, tmp_path, content):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         (tmp_path / "t.json").write_text(content, encoding="utf-8")
         with pytest.raises(TableError, match=r"t\.json"):
             read_table(path)
@@ -420,7 +422,7 @@ class TestCsvAndItsJson:
         ],
     )
     def test_a_wrong_entry_is_named(self, tmp_path, key, value, words):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         sidecar = tmp_path / "t.json"
         content = json.loads(sidecar.read_text(encoding="utf-8")) | {key: value}
         sidecar.write_text(json.dumps(content), encoding="utf-8")
@@ -428,7 +430,7 @@ class TestCsvAndItsJson:
             read_table(path)
 
     def test_an_edit_can_be_kept_on_purpose(self, tmp_path):
-        path = write(example(), tmp_path / "t.csv")
+        path = write_table(example(), tmp_path / "t.csv")
         sidecar = tmp_path / "t.json"
         content = json.loads(sidecar.read_text(encoding="utf-8"))
         content["ship"]["L"] = 5.0
@@ -470,7 +472,7 @@ class TestDamage:
         ("suffix", "victim"), [("csv", "csv"), ("csv", "json"), ("nc", "nc"), ("xlsx", "xlsx")]
     )
     def test_an_error_or_the_right_answer(self, tmp_path, seed, suffix, victim):
-        path = write(example(), tmp_path / f"t.{suffix}")
+        path = write_table(example(), tmp_path / f"t.{suffix}")
         target = tmp_path / f"t.{victim}"
         whole = target.read_bytes()
         rng = random.Random(f"{suffix} {victim} {seed}")
@@ -494,7 +496,7 @@ class TestDamage:
             read_table(path)
 
     def test_a_netcdf_saved_again_by_another_program(self, tmp_path):
-        with xr.open_dataset(write(example(), tmp_path / "t.nc"), engine="h5netcdf") as data:
+        with xr.open_dataset(write_table(example(), tmp_path / "t.nc"), engine="h5netcdf") as data:
             data.load().to_netcdf(tmp_path / "again.nc", engine="h5netcdf")
         assert identical(read_table(tmp_path / "again.nc"), example())
 
@@ -524,7 +526,7 @@ class TestPaths:
 
     def test_unknown_suffixes(self, tmp_path):
         with pytest.raises(TableError, match=r"\.csv, \.nc, \.h5, \.xlsx, \.tex"):
-            write(example(), tmp_path / "t.mat")
+            write_table(example(), tmp_path / "t.mat")
         with pytest.raises(TableError, match=r"Known: \.csv, \.nc, \.h5, \.xlsx\."):
             read_table(tmp_path / "t.tex")
 
@@ -532,18 +534,18 @@ class TestPaths:
     def test_a_path_that_cannot_be_written(self, tmp_path, suffix):
         (tmp_path / "file").write_text("in the way")
         with pytest.raises(TableError, match="cannot be written"):
-            write(example(), tmp_path / "file" / f"t.{suffix}")
+            write_table(example(), tmp_path / "file" / f"t.{suffix}")
 
     @pytest.mark.parametrize("suffix", SUFFIXES)
     def test_an_interrupted_write_leaves_the_old_file(self, tmp_path, suffix, monkeypatch):
-        path = write(example(), tmp_path / f"t.{suffix}")
+        path = write_table(example(), tmp_path / f"t.{suffix}")
 
         def interrupt(*_):
             raise KeyboardInterrupt
 
         monkeypatch.setattr("pmmkit.files.os.replace", interrupt)
         with pytest.raises(KeyboardInterrupt):
-            write(example(pooled=True), path)
+            write_table(example(pooled=True), path)
         monkeypatch.undo()
         assert identical(read_table(path), example())
         assert not list(tmp_path.glob("*.part*"))

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from hidden_effects import SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
+from pmmkit.diagnosis.captive.faults import FAULTS
+from pmmkit.diagnosis.captive.physics import PHYSICS
 
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.campaigns.run import Settings
@@ -21,9 +23,7 @@ from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import knowing
-from pmmkit.diagnosis.captive.faults import FAULTS
 from pmmkit.diagnosis.captive.grid import best_blocks
-from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.errors import CampaignError, DataError, UnknownNameError
 from pmmkit.models import load_model
 from pmmkit.observations.views import views_of

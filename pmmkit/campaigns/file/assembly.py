@@ -16,7 +16,7 @@ from pmmkit.campaigns.samples.conversions import Frame, in_phase_parts
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, RowLoader, check_rows
 from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.errors import DataError, Problem
-from pmmkit.readers import reader_for, recognise, usual_of
+from pmmkit.readers import reader_for
 from pmmkit.readers.base import Cells, Options, Request, fault, to_number
 from pmmkit.readers.rows import filled_in, matching_rows, no_column
 from pmmkit.ship import Ship, Water
@@ -318,8 +318,9 @@ def _add_history(
 
 def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
     """Channels that a file holds."""
-    names = reader_for(request).names(request)
-    found, _ = pick(names, len(names), specs, request, usual=usual_of(request, names))
+    reader = reader_for(request)
+    names = reader.names(request)
+    found, _ = pick(names, len(names), specs, request, usual=reader.usual(names))
     return {column.name for column in found}
 
 
@@ -334,8 +335,7 @@ def _motion(
         if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
             out.problems.append(setup.missing_file(entry.motion, label))
         return None
-    options = Options(format=recognise(path, ["openfoam"]))
-    return replace(request, path=path, shown=entry.motion, options=options)
+    return replace(request, path=path, shown=entry.motion, options=Options())
 
 
 def _add_row(

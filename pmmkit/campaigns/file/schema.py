@@ -14,10 +14,12 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
+    PlainValidator,
     ValidationError,
     field_validator,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from pmmkit.campaigns.run import TESTS
 from pmmkit.channels import (
@@ -30,12 +32,21 @@ from pmmkit.channels import (
 )
 from pmmkit.conventions import SYSTEMS
 from pmmkit.errors import DataError, Problem
-from pmmkit.readers import FORMATS
+from pmmkit.readers import readers
 
 
 def _as_tuple(value: Any) -> Any:
     """A list as a tuple, which can be hashed."""
     return tuple(value) if isinstance(value, list) else value
+
+
+def _known_format(name: Any) -> Any:
+    """A format that is read, asked when a file is read: readers of other packages count."""
+    if name in tuple(readers()):
+        return name
+    raise PydanticCustomError(
+        "literal_error", "Input should be {expected}", {"expected": ", ".join(readers())}
+    )
 
 
 Positive = Annotated[float, Field(gt=0)]
@@ -48,6 +59,7 @@ Widths = Annotated[
     tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
 ]
 Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
+Format = Annotated[str, PlainValidator(_known_format)]
 Plain = str | float | int | bool
 
 ACTIONS: Final = (
@@ -142,7 +154,7 @@ class WaterEntry(Entry):
 class SourceEntry(Entry):
     """``[source]``, of the campaign or of a run."""
 
-    format: Literal[tuple(FORMATS)] | None = None  # type: ignore[valid-type]
+    format: Format | None = None
     skip_rows: Count = 0
     encoding: str | None = None
     delimiter: Literal[",", ";", "\t", " ", "|"] | None = None

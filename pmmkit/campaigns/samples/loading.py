@@ -21,7 +21,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
-from pmmkit.readers import files_of, reader_for, usual_of
+from pmmkit.readers import files_of, reader_for
 from pmmkit.readers.base import Columns, Request
 from pmmkit.ship import Ship, Water
 
@@ -146,9 +146,10 @@ def _read(
     """The columns of a file that are used, what each of them is, and usual names of the format."""
     picked: list[Picked] = []
     usual: dict[str, str] = {}
+    reader = reader_for(request)
 
     def choose(headers: Sequence[str], width: int) -> list[int]:
-        usual.update(usual_of(request, headers))
+        usual.update(reader.usual(headers))
         found, problems = pick(headers, width, specs, request, required=required, usual=usual)
         if request.options.sample_rate is not None:
             problems += _two_times(found, request)
@@ -159,7 +160,7 @@ def _read(
         picked.extend(found)
         return [column.position for column in found]
 
-    return reader_for(request).columns(request, choose), picked, usual
+    return reader.columns(request, choose), picked, usual
 
 
 def _motion_of(request: Request, context: Context) -> dict[str, Array]:

@@ -29,7 +29,7 @@ from pmmkit.models import Model, load_model
 from pmmkit.observations.views import View, views_of
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
-from pmmkit.structures import STRUCTURES, Structure, structure_of
+from pmmkit.structures import Structure, structure_of, structures
 
 FLOOR_LEAST: Final = 0.001
 
@@ -61,7 +61,7 @@ def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> Bas
     model : Model, str, path, sequence of str or Structure
         As for `diagnose`.
     """
-    if isinstance(model, Structure) or (isinstance(model, str) and model in STRUCTURES):
+    if isinstance(model, Structure) or (isinstance(model, str) and model in structures()):
         return BaseModel(source=model, structure=model)
     if isinstance(model, (str, Path)):
         model = load_model(model)

@@ -19,7 +19,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.models import load_model, scaled
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
-from pmmkit.structures import STRUCTURES
+from pmmkit.structures import structures
 from pmmkit.tables import converted, from_values
 
 if TYPE_CHECKING:
@@ -205,7 +205,7 @@ def _standard() -> tuple[tuple[View, ...], Base]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
     values = {**model.values("hull_polynomial"), **model.values("added_mass")}
-    names = (*STRUCTURES["cubic"].derivatives, "Yd", "Nd", "Xdd")
+    names = (*structures()["cubic"].derivatives, "Yd", "Nd", "Xdd")
     known = {"Yd": -0.0026, "Nd": 0.00126, "Xdd": -0.0015}
     table = from_values(
         {name: x for name, x in values.items() if name[0] in CHANNELS},

@@ -15,7 +15,8 @@ from pmmkit.inspection import ColumnLook, FileLook
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
 from pmmkit.inspection.drafts.settle import NEEDED, WORDS, Setting
 from pmmkit.inspection.guessing import Suggestion
-from pmmkit.readers.base import Options
+from pmmkit.readers import Options, reader_of
+from pmmkit.readers.saved import SavedCampaign
 
 _MEANS: Final[dict[str, str]] = {
     "t": "time [s]",
@@ -66,14 +67,14 @@ def written(draft: Draft) -> Written:
         "",
         *_ship(draft, todo),
     ]
-    if any(entry.look.format in _COMPUTED for entry in draft.runs):
+    if any(reader_of(entry.look.format).computed for entry in draft.runs):
         lines += ["", *_cfd(todo)]
     if base is not None:
         lines += ["", "[source]", *_source(base, base.options)]
         lines += ["", "[columns]                        # our name = theirs"]
         lines += _columns(base, draft.kind, todo, table=False)
     elif draft.saved:
-        lines += ["", "[source]", 'format = "pmmkit"']
+        lines += ["", "[source]", f"format = {toml(SavedCampaign.name)}"]
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *_saved_run(file, run)]
@@ -191,9 +192,6 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     return [*lines, "", "[water]", rho]
 
 
-_COMPUTED: Final = ("openfoam", "star-ccm+")
-
-
 def _cfd(todo: _Todo) -> list[str]:
     """What forces that were computed need."""
     todo.add(
@@ -242,9 +240,9 @@ def _largest(draft: Draft) -> FileLook | None:
 
 def _source(look: FileLook, options: Options, *, every: bool = False) -> list[str]:
     values: dict[str, Any] = {"format": look.format}
-    if look.format in ("csv", "excel"):
+    if look.layout is not None or look.has_sheets:
         values |= {"skip_rows": options.skip_rows} if options.skip_rows or every else {}
-        if look.format == "csv":
+        if look.layout is not None:
             values |= {"encoding": options.encoding or "utf-8"} if options.encoding or every else {}
             values |= {"delimiter": options.delimiter, "decimal": options.decimal}
         values |= {"header": options.header} if options.header is False or every else {}

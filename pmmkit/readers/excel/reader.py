@@ -8,24 +8,15 @@ from __future__ import annotations
 import datetime as dt
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.channels import did_you_mean
 from pmmkit.readers.base import Cell, Cells, Choose, Columns, Request, columns_of
-from pmmkit.readers.excel.guard import CFB, ZIP, check_workbook
+from pmmkit.readers.excel.guard import check_workbook
 from pmmkit.readers.excel.sheet import layout_of
 
-_PARTS: Final = (b"xl/", b"[Content_Types].xml", b"opendocument.spreadsheet")
 _MOST_MERGED: Final = 1_000_000
 Grid = list[list[Any]]
-
-
-def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
-    """Whether a file is a workbook, by its first bytes."""
-    if head.startswith(ZIP):
-        return any(part in head for part in _PARTS)
-    return head.startswith(CFB)
 
 
 def sheets(request: Request) -> tuple[str, ...]:
@@ -37,11 +28,6 @@ def sheets(request: Request) -> tuple[str, ...]:
         If the workbook cannot be read.
     """
     return tuple(_workbook(request).sheet_names)
-
-
-def names(request: Request) -> tuple[str, ...]:
-    """Headers of the sheet."""
-    return cells(request).headers
 
 
 def columns(request: Request, choose: Choose) -> Columns:

@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +22,6 @@ from pmmkit.channels import did_you_mean
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.hdf5.datasets import members, new_to, number_of, numbers, opened, text_of
-from pmmkit.readers.hdf5.guard import is_hdf5
 from pmmkit.readers.hdf5.netcdf3 import Classic, Damaged, is_netcdf3, netcdf3_variables
 from pmmkit.readers.vectors import (
     WIDEST,
@@ -47,11 +45,6 @@ _TIME_UNITS: Final = {
     "minutes": "min",
     "hours": "h",
 }
-
-
-def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
-    """Whether a file is HDF5 or NetCDF, by its first bytes."""
-    return is_hdf5(head) or is_netcdf3(head)
 
 
 def names(request: Request) -> tuple[str, ...]:

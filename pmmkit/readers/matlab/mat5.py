@@ -52,6 +52,7 @@ _OF_ONE_CLASS: Final = {7: (7,), 9: (6,), 12: (14, 15), 13: (14, 15)}
 _DEEPEST: Final = 32
 _V4_NUMBERS: Final = ("f8", "f4", "i4", "i2", "u2", "u1")
 _V4_HEADER: Final = 20
+_V5_HEADER: Final = 128
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,11 @@ def read_v5(data: bytes, request: Request) -> list[Variable]:
             raise Damaged(f"an element of type {plain.type} stands where a variable should")
         found += _Matrix(order).variables(plain.data)
     return found
+
+
+def is_v5(head: bytes) -> bool:
+    """Whether a file begins with the header of version 5 or 7."""
+    return len(head) >= _V5_HEADER and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
 
 
 def is_v4(head: bytes) -> bool:

@@ -11,7 +11,6 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from typing import Final
 
 from pmmkit.channels import did_you_mean
@@ -20,7 +19,7 @@ from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.hdf5.datasets import opened
 from pmmkit.readers.hdf5.guard import is_hdf5
-from pmmkit.readers.matlab.mat5 import is_v4, read_v4, read_v5
+from pmmkit.readers.matlab.mat5 import is_v4, is_v5, read_v4, read_v5
 from pmmkit.readers.matlab.mat73 import read_v73
 from pmmkit.readers.matlab.variable import Damaged, Variable
 from pmmkit.readers.vectors import (
@@ -34,17 +33,11 @@ from pmmkit.readers.vectors import (
     small_table,
 )
 
-_HEADER: Final = 128
 _SAVE_PLAINLY: Final = (
     "Save plain numbers in MATLAB: for a timetable s = table2struct(timetable2table(tt), "
     '"ToScalar", true), for a table s = table2struct(tb, "ToScalar", true), for a timeseries '
     "s.t = ts.Time; s.Y = ts.Data, for times seconds(d - d(1)); then save run.mat -struct s."
 )
-
-
-def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
-    """Whether a file is one of MATLAB, by its first bytes."""
-    return _is_v5(head) or (head.startswith(b"MATLAB 7.3") and is_hdf5(head)) or is_v4(head)
 
 
 def names(request: Request) -> tuple[str, ...]:
@@ -106,7 +99,7 @@ def _variables(request: Request) -> Iterator[list[Variable]]:
 
 def _in_memory(head: bytes, request: Request) -> list[Variable]:
     try:
-        if _is_v5(head):
+        if is_v5(head):
             return read_v5(request.path.read_bytes(), request)
         if is_v4(head):
             return read_v4(request.path.read_bytes())
@@ -129,10 +122,6 @@ def _not_matlab(head: bytes, request: Request) -> CampaignError:
             remedy="Save it with save -v7 run.mat.",
         )
     )
-
-
-def _is_v5(head: bytes) -> bool:
-    return len(head) >= _HEADER and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI")
 
 
 def _group(found: list[Variable], request: Request) -> list[Variable]:

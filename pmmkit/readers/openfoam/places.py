@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -75,6 +75,25 @@ class Series:
         return [part for family in self.families for part in family]
 
 
+def recognises(path: Path, head: bytes) -> bool:
+    """Whether a file is one of OpenFOAM's, or a folder holds its results."""
+    if head:
+        return layout_of(head) is not None
+    try:
+        if not path.is_dir():
+            return False
+        if (path / RESULTS).is_dir() or path.name == RESULTS:
+            return True
+        for pattern in ("*.dat", "[0-9]*/*.dat"):
+            for file in path.glob(pattern):
+                with file.open("rb") as stream:
+                    if layout_of(stream.read(LONGEST)) is not None:
+                        return True
+    except OSError:
+        return False
+    return False
+
+
 def series_of(request: Request) -> Series:
     """The files that a request means.
 
@@ -105,7 +124,7 @@ def _of_file(request: Request) -> Series:
     other = _OTHER_HALF.get(layout.kind)
     if other is not None:
         name = request.path.name.replace(layout.kind, other, 1)
-        beside = _inside(request, request.path.with_name(name), request.path.parent)
+        beside = request.inside(request.path.with_name(name))
         half = read_layout(beside) if name != request.path.name and beside.path.is_file() else None
         if half is not None and half.kind == other:
             families.append([_part(beside, half)])
@@ -118,7 +137,7 @@ def _of_folders(request: Request, starts: Sequence[Path]) -> Series:
     unknown: list[Path] = []
     for folder in starts:
         for path in sorted(folder.glob("*.dat")):
-            one = _inside(request, path, request.path)
+            one = request.inside(path)
             layout = read_layout(one)
             if layout is None:
                 unknown.append(path)
@@ -149,7 +168,7 @@ def _of_folders(request: Request, starts: Sequence[Path]) -> Series:
     for path in unknown:
         if _name(path) not in names:
             continue
-        one = _inside(request, path, request.path)
+        one = request.inside(path)
         if path.stat().st_size == 0:
             notes.append(f"{one.shown}: the file is empty (0 bytes)")
         else:
@@ -188,19 +207,19 @@ def _only_object(request: Request, results: Path) -> Request:
             layout.kind
             for start in starts
             for path in start.glob("*.dat")
-            if (layout := read_layout(_inside(request, path, request.path))) is not None
+            if (layout := read_layout(request.inside(path))) is not None
         }
         if kinds:
             found[folder.name] = kinds
     for group in _COMPETING:
         names = [name for name, kinds in found.items() if kinds & group]
         if len(names) == 1:
-            return _inside(request, results / names[0], request.path)
+            return request.inside(results / names[0])
         if names:
             raise request.error(
                 request.problem(
                     f"the case has several function objects: {', '.join(names)}.",
-                    remedy=f'Name one: file = "{_shown(request, results / names[0])}".',
+                    remedy=f'Name one: file = "{request.inside(results / names[0]).shown}".',
                 )
             )
     others = ", ".join(folder.name for folder in _folders(results)) or "nothing"
@@ -253,18 +272,6 @@ def _time(name: str) -> float | None:
 
 def _folders(path: Path) -> list[Path]:
     return sorted(folder for folder in path.iterdir() if folder.is_dir())
-
-
-def _inside(request: Request, path: Path, base: Path) -> Request:
-    """The request for one file among those that a request means."""
-    return replace(request, path=path, shown=_shown(request, path, base))
-
-
-def _shown(request: Request, path: Path, base: Path | None = None) -> str:
-    base = request.path if base is None else base
-    folder = request.shown if request.path.is_dir() else request.shown.rpartition("/")[0]
-    relative = path.relative_to(base).as_posix()
-    return f"{folder.rstrip('/')}/{relative}" if folder else relative
 
 
 def _not_known(request: Request, path: Path) -> Problem:

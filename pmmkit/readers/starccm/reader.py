@@ -12,14 +12,13 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Final
 
 from pmmkit.channels import split_unit
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError, Problem
-from pmmkit.files import matching
-from pmmkit.readers.base import Cells, Choose, Columns, Request
+from pmmkit.readers.base import Choose, Columns, Request
+from pmmkit.readers.starccm.exports import files
 from pmmkit.readers.starccm.merging import Part, merged, steps
 from pmmkit.readers.text.csv import numbers
 from pmmkit.readers.text.splitting import Text, fields_of, surely_whole, take_apart
@@ -71,7 +70,6 @@ _USUAL: Final[Mapping[str, frozenset[str]]] = {
     "K": frozenset({"mx", "moment x", "moment_x", "x moment"}),
 }
 """Names, in lower case, that say which channel they are; all others must be mapped."""
-_QUOTED: Final = re.compile(r'"[^"]*(?: Monitor[":\s]|: Residual")|"Physical Time')
 
 
 @dataclass(frozen=True)
@@ -90,32 +88,9 @@ class _Export:
         return self.headers[self.key]
 
 
-def recognises(path: Path, head: bytes) -> bool:
-    """Whether a file begins with a header of monitors, or a folder holds such a file."""
-    if not head and path.is_dir():
-        return any(recognises(file, _head(file)) for file in _exports_in(path)[:20])
-    line = head.removeprefix(b"\xef\xbb\xbf").lstrip().split(b"\n", 1)[0].decode("utf-8", "replace")
-    return line.startswith('"') and _QUOTED.search(line) is not None
-
-
 def names(request: Request) -> tuple[str, ...]:
     """Headers of all files, each once: ``name [unit]``, ``[-]`` without a unit."""
     return _listed(_opened(request))
-
-
-def files(request: Request) -> list[Path]:
-    """The file itself, those that a pattern fits, or the .csv files of a folder.
-
-    Raises
-    ------
-    CampaignError
-        If a folder holds none.
-    """
-    path = request.path
-    found = _exports_in(path) if path.is_dir() else list(matching(path))
-    if path.is_dir() and not found:
-        raise request.error(request.problem("the folder holds no .csv file."))
-    return found or [path]
 
 
 def columns(request: Request, choose: Choose) -> Columns:
@@ -150,16 +125,6 @@ def columns(request: Request, choose: Choose) -> Columns:
         values=tuple(values[headers[place]] for place in positions),
         dropped=dropped,
         notes=(*notes, *whole.notes),
-    )
-
-
-def cells(request: Request) -> Cells:
-    """Not a table: always refused."""
-    raise request.error(
-        request.problem(
-            "an export of monitors is a history, not a table of rows.",
-            remedy='For a table of results write format = "csv".',
-        )
     )
 
 
@@ -232,33 +197,13 @@ def _unit(unit: str | None) -> str:
     return spaced
 
 
-def _exports_in(folder: Path) -> list[Path]:
-    try:
-        return sorted(
-            file for file in folder.iterdir() if file.suffix.lower() == ".csv" and file.is_file()
-        )
-    except OSError:
-        return []
-
-
-def _head(file: Path) -> bytes:
-    try:
-        with file.open("rb") as stream:
-            return stream.read(65536)
-    except OSError:
-        return b""
-
-
 def _opened(request: Request) -> list[_Export]:
     """All files of a run, with everything that is wrong with any of their headings."""
     exports: list[_Export] = []
     problems: list[Problem] = []
-    folder = request.shown if request.path.is_dir() else request.shown.rpartition("/")[0]
     for file in files(request):
-        inside = f"{folder.rstrip('/')}/{file.name}" if folder else file.name
-        shown = request.shown if file == request.path else inside
         try:
-            exports.append(_open(replace(request, path=file, shown=shown)))
+            exports.append(_open(request.inside(file)))
         except DataError as error:
             problems += error.problems
     if problems:

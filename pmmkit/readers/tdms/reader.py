@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -24,7 +23,7 @@ from pmmkit.errors import CampaignError, PmmkitError
 from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.tdms.segments import TAG, Segments, walk
+from pmmkit.readers.tdms.segments import Segments, walk
 from pmmkit.readers.vectors import (
     Vector,
     checked,
@@ -51,11 +50,6 @@ _SCALES: Final = frozenset(
 )
 """Scalings that npTDMS applies; any other it passes over in silence."""
 _MOST_SCALES: Final = 100
-
-
-def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
-    """Whether a file is TDMS, by its first bytes."""
-    return head.startswith(TAG)
 
 
 def names(request: Request) -> tuple[str, ...]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -19,7 +18,6 @@ from pmmkit.errors import Problem
 from pmmkit.numerics import Array
 from pmmkit.readers.base import (
     ABSURD,
-    HEAD,
     LISTED,
     Cells,
     Choose,
@@ -28,7 +26,6 @@ from pmmkit.readers.base import (
     abridged,
     numbers_of,
 )
-from pmmkit.readers.text.layout import layout_of
 from pmmkit.readers.text.splitting import (
     BLANKS,
     Text,
@@ -38,11 +35,6 @@ from pmmkit.readers.text.splitting import (
     line_end,
     take_apart,
 )
-
-
-def recognises(path: Path, head: bytes) -> bool:  # noqa: ARG001
-    """Whether the text holds rows of numbers in columns."""
-    return layout_of(head, whole=len(head) < HEAD) is not None
 
 
 def names(request: Request) -> tuple[str, ...]:

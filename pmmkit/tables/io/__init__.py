@@ -15,7 +15,7 @@ from pmmkit.tables.io.netcdf import read_netcdf, write_netcdf
 from pmmkit.tables.io.text import read_csv, sidecar_of, write_csv
 from pmmkit.tables.table import DerivativeTable
 
-__all__ = ["read_table", "sidecar_of", "to_latex", "write"]
+__all__ = ["read_table", "sidecar_of", "to_latex", "write_table"]
 
 _WRITERS: Final[dict[str, Callable[[DerivativeTable, Path], None]]] = {
     ".csv": write_csv,
@@ -26,7 +26,7 @@ _WRITERS: Final[dict[str, Callable[[DerivativeTable, Path], None]]] = {
 }
 
 
-def write(table: DerivativeTable, path: str | Path) -> Path:
+def write_table(table: DerivativeTable, path: str | Path) -> Path:
     """Write a table in the format that the suffix names; all of it or nothing.
 
     Parameters
@@ -56,7 +56,7 @@ def write(table: DerivativeTable, path: str | Path) -> Path:
     >>> ship = Ship(name="m", L=4.0, B=1.0, d=.25, volume=.5, mass=500., Izz=500.)
     >>> table = from_values({"Yv": [-.01, -.012]}, std={"Yv": .001}, Fn=[.1, .2],
     ...                     ship=ship, water=Water())
-    >>> file = write(table, Path(tempfile.mkdtemp()) / "derivatives.csv")
+    >>> file = write_table(table, Path(tempfile.mkdtemp()) / "derivatives.csv")
     >>> identical(read_table(file), table)
     True
     """
@@ -80,7 +80,7 @@ def read_table(
     ship: Ship | None = None,
     water: Water | None = None,
 ) -> DerivativeTable:
-    """Read a table that `write` wrote, or a CSV with the same columns.
+    """Read a table that `write_table` wrote, or a CSV with the same columns.
 
     Parameters
     ----------

@@ -1,12 +1,10 @@
-"""What every file of a derivative table holds besides its rows, and its fingerprint."""
+"""A derivative table out of what a file holds, checked against its fingerprint."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping
-from dataclasses import MISSING, asdict, fields
+from dataclasses import MISSING, fields
 from types import MappingProxyType
 from typing import Any, Final, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -16,63 +14,13 @@ from pmmkit.conventions import Convention
 from pmmkit.errors import Problem, TableError
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
+from pmmkit.tables.attributes import KIND, SCHEMA
 from pmmkit.tables.table import DerivativeTable
 
-KIND: Final = "pmmkit derivative table"
-SCHEMA: Final = 1
 NOT_READ: Final = "The derivative table is not read"
 NO_FINGERPRINT: Final = "The file was edited: its fingerprint is null, so damage is not noticed."
 
 Part = TypeVar("Part", Convention, Ship, Water)
-
-
-def plain(value: Any) -> Any:
-    """A value as JSON can hold it; what JSON does not know becomes text."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    if isinstance(value, list | tuple | set | frozenset):
-        return [plain(item) for item in value]
-    if isinstance(value, float):
-        return value if math.isfinite(value) else repr(value)
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    return str(value)
-
-
-def about(table: DerivativeTable) -> dict[str, Any]:
-    """Kind, schema, fingerprint, convention, ship, water, notes and provenance of a table."""
-    return {
-        "kind": KIND,
-        "schema": SCHEMA,
-        "fingerprint": fingerprint(table),
-        "convention": plain(asdict(table.convention)),
-        "ship": plain(asdict(table.ship)),
-        "water": plain(asdict(table.water)),
-        "notes": list(table.notes),
-        "provenance": plain(table.provenance),
-    }
-
-
-def fingerprint(table: DerivativeTable) -> str:
-    """SHA-256 over everything a table holds, the same whatever file it is kept in."""
-    words = {
-        "names": table.names,
-        "method": table.method.tolist(),
-        "convention": plain(asdict(table.convention)),
-        "ship": plain(asdict(table.ship)),
-        "water": plain(asdict(table.water)),
-        "notes": table.notes,
-        "provenance": plain(table.provenance),
-    }
-    text = json.dumps(words, sort_keys=True, separators=(",", ":"))
-    total = hashlib.sha256(text.encode())
-    for array in (table.Fn, table.value, table.covariance, table.dof):
-        tidy = np.where(np.isnan(array), np.nan, array + 0.0)
-        total.update(np.ascontiguousarray(tidy, dtype="<f8").tobytes())
-    total.update(np.ascontiguousarray(table.runs, dtype="<i8").tobytes())
-    return total.hexdigest()
 
 
 def assemble(
@@ -138,7 +86,7 @@ def assemble(
     stated = header["fingerprint"]
     if stated is None:
         return table.with_(notes=(*table.notes, NO_FINGERPRINT))
-    if stated != fingerprint(table):
+    if stated != table.fingerprint:
         raise TableError(
             Problem(
                 message="the content is not what pmmkit wrote: it was changed or damaged since.",

@@ -16,7 +16,7 @@ import numpy as np
 from pmmkit.errors import Problem, TableError
 from pmmkit.files import atomic_path
 from pmmkit.numerics import Array
-from pmmkit.tables.io.content import NOT_READ, about, assemble
+from pmmkit.tables.io.content import NOT_READ, assemble
 from pmmkit.tables.io.rows import COLUMNS, Grid, read_rows
 from pmmkit.tables.table import DerivativeTable
 
@@ -62,7 +62,7 @@ def write_excel(table: DerivativeTable, path: str | Path) -> None:
     for label, line in zip(labels, table.covariance.reshape(k * n, k * n), strict=True):
         _append(sheet, [label, *line])
     sheet = book.create_sheet("about")
-    for key, value in about(table).items():
+    for key, value in table.attributes().items():
         text = json.dumps(value)
         cuts = range(0, len(text), _CELL)
         _append(sheet, [key, *(text[start : start + _CELL] for start in cuts)])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final
 
 from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.files import write_text
+from pmmkit.presentation.numbers import Style, with_uncertainty
 from pmmkit.tables.table import DerivativeTable
 
 _SYMBOLS: Final = {
@@ -19,8 +19,6 @@ _SYMBOLS: Final = {
     "d": r"\delta ",
     "|d|": r"|\delta|",
 }
-
-Style = Literal["parentheses", "plus-minus"]
 
 
 def symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
@@ -49,36 +47,6 @@ def symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
     return f"{derivative.channel}{prime}_{{{lower}}}"
 
 
-def with_uncertainty(value: float, std: float, style: Style = "parentheses") -> str:
-    r"""A value with its standard uncertainty to two digits.
-
-    Examples
-    --------
-    >>> with_uncertainty(-.01160, .000234)
-    '-0.01160(23)'
-    >>> print(with_uncertainty(-.01160, .000234, "plus-minus"))
-    -0.01160 \pm 0.00023
-    >>> with_uncertainty(-12.3, 41.)
-    '-12(41)'
-    """
-    if math.isnan(value):
-        return ""
-    if not math.isfinite(std) or std <= 0:
-        return _plain(value)
-    places = 1 - math.floor(math.log10(std))
-    if round(std, places) >= 10.0 ** (2 - places):
-        places -= 1
-    places = max(places, 0)
-    if style == "plus-minus":
-        return rf"{value:.{places}f} \pm {std:.{places}f}"
-    return f"{value:.{places}f}({round(std * 10**places)})"
-
-
-def _plain(value: float) -> str:
-    places = 4 - math.floor(math.log10(abs(value))) if value else 0
-    return f"{value:.{max(places, 0)}f}"
-
-
 def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
     """The table as LaTeX text for the package booktabs: a column per Froude number, rows grouped
     by channel. An empty cell is a value that the runs do not determine.
@@ -104,7 +72,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
             lines.append(r"\midrule")
         for column in columns:
             cells = [
-                with_uncertainty(value, spread, style)
+                with_uncertainty(value, spread, style).replace("±", r"\pm")
                 for value, spread in zip(table.value[:, column], std[:, column], strict=True)
             ]
             name = symbol(table.names[column], beta=beta, double=double)

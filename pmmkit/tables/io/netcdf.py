@@ -16,7 +16,8 @@ import numpy as np
 
 from pmmkit.errors import Problem, TableError
 from pmmkit.files import atomic_path
-from pmmkit.tables.io.content import NOT_READ, about, assemble
+from pmmkit.tables.attributes import NESTED, flat
+from pmmkit.tables.io.content import NOT_READ, assemble
 from pmmkit.tables.table import DerivativeTable
 
 _DIMENSIONS: Final = {
@@ -31,7 +32,6 @@ _DIMENSIONS: Final = {
     "runs": ("Fn", "derivative"),
 }
 _TEXTS: Final = frozenset({"derivative", "derivative_2", "method"})
-_IN_JSON: Final = ("convention", "ship", "water", "notes", "provenance")
 _REMEDY: Final = "Write the file again."
 _SEAL: Final = b"\npmmkit sha256 "
 _SEAL_LENGTH: Final = len(_SEAL) + 64
@@ -58,20 +58,13 @@ def write_netcdf(table: DerivativeTable, path: str | Path) -> None:
     with atomic_path(path) as part:
         with h5netcdf.File(part, "w") as file:
             file.dimensions = {"Fn": k, "derivative": n, "Fn_2": k, "derivative_2": n}
-            for key, value in attributes(table).items():
+            for key, value in flat(table.attributes()).items():
                 file.attrs[key] = value
             for name, dimensions in _DIMENSIONS.items():
                 kind = h5py.string_dtype() if name in _TEXTS else content[name].dtype
                 file.create_variable(name, dimensions, kind, data=content[name])
         whole = part.read_bytes()
         part.write_bytes(whole + _SEAL + hashlib.sha256(whole).hexdigest().encode())
-
-
-def attributes(table: DerivativeTable) -> dict[str, str | int]:
-    """What the file says besides the arrays; nested entries as JSON."""
-    return {
-        key: json.dumps(value) if key in _IN_JSON else value for key, value in about(table).items()
-    }
 
 
 def read_netcdf(path: str | Path) -> DerivativeTable:
@@ -126,7 +119,7 @@ def read_netcdf(path: str | Path) -> DerivativeTable:
 
 
 def _attribute(key: str, value: Any) -> Any:
-    if key in _IN_JSON:
+    if key in NESTED:
         return json.loads(value)
     return value.item() if isinstance(value, np.generic) else value
 

@@ -16,7 +16,7 @@ from pmmkit.errors import Problem, TableError
 from pmmkit.files import write_text
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
-from pmmkit.tables.io.content import NOT_READ, about, assemble
+from pmmkit.tables.io.content import NOT_READ, assemble
 from pmmkit.tables.io.rows import COLUMNS, Grid, cell_text, read_rows
 from pmmkit.tables.table import DerivativeTable
 
@@ -56,7 +56,7 @@ def write_csv(table: DerivativeTable, path: str | Path) -> None:
                     int(table.runs[row, column]),
                 ]
             )
-    content = about(table) | {
+    content = table.attributes() | {
         "Fn": _jsonable(table.Fn),
         "names": list(table.names),
         "dof": _jsonable(table.dof),

@@ -1,0 +1,31 @@
+"""How results are told: numbers, tables, and objects that tell their own state."""
+
+from pmmkit.presentation.described import Described
+from pmmkit.presentation.layout import (
+    Cell,
+    Grid,
+    Group,
+    Picture,
+    Section,
+    aligned,
+    section_lines,
+    table_lines,
+)
+from pmmkit.presentation.numbers import counted, number, percent, plus_minus, with_uncertainty
+
+__all__ = [
+    "Cell",
+    "Described",
+    "Grid",
+    "Group",
+    "Picture",
+    "Section",
+    "aligned",
+    "counted",
+    "number",
+    "percent",
+    "plus_minus",
+    "section_lines",
+    "table_lines",
+    "with_uncertainty",
+]

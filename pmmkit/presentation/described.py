@@ -1,0 +1,60 @@
+"""Objects that tell their own state: one line, a report, and the same in a notebook."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Final
+
+from pmmkit.presentation.layout import Section, printable, section_html, section_lines
+
+LONGEST: Final = 110
+"""Characters of a line that says what an object is."""
+
+
+class Described(ABC):
+    """An object with a `repr` of one line, a `str` that reports, and HTML for notebooks.
+
+    A class says what it is in `_headline`, and everything else in `_sections`. A dataclass needs
+    ``repr=False``, or it writes a `repr` of its own with every sample in it.
+
+    Examples
+    --------
+    >>> class Mass(Described):
+    ...     def _headline(self):
+    ...         return "12 kg"
+    ...     def _sections(self):
+    ...         return [Section(title="Weighed", paragraphs=["on <a> balance"])]
+    >>> Mass()
+    <Mass 12 kg>
+    >>> print(Mass())
+    Mass 12 kg
+    <BLANKLINE>
+    Weighed
+      on <a> balance
+    >>> Mass()._repr_html_()
+    '<div><p>Mass 12 kg</p><p><strong>Weighed</strong></p><p>on &lt;a&gt; balance</p></div>'
+    """
+
+    @abstractmethod
+    def _headline(self) -> str:
+        """What it is and its size, on one line, without the name of the class."""
+
+    @abstractmethod
+    def _sections(self) -> Sequence[Section]:
+        """What it says of itself, in sections."""
+
+    def _title(self) -> str:
+        line = " ".join(printable(f"{type(self).__name__} {self._headline()}").split())
+        return line if len(line) <= LONGEST else f"{line[: LONGEST - 1]}…"
+
+    def __repr__(self) -> str:
+        return f"<{self._title()}>"
+
+    def __str__(self) -> str:
+        blocks = [[self._title()], *map(section_lines, self._sections())]
+        return "\n\n".join("\n".join(lines) for lines in blocks if lines)
+
+    def _repr_html_(self) -> str:
+        title = section_html(Section(paragraphs=[self._title()]))
+        return f"<div>{title}{''.join(map(section_html, self._sections()))}</div>"

@@ -1,0 +1,225 @@
+"""Sections and tables: what they hold, as plain text and as HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+Cell = str | None
+ABSENT: Final = "–"
+"""What stands in a table where there is no value."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Rows of a table under a title of their own.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str or None
+        The cells.
+    title : str
+        None where empty.
+    """
+
+    rows: Sequence[Sequence[Cell]]
+    title: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """A table; a cell None says that there is no value.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Names of the columns.
+    groups : sequence of Group
+        The rows.
+    caption : str
+        A line above the table.
+    texts : tuple of int
+        Columns that hold sentences.
+    """
+
+    head: Sequence[str]
+    groups: Sequence[Group]
+    caption: str = ""
+    texts: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A figure as SVG text, with what it shows in words.
+
+    Parameters
+    ----------
+    svg, caption : str
+        The figure, and the line below it.
+    narrow : bool
+        Whether it needs but half of the width.
+    """
+
+    svg: str
+    caption: str
+    narrow: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A section of a report: sentences, points, findings, tables and figures in this order.
+
+    Parameters
+    ----------
+    title : str
+        None where empty.
+    paragraphs, points : sequence of str
+        Sentences, and the lines of a list.
+    findings : sequence of mapping
+        Of the checks, each with its ``severity``, ``check``, ``message``, ``runs``, ``remedy``.
+    tables : sequence of Grid
+        The tables.
+    figures : sequence of Picture
+        The figures.
+    """
+
+    title: str = ""
+    paragraphs: Sequence[str] = ()
+    points: Sequence[str] = ()
+    findings: Sequence[Mapping[str, str]] = ()
+    tables: Sequence[Grid] = ()
+    figures: Sequence[Picture] = ()
+
+
+def printable(text: str) -> str:
+    """A text without line breaks and control characters: names may come from files.
+
+    Examples
+    --------
+    >>> printable("two\\nlines")
+    'two lines'
+    """
+    return text if text.isprintable() else "".join(x if x.isprintable() else " " for x in text)
+
+
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in plain text, the first column to the left, the others to the right.
+
+    Parameters
+    ----------
+    head : sequence of str
+        Names of the columns.
+    rows : sequence of sequence of str
+        The cells.
+
+    Examples
+    --------
+    >>> print(aligned(["", "Yv"], [["Fn 0.145", "-11.6"]]))
+                 Yv
+    Fn 0.145  -11.6
+    """
+    return "\n".join(_columns([head, *rows], left={0}))
+
+
+def _columns(rows: Sequence[Sequence[Cell]], left: Collection[int]) -> list[str]:
+    cells = [[printable(ABSENT if cell is None else cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return [
+        "  ".join(
+            cell.ljust(width) if place in left else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in cells
+    ]
+
+
+def table_lines(table: Grid) -> list[str]:
+    """The lines of a table in plain text.
+
+    Parameters
+    ----------
+    table : Grid
+        The table.
+    """
+    lines = [printable(table.caption)] if table.caption else []
+    named = any(table.head)
+    rows = [
+        *([table.head] if named else []),
+        *(row for group in table.groups for row in group.rows),
+    ]
+    if not rows:
+        return lines
+    body = iter(_columns(rows, {0, *table.texts}))
+    if named:
+        lines.append(next(body))
+    for group in table.groups:
+        lines += [printable(group.title)] if group.title else []
+        lines += [next(body) for _ in group.rows]
+    return lines
+
+
+def section_lines(section: Section) -> list[str]:
+    """The lines of a section in plain text: sentences and points first, then the tables.
+
+    Parameters
+    ----------
+    section : Section
+        Its findings and figures are left out.
+    """
+    inside = [printable(text) for text in section.paragraphs]
+    inside += [f"- {printable(text)}" for text in section.points]
+    for table in section.tables:
+        inside += table_lines(table)
+    if not section.title:
+        return inside
+    return [printable(section.title), *(f"  {line}" for line in inside)]
+
+
+def section_html(section: Section) -> str:
+    """The same as HTML, escaped, without scripts.
+
+    Parameters
+    ----------
+    section : Section
+        Its findings and figures are left out.
+    """
+    parts = [f"<p><strong>{_safe(section.title)}</strong></p>"] if section.title else []
+    parts += [f"<p>{_safe(text)}</p>" for text in section.paragraphs]
+    if section.points:
+        parts.append("<ul>" + "".join(f"<li>{_safe(x)}</li>" for x in section.points) + "</ul>")
+    parts += [_table_html(table) for table in section.tables]
+    return "".join(parts)
+
+
+def _table_html(table: Grid) -> str:
+    left = {0, *table.texts}
+
+    def row(kind: str, cells: Sequence[Cell]) -> str:
+        sides = ("left" if place in left else "right" for place in range(len(cells)))
+        return (
+            "<tr>"
+            + "".join(
+                f'<{kind} style="text-align:{side}">{_safe(cell)}</{kind}>'
+                for side, cell in zip(sides, cells, strict=True)
+            )
+            + "</tr>"
+        )
+
+    caption = f"<caption>{_safe(table.caption)}</caption>" if table.caption else ""
+    head = f"<thead>{row('th', table.head)}</thead>" if any(table.head) else ""
+    body = "".join(
+        (_title_html(group) if group.title else "") + "".join(row("td", x) for x in group.rows)
+        for group in table.groups
+    )
+    return f"<table>{caption}{head}<tbody>{body}</tbody></table>"
+
+
+def _title_html(group: Group) -> str:
+    width = max((len(row) for row in group.rows), default=1)
+    return f'<tr><th colspan="{width}" style="text-align:left">{_safe(group.title)}</th></tr>'
+
+
+def _safe(text: Cell) -> str:
+    return escape(printable(ABSENT if text is None else text))

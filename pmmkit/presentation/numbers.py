@@ -1,0 +1,116 @@
+"""Numbers as people read them."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+Style = Literal["parentheses", "plus-minus"]
+
+
+def with_uncertainty(value: float, spread: float, style: Style = "parentheses") -> str:
+    """A value with its standard uncertainty, or half of its interval, to two digits of the latter.
+
+    Parameters
+    ----------
+    value, spread : float
+        The value, and what stands beside it; to five digits where there is no spread.
+    style : {"parentheses", "plus-minus"}
+        How the spread stands beside the value.
+
+    Examples
+    --------
+    >>> with_uncertainty(-.01160, .000234)
+    '-0.01160(23)'
+    >>> print(with_uncertainty(-.01160, .000234, "plus-minus"))
+    -0.01160 ± 0.00023
+    >>> with_uncertainty(-12.3, 41.)
+    '-12(41)'
+    """
+    if math.isnan(value):
+        return ""
+    if not math.isfinite(spread) or spread <= 0:
+        return _plain(value)
+    places = 1 - math.floor(math.log10(spread))
+    if round(spread, places) >= 10.0 ** (2 - places):
+        places -= 1
+    places = max(places, 0)
+    if style == "plus-minus":
+        return f"{value:.{places}f} ± {spread:.{places}f}"
+    return f"{value:.{places}f}({round(spread * 10**places)})"
+
+
+def _plain(value: float) -> str:
+    places = 4 - math.floor(math.log10(abs(value))) if value else 0
+    return f"{value:.{max(places, 0)}f}"
+
+
+def plus_minus(value: float, half: float) -> str | None:
+    """A value with half the length of its interval, to two digits of the latter.
+
+    Parameters
+    ----------
+    value, half : float
+        The value, and what stands after the sign ±.
+
+    Examples
+    --------
+    >>> plus_minus(-0.0116, 0.00046)
+    '-0.01160 ± 0.00046'
+    >>> plus_minus(0.25, math.nan)
+    '0.25000'
+    """
+    return None if math.isnan(value) else with_uncertainty(value, half, "plus-minus")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """A number to some significant digits; a dash where there is none.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    digits : int
+        Significant digits.
+
+    Examples
+    --------
+    >>> number(4.361), number(float("nan"))
+    ('4.361', '–')
+    """
+    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+
+
+def percent(share: float) -> str:
+    """A change in percent with its sign; no sign where it rounds to zero.
+
+    Parameters
+    ----------
+    share : float
+        The change over what it is a change of.
+
+    Examples
+    --------
+    >>> percent(0.2193), percent(-0.0001)
+    ('+21.9 %', '0.0 %')
+    """
+    text = f"{100 * share:+.1f} %"
+    return "0.0 %" if text in ("+0.0 %", "-0.0 %") else text
+
+
+def counted(count: int, what: str) -> str:
+    """A count with its noun.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    what : str
+        The noun, singular.
+
+    Examples
+    --------
+    >>> counted(1, "run"), counted(3, "run")
+    ('1 run', '3 runs')
+    """
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

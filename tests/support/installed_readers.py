@@ -1,0 +1,26 @@
+"""Readers as if other installed packages brought them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from unittest import mock
+
+from pmmkit import readers
+from pmmkit.readers import Reader
+
+
+@contextmanager
+def installed(*classes: type[Reader]) -> Iterator[None]:
+    """The entry points of pmmkit are these classes, inside the block."""
+    entries = [
+        SimpleNamespace(
+            name=one.__name__, value=one.__qualname__, dist=None, load=lambda one=one: one
+        )
+        for one in classes
+    ]
+    readers.readers.cache_clear()
+    with mock.patch.object(readers, "entry_points", return_value=entries):
+        yield
+    readers.readers.cache_clear()
