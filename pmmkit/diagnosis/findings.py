@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.models import Model
+from pmmkit.models.step import odds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,8 +41,8 @@ class Finding:
         Grid value of its nonlinear parameter, and `parameter` what that is.
     parameter : str
         Name and unit; empty where there is none.
-    evidence : str
-        Odds in words.
+    log_odds : float
+        ln of the odds for it.
     rivals : tuple of str
         Effects that mimic it on these runs.
     separating_test : str
@@ -62,12 +63,17 @@ class Finding:
     typical: Mapping[str, float]
     value: float
     parameter: str
-    evidence: str
+    log_odds: float
     rivals: tuple[str, ...]
     separating_test: str
     error_before: float = math.nan
     error_after: float = math.nan
     errors: Mapping[str, tuple[float, float]] = field(default_factory=_none)
+
+    @property
+    def evidence(self) -> str:
+        """Odds in words."""
+        return odds(self.log_odds)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -222,16 +228,3 @@ class Diagnosis:
             "floor": self.floor,
             "given": list(self.given),
         }
-
-
-def odds(log_evidence: float) -> str:
-    """ln evidence in words.
-
-    Examples
-    --------
-    >>> odds(3.0), odds(80.0)
-    ('about 20 to 1', 'over 1000 to 1')
-    """
-    if log_evidence > math.log(1000.0):
-        return "over 1000 to 1"
-    return f"about {math.exp(log_evidence):.0f} to 1"

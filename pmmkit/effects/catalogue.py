@@ -170,3 +170,15 @@ def _offered() -> Iterator[Effect]:
                 yield item
         except Exception as error:
             warnings.warn(f"The effects of {point.value} cannot be used: {error}", stacklevel=2)
+
+
+def is_fault(name: str) -> bool:
+    """Whether a name is that of a fault of the measurement.
+
+    Examples
+    --------
+    >>> is_fault("fault_gauge_zero"), is_fault("memory")
+    (True, False)
+    """
+    known = _registered.get(name) or _installed().get(name)
+    return known is not None and known.faulty

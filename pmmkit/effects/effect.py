@@ -155,6 +155,8 @@ class Effect:
     shares : mapping of str to (mapping of str to float)
         Of kind terms: by coefficient, the derivatives that it stands for, each with its share of
         it; coefficients that are absent stand for themselves.
+    stands_in : tuple of str
+        Derivatives whose change with the Froude number holds the effect too.
     frees : str
         Of kind freed: the part whose values it moves.
     moves : callable, optional
@@ -191,6 +193,7 @@ class Effect:
     astern: bool = False
     estimates: Callable[[Vessel], Mapping[str, float]] | None = None
     shares: Mapping[str, Mapping[str, float]] = field(default_factory=_none)
+    stands_in: tuple[str, ...] = ()
     frees: str = ""
     moves: Callable[[Vessel], Mapping[str, Move]] | None = None
     columns: Callable[[Observed, float], Mapping[str, Sequence[Array]]] | None = None
@@ -240,7 +243,7 @@ class Effect:
     @property
     def varies_with_speed(self) -> frozenset[str]:
         """Derivatives that change with the Froude number where it is in a model."""
-        return frozenset(
+        return frozenset(self.stands_in) | frozenset(
             name.removesuffix(BY_SPEED)
             for label in self.typical
             for name in self.derivatives_of(label)

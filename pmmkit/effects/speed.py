@@ -49,6 +49,7 @@ RESISTANCE_CURVE: Final = Effect(
         Parameter(name="Fn0", text="Froude number at which F = (Fn/Fn0)² - 1 is zero", low=1e-3),
     ),
     force=resistance,
+    stands_in=("Xuu",),
     outputs=("X",),
     source="ITTC 7.5-02-02-01",
     check="resistance at more speeds",

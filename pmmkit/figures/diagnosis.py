@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.captive.refit import is_fault
+from pmmkit.effects.catalogue import is_fault
 from pmmkit.errors import DataError
 from pmmkit.plotting import style
 

@@ -21,6 +21,7 @@ from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.step import Step
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -286,7 +287,7 @@ def _with_values(
         parts=MappingProxyType(parts),
         covariance=block,
         covariance_names=tuple(name for _, name in derivatives) if block is not None else (),
-        history=(*model.history, f"{len(own)} values identified by {how}."),
+        steps=(*model.steps, Step(action="identified", names=tuple(own), method=how)),
     )
 
 

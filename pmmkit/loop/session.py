@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,18 +13,22 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
-from pmmkit.diagnosis.captive.joint_fit import joint_fit, refined
-from pmmkit.diagnosis.captive.refit import ADDED, is_fault, name_of_step, refitted
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text
+from pmmkit.loop.saved import read_session
 from pmmkit.models import Model, load_model
+from pmmkit.models.changes import before_of, restored
 from pmmkit.models.edit import without_effect
+from pmmkit.models.records import entries
+from pmmkit.models.step import Step, last_added
 from pmmkit.structures import Structure
-from pmmkit.toml_files import read_toml, toml_text
+from pmmkit.toml_files import toml_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,22 +37,6 @@ BASE: Final = "base"
 """First line of an error fall: the model before any step."""
 FALLS: Final = 0.995
 """A step whose held-out error is above this share of the one before does not lower it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Step:
-    """One effect that was added.
-
-    Parameters
-    ----------
-    effect : str
-        Its name.
-    why : str
-        Evidence, or what a person says of it.
-    """
-
-    effect: str
-    why: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,8 +80,15 @@ class Session:
         """What the base, with the effects added so far, still lacks."""
         return answer(self.system, self.given, floor=self.floor, seed=seed)
 
-    def add(self, effect: str, why: str = "") -> Session:
+    def add(self, effect: str | Finding | Step, why: str = "") -> Session:
         """A session with one effect more.
+
+        Parameters
+        ----------
+        effect : str, Finding or Step
+            Its name, or a finding of `diagnose` or a step of another session, whose odds are kept.
+        why : str
+            A remark.
 
         Raises
         ------
@@ -101,12 +97,19 @@ class Session:
         ModelError
             If the base has it already.
         """
-        if effect in self.given:
-            raise ModelError(f"The model has {effect} already.")
-        known = [block.candidate.name for block in self.system.blocks]
-        if effect not in known:
-            raise no_such_effect(effect, known)
-        return replace(self, steps=(*self.steps, Step(effect=effect, why=why)))
+        name = effect if isinstance(effect, str) else effect.effect
+        if name in self.given:
+            raise ModelError(f"The model has {name} already.")
+        kinds = {block.candidate.name: block.candidate.kind for block in self.system.blocks}
+        if name not in kinds:
+            raise no_such_effect(name, list(kinds))
+        step = Step(
+            action="fault_corrected" if kinds[name] == "fault" else "effect_added",
+            effect=name,
+            log_odds=None if isinstance(effect, str) else effect.log_odds,
+            note=why,
+        )
+        return replace(self, steps=(*self.steps, step))
 
     def undo(self) -> Session:
         """The session before the last step.
@@ -138,7 +141,7 @@ class Session:
         )
 
     def model(self) -> Model:
-        """The model with base and effects fitted together, its history with a line per step.
+        """The model with base and effects fitted together, and with a step per effect.
 
         Raises
         ------
@@ -153,35 +156,55 @@ class Session:
         blocks = self.blocks
         fit = joint_fit(self.system, blocks, floor=self.floor)
         found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
-        return found.model.with_(
-            history=(*found.model.history, *self._history(fit.std.size)),
-            notes=(*found.model.notes, *found.notes),
-        )
+        made = found.model.with_(notes=(*found.model.notes, *found.notes))
+        return made.stepped(*self._fitted(fit, blocks, self.source, made))
 
-    def _history(self, count: int) -> list[str]:
-        errors = self.fall()
-        title = self.campaign.title or self.campaign.ship.name
-        lines = []
+    def _fitted(
+        self, fit: JointFit, blocks: Sequence[Block], old: Model, new: Model
+    ) -> tuple[Step, ...]:
+        """The steps with what the fit says of each."""
+        plain = Step(
+            action="fitted",
+            campaign=self.campaign.title or self.campaign.ship.name,
+            count=fit.std.size,
+            Fn=froude_numbers(self.campaign),
+            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+        )
         if not self.steps:
-            lines.append(f"Fitted {count} coefficients to {title}.")
-        for number, step in enumerate(self.steps, start=1):
-            before, after = (errors.errors[i].share() for i in (number - 1, number))
-            why = f" ({step.why})" if step.why else ""
-            lines.append(
-                f"{ADDED}{step.effect}{why}: error of left-out conditions {100 * before:.2f} % to "
-                f"{100 * after:.2f} % of the rms forces of {title}."
+            return (plain,)
+        errors = [item.share() for item in self.fall().errors]
+        steps = []
+        brought: set[str] = set()
+        for number, step in enumerate(self.steps):
+            block = blocks[len(self.begun) + number]
+            c = block.candidate
+            kept = c.kind == "physics" and old.convention == new.convention
+            places = [x for x in places_of(block, new, self.own) if x not in brought]
+            brought.update(places)
+            values = dict(zip(c.coefficients, coefficients_of(block, fit)[0], strict=True))
+            steps.append(
+                replace(
+                    plain,
+                    action=step.action,
+                    effect=step.effect,
+                    coefficients={name: x for name, x in values.items() if math.isfinite(x)},
+                    system="prime" if c.kind == "physics" else "",
+                    parameter=c.parameter,
+                    value=block.value if c.parameter else None,
+                    log_odds=step.log_odds,
+                    note=step.note,
+                    error_before=_finite(errors[number]),
+                    error_after=_finite(errors[number + 1]),
+                    before=before_of(old, new, places) if kept else None,
+                )
             )
-        return lines
+        return tuple(steps)
 
     def save(self, path: str | Path) -> None:
         """Write the steps as TOML, all or nothing; `replay` carries them out again."""
         data: dict[str, Any] = {
-            "session": {
-                "campaign": self.campaign.title,
-                "floor": self.floor,
-                "effects": [step.effect for step in self.steps],
-                "why": [step.why for step in self.steps],
-            }
+            "session": {"campaign": self.campaign.title, "floor": self.floor},
+            "steps": [entries(step) for step in self.steps],
         }
         write_text(Path(path), toml_text(data))
 
@@ -278,7 +301,7 @@ def begin(
         campaign=campaign,
         system=system,
         floor=system.floor,
-        begun=base.effects,
+        begun=system.taking_part(base.effects),
         own=tuple(own),
     )
 
@@ -306,34 +329,15 @@ def replay(
     ModelError
         If the file is damaged or of another kind.
     """
-    steps = _steps(read_toml(Path(path)).get("session"), str(path))
-    session = begin(model, campaign, floor=steps.floor, candidates=candidates, noise=noise, own=own)
-    for effect, why in steps.steps:
-        session = session.add(effect, why)
+    saved = read_session(path)
+    session = begin(model, campaign, floor=saved.floor, candidates=candidates, noise=noise, own=own)
+    for step in saved.steps:
+        session = session.add(step, step.note)
     return session
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Saved:
-    """What a file of steps holds."""
-
-    floor: float
-    steps: tuple[tuple[str, str], ...]
-
-
-def _steps(data: object, path: str) -> _Saved:
-    """The steps of a file, checked."""
-    head = data if isinstance(data, dict) else {}
-    floor, effects, why = (head.get(name) for name in ("floor", "effects", "why"))
-    texts = [
-        x for x in (effects, why) if isinstance(x, list) and all(isinstance(t, str) for t in x)
-    ]
-    if not isinstance(floor, float) or len(texts) != 2 or len(texts[0]) != len(texts[1]):
-        raise ModelError(
-            f"{path} is no session: [session] needs the number floor, and the lists effects and "
-            f"why of equal length."
-        )
-    return _Saved(floor=floor, steps=tuple(zip(*texts, strict=True)))
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def fit(
@@ -360,7 +364,7 @@ def fit(
     Returns
     -------
     Model
-        With covariance, and a line in its history.
+        With covariance, and a step more.
 
     Raises
     ------
@@ -377,21 +381,32 @@ def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     Parameters
     ----------
     model : Model
-        With a step in its history.
+        With a step that added an effect, or corrected a fault.
     own : sequence of Effect
         Effects of the user.
+
+    Returns
+    -------
+    (Model, str)
+        What the effect brought is taken out, and what it changed is as it was before. Where the
+        step does not tell (files of the first release), all derivatives of the effect are taken
+        out, as `without_effect` does.
 
     Raises
     ------
     ModelError
-        If its history knows of no step.
+        If its steps know of no effect that was added.
     """
-    steps = [number for number, line in enumerate(model.history) if line.startswith(ADDED)]
-    if not steps:
+    last = last_added(model.steps)
+    if last is None:
         raise ModelError(f"The history of {model.name} knows of no effect that was added.")
-    last = steps[-1]
-    effect = name_of_step(model.history[last])
-    history = (*model.history[:last], *model.history[last + 1 :])
-    named = next((item for item in own if item.name == effect), effect)
-    bare = model if is_fault(effect) else without_effect(model, named)
-    return bare.with_(history=history), effect
+    step = model.steps[last]
+    if step.action == "fault_corrected":
+        bare = model
+    elif step.before is None:
+        bare = without_effect(
+            model, next((item for item in own if item.name == step.effect), step.effect)
+        )
+    else:
+        bare = restored(model, step.before)
+    return bare.with_(steps=(*model.steps[:last], *model.steps[last + 1 :])), step.effect

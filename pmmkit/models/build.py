@@ -12,7 +12,8 @@ import numpy as np
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.added_mass import dimensional
 from pmmkit.errors import MissingPartError, ModelError, Problem, TableError
-from pmmkit.models.model import Model, Part, Value, needs_roll
+from pmmkit.models.model import Model, Part, needs_roll
+from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
 from pmmkit.tables.table import DerivativeTable
 
@@ -130,7 +131,7 @@ def to_model(
         title=f"Hull of {table.ship.name}; other parts of {donor.name}",
         scale=_scale(table, donor),
         notes=(*notes, *table.notes),
-        history=(f"Derivatives of {table.ship.name} joined with the parts of {donor.name}.",),
+        steps=(Step(action="built", ship=table.ship.name, parts=donor.name),),
     )
 
 

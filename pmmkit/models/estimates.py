@@ -14,6 +14,7 @@ from pmmkit.empirical import (
 )
 from pmmkit.errors import MissingPartError, UnknownNameError
 from pmmkit.models.model import Model, Part
+from pmmkit.models.step import Step
 from pmmkit.ship import Ship, Water, viscosity
 
 
@@ -140,7 +141,7 @@ def estimated_model(
         title=f"{ship.name}, estimated from its particulars",
         scale=f"L = {ship.L:g} m; propulsion point: self-propulsion of the model's equations",
         notes=("Every value is an estimate from particulars: a first look, not a verdict.",),
-        history=(f"Estimated by {method}.",),
+        steps=(Step(action="estimated", method=method),),
     )
 
 

@@ -19,9 +19,9 @@ from pmmkit.effects.grammar import written_effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
+from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water
 
-Value = float | tuple[float, ...]
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
@@ -91,8 +91,10 @@ class Model:
         Derivatives in the covariance.
     title, scale : str
         One line for people; at which scale the model is and at which propulsion point.
-    notes, history : tuple of str
-        What a reader must know; the steps that led to the model.
+    notes : tuple of str
+        What a reader must know.
+    steps : tuple of Step
+        What led to the model, the first step first.
 
     Raises
     ------
@@ -111,12 +113,21 @@ class Model:
     title: str = ""
     scale: str = ""
     notes: tuple[str, ...] = ()
-    history: tuple[str, ...] = ()
+    steps: tuple[Step, ...] = ()
 
     def __post_init__(self) -> None:
         found = problems(self)
         if found:
             raise ModelError(found, title=f"Model {self.name}")
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """The steps that led to the model, a sentence each."""
+        return tuple(str(step) for step in self.steps)
+
+    def stepped(self, *steps: Step) -> Model:
+        """A copy with steps more."""
+        return replace(self, steps=(*self.steps, *steps))
 
     @property
     def rolls(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -11,7 +11,8 @@ from typing import Any, Final
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
 from pmmkit.errors import MissingPartError, ModelError
-from pmmkit.models.model import Model, Part, Value
+from pmmkit.models.model import Model, Part
+from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water, viscosity
 
 PROPULSION: Final = frozenset({"propeller", "four_quadrant_propeller", "waterjet"})
@@ -76,14 +77,17 @@ def scaled(model: Model, length: float) -> Model:
         )
         for name, part in model.parts.items()
     }
-    step = f"Scaled from L = {model.ship.L:g} m to {length:g} m by Froude's law."
+    step = Step(
+        action="scaled",
+        numbers=MappingProxyType({"length_before": model.ship.L, "length": float(length)}),
+    )
     return replace(
         model,
         ship=ship,
         parts=MappingProxyType(parts),
         scale=f"L = {length:g} m, by Froude's law from L = {model.ship.L:g} m without correction "
         f"of friction or wake ({model.scale})",
-        history=(*model.history, step),
+        steps=(*model.steps, step),
     )
 
 
@@ -137,7 +141,7 @@ def full_scale(
     Returns
     -------
     Model
-        ``scale`` and ``history`` state what was done, with the numbers.
+        ``scale`` and ``steps`` state what was done, with the numbers.
 
     Raises
     ------
@@ -210,12 +214,16 @@ def full_scale(
     parts["hull_polynomial"] = _changed(
         carried, "hull_polynomial", "Xuu", lambda value, i: min(value + less[i], 0.0)
     )
-    steps = [
-        f"Friction by ITTC 1957 with k = {k:.3f}, wetted surface {surface:.5g} m², roughness "
-        f"{roughness * 1e6:.0f} µm (ΔCF {extra:.2e}): CF {_listed(of_model, '.3e')} of the model, "
-        f"{_listed(of_ship, '.3e')} of the ship; Xuu gains {_listed(less, '.5f')}: the propulsion "
-        f"point of the ship."
-    ]
+    friction: dict[str, Value] = {
+        "form": k,
+        "wetted": surface,
+        "roughness_um": roughness * 1e6,
+        "roughness_allowance": extra,
+        "CF_model": tuple(of_model),
+        "CF_ship": tuple(of_ship),
+        "Xuu_gain": tuple(less),
+    }
+    steps = [Step(action="friction_corrected", numbers=MappingProxyType(friction))]
     if wake and "propeller" in parts:
         screw = carried.values("propeller", model.Fn[0] if model.Fn else None)
         share = [
@@ -229,10 +237,11 @@ def full_scale(
             "wp",
             lambda value, i: min(floor + (value - floor) * share[i], value),
         )
-        steps.append(
-            f"Wake by ITTC 1978: wp {_told(carried.parts['propeller'].values['wp'])} of the model, "
-            f"{_told(parts['propeller'].values['wp'])} of the ship."
-        )
+        wakes = {
+            f"wp_{place}": part.values["wp"]
+            for place, part in (("model", carried.parts["propeller"]), ("ship", parts["propeller"]))
+        }
+        steps.append(Step(action="wake_corrected", numbers=MappingProxyType(wakes)))
     done = "friction" + (" and wake" if len(steps) > 1 else "")
     return replace(
         carried,
@@ -241,7 +250,7 @@ def full_scale(
         ship=replace(ship, **_in_other_water(ship, sea.rho / model.water.rho)),
         scale=f"L = {length:g} m, ship scale from L = {small.L:g} m with {done} corrected; "
         f"propulsion point of the ship",
-        history=(*carried.history, *steps),
+        steps=(*carried.steps, *steps),
     )
 
 
@@ -263,11 +272,3 @@ def _in_other_water(ship: Ship, ratio: float) -> dict[str, Any]:
     """Masses and inertia of the same hull at the same draught in water of another density."""
     names = ("mass", "Izz", "Ixx", "balance_mass", "balance_Izz")
     return {name: x * ratio for name in names if (x := getattr(ship, name)) is not None}
-
-
-def _listed(numbers: Sequence[float], form: str) -> str:
-    return ", ".join(f"{x:{form}}" for x in numbers)
-
-
-def _told(value: Value) -> str:
-    return _listed(value if isinstance(value, tuple) else (value,), ".3f")

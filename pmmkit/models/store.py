@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, asdict, fields
+from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Final, get_args, get_type_hints
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,11 +14,15 @@ from numpy.typing import NDArray
 from pmmkit.conventions import Convention
 from pmmkit.errors import ModelError, Problem
 from pmmkit.files import write_text
-from pmmkit.models.model import Model, Part, Value
-from pmmkit.ship_library import number, read_ship, read_water, ship_file
+from pmmkit.models.model import Model, Part
+from pmmkit.models.old_files import steps_of_sentences
+from pmmkit.models.records import FileReader, entries
+from pmmkit.models.step import Step, Value
+from pmmkit.ship_library import read_ship, read_water, ship_file
 from pmmkit.toml_files import read_toml, toml_text
 
-SCHEMA: Final = 1
+SCHEMA: Final = 2
+"""The second has ``steps``; a file without them is one of the first."""
 _TOP: Final = (
     "schema",
     "name",
@@ -30,6 +34,7 @@ _TOP: Final = (
     "ship",
     "water",
     "convention",
+    "steps",
     "effects",
     "covariance",
 )
@@ -99,14 +104,17 @@ def model_text(model: Model) -> str:
     model : Model
         The model.
     """
-    data: dict[str, Any] = {"schema": SCHEMA, "name": model.name}
+    data: dict[str, Any] = {"schema": SCHEMA if model.steps else 1, "name": model.name}
     data |= {key: getattr(model, key) for key in ("title", "scale") if getattr(model, key)}
-    data |= {key: list(getattr(model, key)) for key in ("notes", "history") if getattr(model, key)}
+    if model.notes:
+        data["notes"] = list(model.notes)
     if model.Fn:
         data["Fn"] = [float(x) for x in model.Fn]
     data["ship"] = {key: x for key, x in asdict(model.ship).items() if x is not None}
     data["water"] = {key: x for key, x in asdict(model.water).items() if x is not None}
     data["convention"] = asdict(model.convention)
+    if model.steps:
+        data["steps"] = [entries(step) for step in model.steps]
     data["effects"] = {name: _part_data(part) for name, part in model.parts.items()}
     if model.covariance is not None:
         lower = [row[: i + 1].tolist() for i, row in enumerate(model.covariance)]
@@ -128,63 +136,6 @@ def _plain(value: Value) -> float | list[float]:
     return [float(x) for x in value] if isinstance(value, tuple) else float(value)
 
 
-class _Reader:
-    """Collects what is wrong with a file while taking out what is right."""
-
-    def __init__(self, file: str) -> None:
-        self.file = file
-        self.problems: list[Problem] = []
-
-    def fault(self, message: str, remedy: str | None = None) -> None:
-        self.problems.append(Problem(message=message, file=self.file, remedy=remedy))
-
-    def known(self, data: Mapping[str, Any], names: Iterable[str], place: str) -> None:
-        stray = [key for key in data if key not in tuple(names)]
-        if stray:
-            self.fault(f"{place} has no {', '.join(map(repr, stray))}; it has {', '.join(names)}.")
-
-    def section(self, data: Mapping[str, Any], key: str, place: str) -> Mapping[str, Any]:
-        value = data.get(key, {})
-        if isinstance(value, dict):
-            return value
-        self.fault(f"{place} must be a section.")
-        return {}
-
-    def text(self, data: Mapping[str, Any], key: str, place: str = "") -> str:
-        value = data.get(key, "")
-        if isinstance(value, str):
-            return value
-        self.fault(f"{place}{key} must be a text, not {value!r:.40}.")
-        return ""
-
-    def texts(self, data: Mapping[str, Any], key: str, place: str = "") -> tuple[str, ...]:
-        value = data.get(key, [])
-        if isinstance(value, list) and all(isinstance(item, str) for item in value):
-            return tuple(value)
-        self.fault(f"{place}{key} must be a list of texts.")
-        return ()
-
-    def words(self, data: Mapping[str, Any], key: str, place: str) -> Mapping[str, str]:
-        content = self.section(data, key, place)
-        wrong = [name for name, value in content.items() if not isinstance(value, str)]
-        if wrong:
-            self.fault(f"{place}.{', '.join(wrong)} must be a text.")
-        return MappingProxyType({k: v for k, v in content.items() if isinstance(v, str)})
-
-    def number(self, value: object, place: str) -> Value | None:
-        if isinstance(value, list):
-            read = [number(item) for item in value]
-            kept = tuple(item for item in read if item is not None)
-            if len(kept) == len(value):
-                return kept
-        else:
-            single = number(value)
-            if single is not None:
-                return single
-        self.fault(f"{place} must be a finite number or a list of them, not {value!r:.40}.")
-        return None
-
-
 def model_from(data: Mapping[str, Any], file: str) -> Model:
     """A model from the content of its file.
 
@@ -200,7 +151,7 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
     ModelError
         With everything that is wrong.
     """
-    reader = _Reader(file)
+    reader = FileReader(file)
     title = "Not a model"
     schema = data.get("schema")
     if not isinstance(schema, int) or isinstance(schema, bool) or not 1 <= schema <= SCHEMA:
@@ -215,7 +166,8 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
         reader.fault("The model has no name.")
     ship = read_ship(data, file, reader.problems)
     water = read_water(data, file, reader.problems)
-    convention = _convention(reader, data)
+    section = reader.section(data, "convention", "convention")
+    convention = reader.record(Convention, section, "convention")
     rows = data.get("Fn", [])
     grid = reader.number(rows, "Fn")
     if grid is not None and not isinstance(grid, tuple):
@@ -229,7 +181,8 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
         parts[effect] = _part(reader, effect, reader.section(effects, effect, f"effects.{effect}"))
     names, covariance = _covariance(reader, data)
     given = {key: reader.text(data, key) for key in ("title", "scale")}
-    lists = {key: reader.texts(data, key) for key in ("notes", "history")}
+    notes = reader.texts(data, "notes")
+    steps = steps_of_sentences(reader.texts(data, "history")) + read_steps(reader, data)
     if reader.problems or ship is None or water is None or convention is None:
         raise ModelError(reader.problems, title=title)
     try:
@@ -244,15 +197,25 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
             covariance_names=names,
             title=given["title"],
             scale=given["scale"],
-            notes=lists["notes"],
-            history=lists["history"],
+            notes=notes,
+            steps=steps,
         )
     except ModelError as error:
         found = [Problem(message=item.message, file=file) for item in error.problems]
         raise ModelError(found, title=title) from error
 
 
-def _part(reader: _Reader, effect: str, data: Mapping[str, Any]) -> Part:
+def read_steps(reader: FileReader, data: Mapping[str, Any]) -> tuple[Step, ...]:
+    """The ``[[steps]]`` of a file; what is wrong is added to the faults of `reader`."""
+    items = data.get("steps", [])
+    if not isinstance(items, list) or not all(isinstance(item, dict) for item in items):
+        reader.fault("steps must be sections [[steps]].")
+        return ()
+    found = [reader.record(Step, item, f"steps.{i}") for i, item in enumerate(items, start=1)]
+    return tuple(step for step in found if step is not None)
+
+
+def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:
     place = f"effects.{effect}"
     reader.known(data, _PART, place)
     values: dict[str, Value] = {}
@@ -269,28 +232,8 @@ def _part(reader: _Reader, effect: str, data: Mapping[str, Any]) -> Part:
     )
 
 
-def _convention(reader: _Reader, data: Mapping[str, Any]) -> Convention | None:
-    content = reader.section(data, "convention", "convention")
-    hints = get_type_hints(Convention)
-    known = {field.name: field for field in fields(Convention)}
-    assert all(field.default is not MISSING for field in known.values())
-    reader.known(content, known, "convention")
-    given: dict[str, Any] = {}
-    for key in known:
-        if key not in content:
-            continue
-        words = get_args(hints[key])
-        value: Any = content[key] if words else number(content[key])
-        if (words and value not in words) or value is None:
-            allowed = ", ".join(words) if words else "a number"
-            reader.fault(f"convention.{key} is {content[key]!r:.40}; possible: {allowed}.")
-        else:
-            given[key] = value
-    return Convention(**given)
-
-
 def _covariance(
-    reader: _Reader, data: Mapping[str, Any]
+    reader: FileReader, data: Mapping[str, Any]
 ) -> tuple[tuple[str, ...], NDArray[np.float64] | None]:
     if "covariance" not in data:
         return (), None

@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final
 
 import numpy as np
 
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.effects.effect import BY_SPEED
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.effect import BY_SPEED, Effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, Part
-from pmmkit.models.model import Value, needs_roll
+from pmmkit.models.changes import before_of, without_values
+from pmmkit.models.model import needs_roll
+from pmmkit.models.step import Step, Value
 from pmmkit.numerics import Array
 from pmmkit.tables import converted, from_values
-
-HULL: Final = "hull_polynomial"
-RUDDER: Final = "rudder_abkowitz"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,10 +28,8 @@ class Asked:
 
     Parameters
     ----------
-    name : str
-        Of the effect.
-    shares : mapping of str to (mapping of str to float)
-        By coefficient, the derivatives that it stands for, each with its share of it.
+    effect : Effect
+        What it is.
     coefficients : mapping of str to float
         As the diagnosis gives them.
     known : bool
@@ -43,22 +42,21 @@ class Asked:
         Where the values come from.
     """
 
-    name: str
-    shares: Mapping[str, Mapping[str, float]]
+    effect: Effect
     coefficients: Mapping[str, float]
     known: bool
     value: float | None
     Fn: tuple[float, ...]
     source: str
 
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.effect.name
+
     def derivatives(self) -> dict[str, float]:
         """Values of the derivatives from those of the coefficients."""
-        found: dict[str, float] = {}
-        for label, own in self.shares.items():
-            for derivative, share in own.items():
-                size = share * self.coefficients.get(label, 0.0)
-                found[derivative] = found.get(derivative, 0.0) + size
-        return found
+        return self.effect.sizes(self.coefficients)
 
 
 def reference(model: Model, asked: Asked) -> float:
@@ -83,7 +81,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
     if roll and not model.rolls:
         raise ModelError(
             f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} has no part "
-            f"'roll'. Take a ship that rolls, as to_model(table, parts=\"s175\") does."
+            f'{ROLL_PART!r}. Take a ship that rolls, as to_model(table, parts="s175") does.'
         )
     by_speed = {
         label.removesuffix(BY_SPEED): size
@@ -91,6 +89,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
         if label.endswith(BY_SPEED)
     }
     plain = {label: size for label, size in sizes.items() if not label.endswith(BY_SPEED)}
+    old = model
     if by_speed:
         model = _changing(model, asked, by_speed)
     there = {label for label in plain if label in _home(model, label).values}
@@ -105,14 +104,33 @@ def with_terms(model: Model, asked: Asked) -> Model:
         carried = _carried(model, lacking, model.Fn or None)
         values = {name: _plain(x + _apart(model, name)) for name, x in carried.items()}
     made = replace(model, parts=_parts(model, values, asked.source))
-    left = f" It had {', '.join(sorted(there))} before." if there else ""
-    changes = {f"{name}{BY_SPEED}": x for name, x in by_speed.items()}
-    return told(made, added(asked.name, changes | values) + left)
+    changes: dict[str, Value] = {f"{name}{BY_SPEED}": x for name, x in by_speed.items()}
+    systems = [*(["prime"] if changes else []), *([model.convention.system] if values else [])]
+    return made.stepped(
+        Step(
+            action="effect_added",
+            effect=asked.name,
+            coefficients=MappingProxyType(changes | values),
+            system=" and ".join(dict.fromkeys(systems)),
+            Fn=asked.Fn,
+            left_out=tuple(sorted(there)),
+            source=asked.source,
+            before=before_of(old, made),
+        )
+    )
+
+
+def home_of(model: Model, name: str) -> str:
+    """The part in which a derivative stands, or would."""
+    derivative = parse_derivative(name)
+    if any(factor.endswith("dot") for factor in derivative.factors):
+        return INERTIA
+    steered = derivative.count("d") and RUDDER_POLYNOMIAL in model.parts
+    return RUDDER_POLYNOMIAL if steered else HULL
 
 
 def _home(model: Model, name: str) -> Part:
-    steered = parse_derivative(name).count("d") and RUDDER in model.parts
-    return model.part(RUDDER if steered else HULL, "an effect of derivatives")
+    return model.part(home_of(model, name), "an effect of derivatives")
 
 
 def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[str, Part]:
@@ -183,7 +201,7 @@ def _apart(model: Model, name: str) -> Array | float:
     """What a derivative gains where the Coriolis terms of the added mass stand apart."""
     if model.convention.coriolis == "in-derivatives" or name not in ("Yr", "Xvr"):
         return 0.0
-    added = model.part("added_mass", "a derivative with Coriolis terms").values
+    added = model.part(INERTIA, "a derivative with Coriolis terms").values
     mx, my = (-np.asarray(added.get(item, 0.0)) for item in ("Xudot", "Yvdot"))
     return mx if name == "Yr" else -my
 
@@ -202,19 +220,7 @@ def without_terms(model: Model, asked: Asked) -> Model:
     changing = [x for x in slopes if isinstance(_home(model, x).values.get(x), tuple)]
     if not gone and not changing:
         raise ModelError(f"Model {model.name!r} has nothing of {asked.name}.")
-    parts = model.parts
-    for name in gone:
-        parts = _without(parts, _home(model, name).effect, name)
-    kept = [i for i, name in enumerate(model.covariance_names) if name not in gone]
-    count, rows = len(model.covariance_names), max(len(model.Fn), 1)
-    at = [row * count + i for row in range(rows) for i in kept]
-    C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
-    made = replace(
-        model,
-        parts=parts,
-        covariance=C,
-        covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
-    )
+    made = without_values(model, [f"{_home(model, name).effect}.{name}" for name in gone])
     if not changing:
         return made
     F = _law(made, asked, made.Fn)
@@ -225,33 +231,7 @@ def without_terms(model: Model, asked: Asked) -> Model:
         left = series - slope * F
         home = _home(made, name)
         if np.abs(left).max() < 1e-12 * np.abs(series).max():
-            made = replace(made, parts=_without(made.parts, home.effect, name))
+            made = without_values(made, [f"{home.effect}.{name}"])
         else:
             made = made.with_values(home.effect, **{name: tuple(left.tolist())})
     return made
-
-
-def _without(parts: Mapping[str, Part], home: str, name: str) -> Mapping[str, Part]:
-    """Parts without one value."""
-    part = parts[home]
-    changed = replace(
-        part,
-        values=MappingProxyType({k: v for k, v in part.values.items() if k != name}),
-        sources=MappingProxyType({k: v for k, v in part.sources.items() if k != name}),
-    )
-    return MappingProxyType({**parts, home: changed})
-
-
-def told(model: Model, step: str) -> Model:
-    """The model with one step more in its history."""
-    return replace(model, history=(*model.history, step))
-
-
-def added(name: str, values: Mapping[str, Value]) -> str:
-    """A step of the history in words."""
-
-    def text(value: Value) -> str:
-        numbers = value if isinstance(value, tuple) else (value,)
-        return " | ".join(f"{x:.4g}" for x in numbers)
-
-    return f"Effect {name} added: " + ", ".join(f"{k} = {text(x)}" for k, x in values.items()) + "."

@@ -64,7 +64,7 @@ def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
     first = found = session.diagnose()
     for _ in range(rounds):
         for item in found.findings:
-            session = session.add(item.effect, item.evidence)
+            session = session.add(item)
         if rounds == 1 or not found.findings:
             break
         found = session.diagnose()

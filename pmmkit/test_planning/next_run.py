@@ -14,7 +14,8 @@ from threadpoolctl import threadpool_limits
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.verdict import RIVALS, answer
 from pmmkit.diagnosis.evidence import SHOWS
-from pmmkit.diagnosis.findings import Diagnosis, odds
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.test_planning.ground import Asked, Ground, ground_of

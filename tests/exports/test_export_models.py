@@ -22,7 +22,7 @@ from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, PmmkitError
 from pmmkit.exports import model_to_mss, model_to_shipmmg
 from pmmkit.exports.text import is_matlab_name, matlab_name, plain
-from pmmkit.models import Part
+from pmmkit.models import Part, Step
 
 SPEEDS = {
     "kvlcc2-l7": 1.179,
@@ -431,7 +431,7 @@ def test_no_text_of_a_model_becomes_code(texts):
         title=title,
         scale=scale,
         notes=(note,),
-        history=(source,),
+        steps=(Step(action="noted", note=source),),
         parts={**known.parts, "propeller": named},
     )
     for make, sign in ((model_to_mss, "%"), (model_to_shipmmg, "#")):

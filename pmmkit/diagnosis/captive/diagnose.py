@@ -136,7 +136,7 @@ def diagnose_captive(
     system = captive_system(
         campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
-    return answer(system, given, floor=system.floor, seed=seed)
+    return answer(system, system.taking_part(given), floor=system.floor, seed=seed)
 
 
 def captive_system(

@@ -98,6 +98,11 @@ class System:
     pieces: tuple[Piece, ...]
     unasked: tuple[Candidate, ...] = ()
 
+    def taking_part(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Of some effects those for which these runs hold anything."""
+        absent = {item.name for item in self.unasked}
+        return tuple(name for name in names if name not in absent)
+
 
 def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
     """Rows of every channel, in the order of the views."""

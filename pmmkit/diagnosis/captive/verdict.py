@@ -20,7 +20,7 @@ from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry, Visible
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict, odds
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.effects.effect import BY_SPEED
 
 CHANCE: Final = 0.01
@@ -169,7 +169,7 @@ def _findings(
             block,
             fit,
             visible[block.candidate.name],
-            odds(entry.log_evidence),
+            entry.log_evidence,
             held_out(system, [item for item in together if item is not block]),
             after,
         )
@@ -179,10 +179,10 @@ def _findings(
 
 
 def _finding(
-    block: Block, fit: JointFit, visible: Visible, evidence: str, before: HeldOut, after: HeldOut
+    block: Block, fit: JointFit, visible: Visible, log_odds: float, before: HeldOut, after: HeldOut
 ) -> Finding:
     c = block.candidate
-    values, std = _coefficients(block, fit)
+    values, std = coefficients_of(block, fit)
     old, new = before.of_channel(), after.of_channel()
     return Finding(
         effect=c.name,
@@ -194,7 +194,7 @@ def _finding(
         typical=dict(zip(c.coefficients, c.typical, strict=True)),
         value=block.value,
         parameter=c.parameter,
-        evidence=evidence,
+        log_odds=log_odds,
         rivals=tuple(visible.mimics),
         separating_test=c.check,
         error_before=before.share(),
@@ -203,7 +203,7 @@ def _finding(
     )
 
 
-def _coefficients(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
+def coefficients_of(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
     """Values and standard deviations; of a transient its rms share over runs and channels."""
     if not block.candidate.each_run:
         values, std = fit.of(labels(block.candidate))

@@ -16,12 +16,7 @@ from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.findings import Diagnosis, Verdict
-from pmmkit.diagnosis.free_running.candidates import (
-    FreeCandidate,
-    Sailing,
-    candidate_of,
-    candidates_for,
-)
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
 from pmmkit.diagnosis.free_running.evidence import (
     Basis,
     Fit,
@@ -65,6 +60,7 @@ from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.vessel import Sailing
 from pmmkit.numerics import Array
 
 WINDOW: Final = 5.0

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
-from pmmkit.diagnosis.findings import Finding, odds
+from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.evidence import WIDER, Basis, Fit, Screen
 from pmmkit.diagnosis.free_running.scores import Judge
@@ -209,7 +209,7 @@ def findings_of(
                 typical=dict(item.typical),
                 value=0.0,
                 parameter="",
-                evidence=odds(judge.gain(without, best.errors) - price),
+                log_odds=judge.gain(without, best.errors) - price,
                 rivals=tuple(visible[item.name].mimics),
                 separating_test=item.check,
                 error_before=off[0],

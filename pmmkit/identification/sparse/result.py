@@ -16,6 +16,7 @@ from pmmkit.identification.sparse.request import Request, derivatives
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.models import Model, Part
 from pmmkit.models.build import NEEDED
+from pmmkit.models.step import Step
 from pmmkit.numerics import Array
 from pmmkit.tables import DerivativeTable
 
@@ -233,12 +234,12 @@ def _with_terms(model: Model, table: DerivativeTable, left_out: Sequence[str]) -
             sources=MappingProxyType({**part.sources, name: source}),
         )
     names, covariance = _joint_covariance(model, table, gone)
-    said = f"Sparse regression: {', '.join(table.names)} fitted"
+    step = Step(action="terms_selected", names=table.names, left_out=tuple(left_out))
     return model.with_(
         parts=MappingProxyType(parts),
         covariance=covariance,
         covariance_names=names,
-        history=(*model.history, f"{said}; left out: {', '.join(left_out) or 'none'}."),
+        steps=(*model.steps, step),
     )
 
 
