@@ -7,28 +7,6 @@ from typing import Final
 from pmmkit.effects.effect import Effect, Parameter
 
 
-def kept(order: int, omega: float, lag: float, L: float, speed: float) -> complex:
-    """What a lag leaves of a harmonic: 1/(1 + i n ω T), the steady solution of its state.
-
-    Parameters
-    ----------
-    order : int
-        Number n of the harmonic.
-    omega : float
-        Angular frequency of the motion [rad/s].
-    lag : float
-        Lag over L/U.
-    L, speed : float
-        Ship length [m] and speed [m/s]: T = lag L/U.
-
-    Examples
-    --------
-    >>> kept(1, 0.5, 0.5, 4.0, 1.0)
-    (0.5-0.5j)
-    """
-    return 1.0 / (1.0 + 1j * order * omega * lag * L / speed)
-
-
 def late_sway_force(
     v: float,
     U: float,

@@ -161,6 +161,7 @@ def _with_tests(
     noise: float | None,
 ) -> Ground:
     system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    given = system.taking_part(given)
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]

@@ -22,8 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
@@ -74,7 +73,7 @@ def campaign(runs: int) -> Campaign:
 
 def contestants(count: int, speeds: Sequence[float]) -> list[Candidate]:
     """The catalogue, cut or filled up with polynomials."""
-    known = [*PHYSICS, *FAULTS, carriage_fault(tuple(speeds))]
+    known = captive_candidates(tuple(speeds))
     factors = ("v", "r", "|v|", "|r|")
     products = (
         "".join(sorted(product, key=factors.index))

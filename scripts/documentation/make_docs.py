@@ -11,8 +11,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 
 import pmmkit as pk
 from pmmkit.checks import CHECKS
@@ -133,7 +132,7 @@ def signature_lines(signature: Signature) -> list[str]:
 @cache
 def known_signatures() -> dict[str, Signature]:
     speed = load_model("s175-3dof").ship.speed(FROUDE[-1]) * (LENGTH / 175.0) ** 0.5
-    every = [*PHYSICS, *FAULTS, carriage_fault((speed,))]
+    every = [item for item in captive_candidates((speed,)) if not item.each_run]
     return {item.name: item for item in signatures(every)}
 
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import pytest
-from pmmkit.diagnosis.captive.faults import FAULTS
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 
 from pmmkit.diagnosis.captive.signature import signatures
 
 
 @pytest.fixture(scope="module")
 def found():
-    return {item.name: item for item in signatures([*PHYSICS, *FAULTS])}
+    return {item.name: item for item in signatures([x for x in captive_candidates() if not x.each_run])}
 
 
 def test_harmonics_have_their_ratios(found):

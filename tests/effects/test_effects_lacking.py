@@ -12,7 +12,7 @@ from scipy.integrate import quad, solve_ivp
 
 import pmmkit as pk
 from pmmkit.effects.cross_flow import force as crossflow
-from pmmkit.effects.memory import kept, late_cross_flow_force, late_sway_force
+from pmmkit.effects.memory import late_cross_flow_force, late_sway_force
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.identification.forces import ForceRecord

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 from hidden_effects import SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
-from pmmkit.diagnosis.captive.faults import FAULTS
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.campaigns.run import Settings
@@ -146,7 +145,7 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
     views = views_of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
-    every = [*PHYSICS, *FAULTS]
+    every = captive_candidates()
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)

@@ -22,6 +22,28 @@ def asked_in_captive(effect: Effect) -> bool:
     return bool(effect.coefficients) and not effect.not_captive
 
 
+def captive_candidates(
+    speeds: Sequence[float] = (), own: Sequence[Effect] = ()
+) -> tuple[Candidate, ...]:
+    """Every effect and fault that captive tests can be asked for.
+
+    Parameters
+    ----------
+    speeds : sequence of float
+        Of the tests [m/s]; without them, effects whose grid they are have none.
+    own : sequence of Effect
+        Beside the catalogue.
+
+    Examples
+    --------
+    >>> "memory" in [item.name for item in captive_candidates()]
+    True
+    """
+    every = {item.name: item for item in (*catalogue().values(), *own)}
+    asked = (candidate_of(item, speeds) for item in every.values() if asked_in_captive(item))
+    return tuple(item for item in asked if item.grid)
+
+
 def contestants(
     base: Base, speeds: Sequence[float], own: Sequence[Effect] = ()
 ) -> tuple[Candidate, ...]:
@@ -37,11 +59,8 @@ def contestants(
         Beside the catalogue.
     """
     known = {name for names in base.names.values() for name in names}
-    every = {item.name: item for item in (*catalogue().values(), *own)}
     return tuple(
-        candidate_of(effect, speeds)
-        for effect in every.values()
-        if asked_in_captive(effect) and not set(effect.typical) <= known
+        item for item in captive_candidates(speeds, own) if not set(item.coefficients) <= known
     )
 
 

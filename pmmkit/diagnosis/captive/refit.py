@@ -228,11 +228,6 @@ def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[s
     if c.name in model.parts:
         return (c.name,)
     names = dict.fromkeys(item.derivative for label in labels(c) for item in _places(label, own))
-    rudder = [
-        name
-        for name in names
-        if RUDDER_POLYNOMIAL in model.parts and parse_derivative(name).count("d")
-    ]
     return tuple(f"{home_of(model, name)}.{name}" for name in names)
 
 
