@@ -14,7 +14,6 @@ from pmmkit.api import hull_table
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.segments import Cut, usable
 from pmmkit.conventions import canonical
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.from_run import free_records
@@ -281,7 +280,7 @@ def _fittable(model: Model) -> tuple[str, ...]:
     """Every name that may be identified."""
     names = []
     for effect, part in model.parts.items():
-        known = catalogue()[effect]
+        known = part.known
         single = [item.name for item in known.parameters if not item.table]
         if effect in DERIVATIVE_PARTS:
             names += [name for name in part.values if name not in single]

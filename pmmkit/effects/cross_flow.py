@@ -169,6 +169,7 @@ CROSSFLOW_DRAG: Final = Effect(
     ),
     options={"form": ("full", "without-sway"), "shape": ("constant", "table", "ends")},
     force=force,
+    grows_with={"CD": "Yvvv"},
     outputs=("Y", "N"),
     source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
     "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",

@@ -157,6 +157,9 @@ class Effect:
         it; coefficients that are absent stand for themselves.
     stands_in : tuple of str
         Derivatives whose change with the Froude number holds the effect too.
+    grows_with : mapping of str to str
+        Parameters that grow as the water gets shallow, each with the derivative whose factor it
+        takes.
     frees : str
         Of kind freed: the part whose values it moves.
     moves : callable, optional
@@ -194,6 +197,7 @@ class Effect:
     estimates: Callable[[Vessel], Mapping[str, float]] | None = None
     shares: Mapping[str, Mapping[str, float]] = field(default_factory=_none)
     stands_in: tuple[str, ...] = ()
+    grows_with: Mapping[str, str] = field(default_factory=_none)
     frees: str = ""
     moves: Callable[[Vessel], Mapping[str, Move]] | None = None
     columns: Callable[[Observed, float], Mapping[str, Sequence[Array]]] | None = None

@@ -14,7 +14,7 @@ from typing import Any, Final, NoReturn
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.expressions import NotUnderstood, is_expression, written
+from pmmkit.effects.expressions import NotUnderstood, Written, is_expression, written
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.toml_files import read_toml
 
@@ -83,20 +83,38 @@ def own_effect(
     if not isinstance(text, str):
         raise DataError(f"The terms of {name} must be a text such as 'Y: v*|v|*r'.")
     given = {_label(key): _Size(float(size)) for key, size in (typical or {}).items()}
-    channels = []
+    channels, said = _parted(name, text)
+    given |= said
+    for label, size in given.items():
+        for value in (size.typical, *size.grid):
+            if not math.isfinite(value) or value == 0.0:
+                _stop(name, text, size.place, f"the usual size of {label} must not be {value:g}")
+    make = _expressed if is_expression(text) or any(x.grid for x in given.values()) else _products
+    about = {
+        "name": name,
+        "family": family,
+        "summary": summary,
+        "check": check,
+        "text": _whole(text, typical),
+    }
+    return make(text, channels, given, about)
+
+
+def _whole(text: str, typical: Mapping[str, float] | None) -> str:
+    """A text with the sizes that were given beside it."""
+    return "; ".join([text.strip(), *(f"{key} ~ {x!r}" for key, x in (typical or {}).items())])
+
+
+def _parted(name: str, text: str) -> tuple[list[tuple[str, int]], dict[str, _Size]]:
+    """The statements of channels with their places, and the sizes that are given."""
+    channels, given = [], {}
     for statement, start in _statements(text):
         if "~" in statement:
             label, size = _size(name, text, statement, start)
             given[label] = size
         else:
             channels.append((statement, start))
-    for label, size in given.items():
-        for value in (size.typical, *size.grid):
-            if not math.isfinite(value) or value == 0.0:
-                _stop(name, text, size.place, f"the usual size of {label} must not be {value:g}")
-    make = _expressed if is_expression(text) or any(x.grid for x in given.values()) else _products
-    about = {"name": name, "family": family, "summary": summary, "check": check, "text": text}
-    return make(text, channels, given, about)
+    return channels, given
 
 
 @dataclass(frozen=True)
@@ -168,7 +186,27 @@ def _expressed(
     about: Mapping[str, Any],
 ) -> Effect:
     """An effect with a force of its own."""
-    name = about["name"]
+    found = _written(about["name"], text, channels, given)
+    return Effect(
+        **about,
+        kind="state" if found.states else "force",
+        force=found.function(about["name"]),
+        outputs=found.outputs,
+        states=found.states,
+        parameters=tuple(
+            Parameter(name=label, text="nonlinear parameter", grid=size.grid)
+            if size.grid
+            else Parameter(name=label, text="over ½ρL²U² (½ρL³U²)", typical=size.typical)
+            for label, size in given.items()
+        ),
+        excites=_excited(found.words),
+    )
+
+
+def _written(
+    name: str, text: str, channels: Sequence[tuple[str, int]], given: Mapping[str, _Size]
+) -> Written:
+    """The function that expressions make."""
     statements = []
     for statement, start in channels:
         channel, colon, expression = statement.partition(":")
@@ -180,23 +218,21 @@ def _expressed(
     if len(tried) > 1:
         _stop(name, text, given[tried[1]].place, "one parameter can have several values, not two")
     try:
-        found = written(name, statements, coefficients, tried)
+        return written(name, statements, coefficients, tried)
     except NotUnderstood as error:
         _stop(name, text, error.place, str(error))
-    return Effect(
-        **about,
-        kind="state" if found.states else "force",
-        force=found.function(name),
-        outputs=found.outputs,
-        states=found.states,
-        parameters=tuple(
-            Parameter(name=label, text="nonlinear parameter", grid=size.grid)
-            if size.grid
-            else Parameter(name=label, text="over ½ρL²U² (½ρL³U²)", typical=size.typical)
-            for label, size in given.items()
-        ),
-        excites=_excited(found.words),
-    )
+
+
+def source_of(name: str, text: str) -> str:
+    """The function ``force`` of an effect that a text makes, as it was understood.
+
+    Raises
+    ------
+    DataError
+        If the text cannot be read.
+    """
+    channels, given = _parted(name, text)
+    return _written(name, text, channels, given).source
 
 
 @cache

@@ -76,7 +76,8 @@ def _fingerprint(structure: Structure, text: str) -> str:
     digest = hashlib.sha256(text.encode())
     files = {str(primitives.__file__)}
     for item in structure.used:
-        files |= _files_of(item.known.force)
+        if not item.text:
+            files |= _files_of(item.known.force)
     for file in sorted(files):
         digest.update(Path(file).read_bytes())
     return digest.hexdigest()[:20]

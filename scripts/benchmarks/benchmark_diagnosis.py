@@ -22,10 +22,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from pmmkit.diagnosis import captive_candidates
-
 from pmmkit.campaigns.run import Campaign
-from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
+from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.observations.views import views_of

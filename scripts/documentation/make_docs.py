@@ -11,10 +11,9 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from pmmkit.diagnosis import captive_candidates
-
 import pmmkit as pk
 from pmmkit.checks import CHECKS
+from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import pytest
-from pmmkit.diagnosis import captive_candidates
 
+from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 
 
 @pytest.fixture(scope="module")
 def found():
-    return {item.name: item for item in signatures([x for x in captive_candidates() if not x.each_run])}
+    asked = [item for item in captive_candidates() if not item.each_run]
+    return {item.name: item for item in signatures(asked)}
 
 
 def test_harmonics_have_their_ratios(found):

@@ -9,12 +9,12 @@ import pytest
 from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
-from pmmkit.diagnosis.captive.candidate import candidate_of
 
 import pmmkit as pk
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import captive_candidates, Candidate, diagnose_captive, polynomial
+from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.candidate import candidate_of
 from pmmkit.errors import DataError, ModelError
 from pmmkit.models import load_model
 from pmmkit.observations.views import views_of
@@ -42,9 +42,7 @@ def test_text_becomes_derivatives(text, names):
 def test_a_named_coefficient_stands_for_several_terms():
     fins = pk.own_effect("fins", "Y: a*v*|v| + -0.5*a*v*r; N: -0.4 * a*v*|v|; a ~ -1e-2")
     assert fins.typical == {"a": -0.01}
-    assert fins.sizes({"a": -0.02}) == pytest.approx(
-        {"Yv|v|": -0.02, "Yvr": 0.01, "Nv|v|": 0.008}
-    )
+    assert fins.sizes({"a": -0.02}) == pytest.approx({"Yv|v|": -0.02, "Yvr": 0.01, "Nv|v|": 0.008})
 
 
 def test_usual_sizes_are_given_or_a_tenth_of_a_usual_force():

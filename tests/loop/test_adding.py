@@ -11,11 +11,10 @@ from hidden_effects import catalogue as tank
 from hidden_effects.hull import TRUTH
 from hidden_effects.programmes import plans
 from hidden_effects.tank import motions
-from pmmkit.diagnosis import captive_candidates
 
 import pmmkit as pk
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import diagnose_captive
+from pmmkit.diagnosis import captive_candidates, diagnose_captive
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State

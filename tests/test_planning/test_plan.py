@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 from hidden_effects import SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
-from pmmkit.diagnosis import captive_candidates
 
 from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.campaigns.run import Settings
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import diagnose_captive
+from pmmkit.diagnosis import captive_candidates, diagnose_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import knowing
