@@ -1,6 +1,5 @@
 """The public words of pmmkit, listed here and nowhere else, each with its home."""
 
-from pmmkit.api import hull_table as hull_table
 from pmmkit.api import model_of as model_of
 from pmmkit.api import reduce as reduce
 from pmmkit.campaigns.file.campaign_file import open_campaign as open_campaign
@@ -39,6 +38,7 @@ from pmmkit.models import scaled as scaled
 from pmmkit.models import to_model as to_model
 from pmmkit.models.edit import with_effect as with_effect
 from pmmkit.models.edit import without_effect as without_effect
+from pmmkit.models.hull import hull_table as hull_table
 from pmmkit.reduction import Reduction as Reduction
 from pmmkit.reduction import contributions as contributions
 from pmmkit.reduction import reduce_campaign as reduce_campaign

@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pmmkit.conventions import parse_derivative
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.errors import UnknownNameError
-from pmmkit.models import Model, Part, load_model, to_model
+from pmmkit.models import Model, Part, to_model
 from pmmkit.models.build import NEEDED
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.structures import Structure
-from pmmkit.tables import DerivativeTable, from_values
+from pmmkit.tables import DerivativeTable
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -66,47 +63,6 @@ def reduce(
     ).table
 
 
-def hull_table(model: Model | str | Path) -> DerivativeTable:
-    """The derivatives of a model's hull and added mass as a table, e.g. to compare with.
-
-    Parameters
-    ----------
-    model : Model, str or path
-        A model, a library name or a model file.
-
-    Returns
-    -------
-    DerivativeTable
-        In the convention of the model, without uncertainty.
-
-    Examples
-    --------
-    >>> hull_table("s175-3dof").at()["Nvvr"]
-    -0.0424
-    """
-    loaded = model if isinstance(model, Model) else load_model(model)
-    values: dict[str, float | Sequence[float]] = {}
-    for effect in ("hull_polynomial", "added_mass"):
-        given = loaded.parts[effect].values if effect in loaded.parts else {}
-        values |= {name: value for name, value in given.items() if _named(name)}
-    return from_values(
-        values,
-        ship=loaded.ship,
-        water=loaded.water,
-        Fn=loaded.Fn or None,
-        convention=loaded.convention,
-        method=f"model {loaded.name}",
-    )
-
-
-def _named(name: str) -> bool:
-    try:
-        parse_derivative(name)
-    except UnknownNameError:
-        return False
-    return True
-
-
 def ship_as_tested(campaign: Campaign) -> Model:
     """The tested model with the propeller and the rudder that its campaign file describes.
 
@@ -149,7 +105,7 @@ def ship_as_tested(campaign: Campaign) -> Model:
 
 def _part(effect: str, given: Mapping[str, Any]) -> tuple[Part | None, list[str]]:
     """A part from free particulars, or the names of the parameters that are not there."""
-    known = catalogue()[effect]
+    known = effect_of(effect)
     options = {
         name: str(given[name]) if name in given else words[0]
         for name, words in known.options.items()

@@ -8,8 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import DataError
+from pmmkit.conventions import is_unit, unit_factor
 
 FORCE_CHANNELS: Final = ("X", "Y", "N", "K", "T", "Q", "FX_rudder", "FY_rudder")
 MOMENTS: Final = frozenset({"N", "K", "Q"})
@@ -129,9 +128,7 @@ def split_unit(header: str) -> tuple[str, str | None]:
         return header.strip(), None
     if found["square"] is not None:
         return found["name"], found["square"].strip()
-    try:
-        unit_factor(found["round"])
-    except DataError:
+    if not is_unit(found["round"]):
         return header.strip(), None
     return found["name"], found["round"].strip()
 

@@ -303,6 +303,21 @@ _CASED: Final = {
 }
 
 
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit that is known; an empty one is, without dimension.
+
+    Examples
+    --------
+    >>> is_unit("kN"), is_unit("Fx")
+    (True, False)
+    """
+    try:
+        unit_factor(text)
+    except DataError:
+        return False
+    return True
+
+
 def unit_factor(unit: str) -> tuple[str, float]:
     """SI unit and the factor that leads to it.
 

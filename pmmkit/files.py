@@ -6,11 +6,13 @@ import hashlib
 import os
 import shutil
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from pmmkit.errors import FileExists
+from pmmkit.json_text import readable
 
 
 @contextmanager
@@ -84,6 +86,67 @@ def atomic_folder(path: str | Path) -> Iterator[Path]:
             os.replace(part, target)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+
+
+def write_results(path: str | Path, results: Iterable[tuple[str, Any]]) -> list[str]:
+    """Results as the files of a folder, all or nothing.
+
+    Parameters
+    ----------
+    path : path
+        The folder, as for `atomic_folder`.
+    results : iterable of (str, object)
+        Names of files with what they hold: a text; a table (DataFrame), written without its index;
+        a function that writes it to the path it is given; anything else becomes JSON. What an
+        iterator makes is written before the next is made.
+
+    Returns
+    -------
+    list of str
+        The names in order.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "results"
+    >>> write_results(target, [("note.txt", "all of it"), ("numbers.json", {"L": 7.0})])
+    ['note.txt', 'numbers.json']
+    """
+    with atomic_folder(path) as folder:
+        for name, content in results:
+            _write_result(folder / name, content)
+        return sorted(file.name for file in folder.iterdir())
+
+
+def _write_result(path: Path, content: Any) -> None:
+    if callable(content):
+        content(path)
+    elif hasattr(content, "to_csv"):
+        content.to_csv(path, index=False)
+    else:
+        text = content if isinstance(content, str) else readable(content) + "\n"
+        path.write_bytes(text.encode("utf-8"))
+
+
+def check_folder(path: Path) -> None:
+    """Refuse a folder that cannot be written, before anything is computed.
+
+    Parameters
+    ----------
+    path : Path
+        Where results shall go.
+
+    Raises
+    ------
+    FileExists
+        If a file is in the way, or the place is not writable.
+    """
+    target = path.resolve()
+    if target.exists() and not target.is_dir():
+        raise FileExists(f"{path} is a file; the results need a folder. Choose another --out.")
+    above = next(folder for folder in (target, *target.parents) if folder.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK):
+        raise FileExists(f"{path} cannot be written: no permission. Choose another --out.")
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -1,4 +1,8 @@
-"""Plain values as strict JSON text and back, exactly: tuples, arrays, dates and NaN included."""
+"""Plain values as strict JSON text.
+
+Exactly and back (`to_json`, `from_json`): tuples, arrays, dates and NaN included; or for others to
+read (`readable`).
+"""
 
 from __future__ import annotations
 
@@ -34,6 +38,30 @@ def to_json(value: Any) -> str:
     ('a', 1, 1.0)
     """
     return json.dumps(_encode(value), allow_nan=False, separators=(",", ":"))
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON can hold it: no NaN, no infinity, no arrays; there is no way back.
+
+    Examples
+    --------
+    >>> plain({"a": float("nan"), "b": (1, 2.5)})
+    {'a': None, 'b': [1, 2.5]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value if isinstance(value, (str, int, float, bool, type(None))) else str(value)
+
+
+def readable(content: Any) -> str:
+    """Content as JSON text for others to read, the same on every machine; NaN becomes null."""
+    return json.dumps(plain(content), indent=2, allow_nan=False)
 
 
 def from_json(text: str) -> Any:

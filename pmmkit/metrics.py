@@ -346,6 +346,31 @@ def in_both(L: float, values: Mapping[str, float], known: tuple[Metric, ...]) ->
     return found
 
 
+def in_lengths(names: Iterable[str]) -> list[str]:
+    """Names of numbers, without those that are given in ship lengths as well.
+
+    Examples
+    --------
+    >>> in_lengths(["advance", "advance_L", "time_90"])
+    ['advance_L', 'time_90']
+    """
+    given = list(names)
+    return [name for name in given if name + IN_LENGTHS not in given]
+
+
+def main_of(names: Iterable[str]) -> str:
+    """The number that is told first: the tactical diameter where there is one.
+
+    Examples
+    --------
+    >>> main_of(["advance_L", "tactical_diameter_L"]), main_of(["overshoot_1_deg", "reach"])
+    ('tactical_diameter_L', 'overshoot_1_deg')
+    """
+    given = in_lengths(names)
+    turning = f"tactical_diameter{IN_LENGTHS}"
+    return turning if turning in given else given[0]
+
+
 def criteria() -> tuple[tuple[Metric, Criterion], ...]:
     """All that the IMO asks for, with the metric it is asked of.
 

@@ -1,4 +1,4 @@
-"""Sets everything up, then runs: ``python -m scripts demo`` and ``python -m scripts test``."""
+"""Sets everything up, then runs: ``python -m scripts demo``, ``… check`` and ``… test``."""
 
 import os
 import subprocess
@@ -9,9 +9,20 @@ from scripts.set_up import environment
 
 # Each worker of the tests has a core; threads of its linear algebra would take it from the others.
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+CHECKS = {
+    "format": ["ruff", "format", "--check", "."],
+    "lint": ["ruff", "check", "."],
+    "types": ["mypy"],
+    "rooms": ["lint-imports"],
+}
+# Slow tests come first (tests/conftest.py), one at a time, so that no worker is left with one.
+TESTS = ["pytest", "-n", "auto", "--dist", "loadgroup", "--no-loadscope-reorder"]
+FAST = ["-m", "not slow"]
 USAGE = """\
 python -m scripts demo [options of pmmkit demo]    set up, reduce the S175 tests, turn the ship
 python -m scripts test [options of pytest]         set up, check format, types and rooms, run tests
+python -m scripts test --fast [options of pytest]  the same without the tests that take long
+python -m scripts check [format lint types rooms]  set up, and these checks alone
 On Windows write py instead of python."""
 
 
@@ -21,16 +32,26 @@ def demo(options):
     return subprocess.call([environment.program("pmmkit"), "demo", *options], cwd=environment.ROOT)
 
 
+def check(options):
+    """Set up, then run the checks that are named, or all."""
+    unknown = [name for name in options if name not in CHECKS]
+    if unknown:
+        environment.say(USAGE)
+        return 2
+    environment.ensure(development=True)
+    return run({name: CHECKS[name] for name in options or CHECKS})
+
+
 def test(options):
     """Set up, then run every check; all of them run, and all that fail are named."""
     environment.ensure(development=True)
-    steps = {
-        "format": ["ruff", "format", "--check", "."],
-        "lint": ["ruff", "check", "."],
-        "types": ["mypy"],
-        "rooms": ["lint-imports"],
-        "tests": ["pytest", "-n", "auto", *options],
-    }
+    fast = "--fast" in options
+    rest = [option for option in options if option != "--fast"]
+    return run({**CHECKS, "tests": [*TESTS, *(FAST if fast else ()), *rest]})
+
+
+def run(steps):
+    """Run steps one after another, with the time of each; 1 if any failed."""
     failed = []
     for name, (tool, *arguments) in steps.items():
         environment.say(f"== {name}: {tool} {' '.join(arguments)}")
@@ -56,7 +77,7 @@ def main(arguments):
             "and start again.".format(*sys.version_info)
         )
         return 1
-    commands = {"demo": demo, "test": test}
+    commands = {"demo": demo, "check": check, "test": test}
     if not arguments or arguments[0] not in commands:
         environment.say(USAGE)
         return 2

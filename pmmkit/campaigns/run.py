@@ -3,88 +3,22 @@
 from __future__ import annotations
 
 import fnmatch
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.kind import TestKind
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import UnknownNameError
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
 
-STATIC_TESTS: Final = (
-    "resistance",
-    "propulsion",
-    "static_drift",
-    "static_heel",
-    "static_rudder",
-    "drift_rudder",
-    "circular_motion",
-)
-DYNAMIC_TESTS: Final = (
-    "pure_surge",
-    "pure_sway",
-    "pure_yaw",
-    "yaw_drift",
-    "yaw_rudder",
-    "sway_yaw",
-)
-FREE_TESTS: Final = ("turning", "zigzag", "pull_out", "spiral", "stopping", "random")
-TESTS: Final = STATIC_TESTS + DYNAMIC_TESTS + FREE_TESTS
-
 Kind = Literal["history", "means", "harmonics"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Settings:
-    """What the test was set to, SI and radians, our signs.
-
-    Parameters
-    ----------
-    speed : float
-        Carriage speed, or approach speed of a free-running test [m/s].
-    drift, heel, rudder : float
-        Drift angle beta, heel and rudder angle [rad].
-    propeller_rps : float or None
-        Propeller revolutions per second; None where unknown.
-    period : float, optional
-        Period of the oscillation [s].
-    amplitude : float, optional
-        Amplitude of the sway (surge) displacement [m].
-    yaw_amplitude : float, optional
-        Amplitude of the heading [rad].
-    phase : float
-        Phase of the displacement at t = 0: y = a sin(ωt + phase) [rad].
-    yaw_rate, radius : float, optional
-        Circular motion: yaw rate [rad/s] or radius [m].
-    switch : float, optional
-        Heading at which a zigzag switches [rad].
-    repeat_of : str, optional
-        The run that this one repeats.
-    """
-
-    speed: float
-    drift: float = 0.0
-    heel: float = 0.0
-    rudder: float = 0.0
-    propeller_rps: float | None = None
-    period: float | None = None
-    amplitude: float | None = None
-    yaw_amplitude: float | None = None
-    phase: float = 0.0
-    yaw_rate: float | None = None
-    radius: float | None = None
-    switch: float | None = None
-    repeat_of: str | None = None
-
-    @property
-    def omega(self) -> float | None:
-        """Angular frequency 2π/period [rad/s]."""
-        return None if self.period is None else 2 * math.pi / self.period
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,7 +79,7 @@ class Run:
     Parameters
     ----------
     id, test : str
-        Name of the run, kind of test (`TESTS`).
+        Name of the run, name of the kind of test (`kind_of`).
     kind : {"history", "means", "harmonics"}
         A time history, or a row of a table of means or of harmonics.
     settings : Settings
@@ -187,9 +121,14 @@ class Run:
         return self.loader()
 
     @property
+    def kind_of_test(self) -> TestKind:
+        """What there is to know of tests such as this one."""
+        return kind_of(self.test)
+
+    @property
     def dynamic(self) -> bool:
         """Whether the model oscillates."""
-        return self.test in DYNAMIC_TESTS
+        return self.kind_of_test.oscillates
 
     def with_(self, **changes: Any) -> Run:
         """A copy with some entries changed."""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.run import FREE_TESTS, Run
+from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 
@@ -29,7 +29,6 @@ SMALLEST: Final = 0.1
 CLEAR: Final = 12.0
 STILL: Final = 0.01
 _AROUND: Final = 1.5
-_ALWAYS_RUNNING: Final = ("stopping", "random")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +135,7 @@ def usable(
     Examples
     --------
     >>> import xarray as xr
-    >>> from pmmkit.campaigns.run import Settings
+    >>> from pmmkit.campaigns.settings import Settings
     >>> t = np.arange(0, 60, 0.1)
     >>> columns = {"x": 0.8 * t + np.where(t > 30, 0.5, 0.0), "y": 0 * t, "psi": 0 * t,
     ...            "n": np.where(t < 50, 10.0, 0.0)}
@@ -156,7 +155,7 @@ def usable(
     cuts: list[Cut] = []
     kept = _rows(t, (x, y, psi), cuts)
     if cut_stop is None:
-        cut_stop = run.test not in _ALWAYS_RUNNING
+        cut_stop = not run.kind_of_test.propeller_stops
     if cut_stop and "n" in data:
         kept = _running(t, np.asarray(data["n"].values, float), kept, cuts)
     if not len(kept):
@@ -304,8 +303,8 @@ class _Part:
 
 def _columns(run: Run, data: xr.Dataset) -> tuple[Array, ...]:
     missing = [name for name in ("x", "y", "psi") if name not in data]
-    if run.test not in FREE_TESTS or run.kind != "history" or missing:
-        captive = run.test not in FREE_TESTS
+    captive = run.kind_of_test.captive
+    if captive or run.kind != "history" or missing:
         why = "it is captive" if captive else f"it has no {', '.join(missing) or 'history'}"
         raise CampaignError(
             Problem(

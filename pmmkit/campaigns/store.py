@@ -16,7 +16,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
-from pmmkit.campaigns.run import Campaign, Correction, Run, Settings, TypeB
+from pmmkit.campaigns.run import Campaign, Correction, Run, TypeB
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import atomic_path
 from pmmkit.json_text import to_json

@@ -12,7 +12,8 @@ import numpy as np
 from pmmkit.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign, Settings
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.campaigns.settings import Settings
     from pmmkit.checks.summary import Summary
 
 NEARLY: Final = 1e-4

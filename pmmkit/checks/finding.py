@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.errors import ContradictionError, Problem
 from pmmkit.numerics import Array
@@ -50,6 +50,17 @@ class CheckFinding:
     def __str__(self) -> str:
         where = f" ({name_runs(self.runs)})" if self.runs else ""
         return f"{self.severity}: {self.check}{where}: {self.message}".rstrip()
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "check": self.check,
+            "severity": self.severity,
+            "message": self.message,
+            "runs": list(self.runs),
+            "remedy": self.remedy,
+            "numbers": dict(self.numbers),
+        }
 
 
 @dataclass(frozen=True)
@@ -144,6 +155,7 @@ def share_of(x: Array, y: Array) -> tuple[float, float]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> share_of(np.array([1., 2., 3.]), np.array([2., 4., 6.]))
     (2.0, 0.0)
     """
@@ -162,6 +174,7 @@ def straight_line(x: Array, y: Array) -> tuple[float, float, float]:
 
     Examples
     --------
+    >>> import numpy as np
     >>> slope, intercept, error = straight_line(np.array([0., 1., 2.]), np.array([1., 3., 5.]))
     >>> round(slope, 9), round(intercept, 9), round(error, 9)
     (2.0, 1.0, 0.0)

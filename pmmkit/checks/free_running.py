@@ -185,7 +185,7 @@ def _manoeuvre(
 ) -> Mapping[str, float]:
     """Approach speed, its growth per ship length, and headings at which a zigzag switches."""
     delta, nominal = column["delta"], run.settings.rudder
-    if run.test not in ("turning", "zigzag") or nominal == 0:
+    if not run.kind_of_test.turns_rudder or nominal == 0:
         return {}
     near = np.abs(delta - nominal) < max(0.1 * abs(nominal), math.radians(1.0))
     if not near.any():
@@ -203,7 +203,7 @@ def _manoeuvre(
     if t[first] - t[0] > 0.5 * passage and np.count_nonzero(window) > 10:
         slope, mean = np.polyfit(t[window] - t[window].mean(), speed[window], 1)
         facts["growth"] = float(slope * length / mean**2) if mean > 0 else 0.0
-    if run.test == "zigzag" and run.settings.switch:
+    if run.kind_of_test.switches and run.settings.switch:
         facts |= _switches(t[first:], delta[first:], column["psi"][first:], nominal, passage)
     return facts
 
@@ -280,9 +280,9 @@ def examine_samples(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterat
 
 
 def examine_stops(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
-    """Propellers that stand until the end of a record that is not a stopping test."""
+    """Propellers that stand until the end of a record where they should not."""
     yield from _told(
-        [item for item in summaries if item.run.test not in ("stopping", "random")],
+        [item for item in summaries if not item.run.kind_of_test.propeller_stops],
         lambda item: item.facts.get("stopped", 0.0),
         "stop at the end",
         "warning",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.checks.finding import Check, CheckFinding, figure
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 QUARTER: Final = 0.25
 NEAR_QUARTER: Final = 0.2
-GUIDANCE: Final = {"pure_sway": 2.0, "pure_yaw": 3.0, "yaw_drift": 3.0, "yaw_rudder": 3.0}
 RESONANCE: Final = 0.05
 
 
@@ -59,12 +59,13 @@ def examine_frequencies(campaign: Campaign, summaries: Sequence[Summary]) -> Ite
     quick = [
         (item, value)
         for item, omega in moved
-        if (value := omega * L / item.run.settings.speed) > GUIDANCE.get(item.run.test, math.inf)
+        if (value := omega * L / item.run.settings.speed) > item.run.kind_of_test.quasi_steady
     ]
     if quick:
         top = max(value for _, value in quick)
         limits = ", ".join(
-            f"{GUIDANCE[test]:.0f} in {test}" for test in sorted({i.run.test for i, _ in quick})
+            f"{kind_of(test).quasi_steady:.0f} in {test}"
+            for test in sorted({item.run.test for item, _ in quick})
         )
         yield CheckFinding(
             check="frequency",

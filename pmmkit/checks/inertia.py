@@ -25,11 +25,11 @@ SHALLOW: Final = 3.0
 
 @dataclass(frozen=True)
 class _Question:
-    """One place where inertia shows: a force that goes with a motion."""
+    """One place where inertia shows: a force that goes with a motion that is swung alone."""
 
     key: str
     name: str
-    tests: tuple[str, ...]
+    moves: tuple[str, ...]
     words: str
     inside: str
     removed: str
@@ -40,7 +40,7 @@ _QUESTIONS: Final = (
     _Question(
         "Y",
         "inertia in Y",
-        ("pure_sway",),
+        ("v",),
         "Y in phase with the displacement over the sway acceleration",
         "-(m + my)",
         "-my",
@@ -49,7 +49,7 @@ _QUESTIONS: Final = (
     _Question(
         "N",
         "inertia in N",
-        ("pure_yaw",),
+        ("r",),
         "N in phase with the heading over the yaw acceleration",
         "-(Izz + Jz)",
         "-Jz",
@@ -58,7 +58,7 @@ _QUESTIONS: Final = (
     _Question(
         "Yr",
         "inertia in Y r",
-        ("pure_yaw",),
+        ("r",),
         "Y in phase with the yaw rate over r u",
         "Yr - m",
         "Yr",
@@ -67,7 +67,7 @@ _QUESTIONS: Final = (
     _Question(
         "X",
         "inertia in X",
-        ("pure_yaw", "pure_surge"),
+        ("r", "u"),
         "X in phase with the surge acceleration over that acceleration",
         "-(m + mx)",
         "-mx",
@@ -146,7 +146,8 @@ def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) 
 
 
 def _fits(question: _Question, item: Summary) -> bool:
-    return item.run.test in question.tests and abs(item.run.settings.drift) < math.radians(0.2)
+    pure = item.run.kind_of_test.pure
+    return pure in question.moves and abs(item.run.settings.drift) < math.radians(0.2)
 
 
 def _pair(key: str, item: Summary) -> tuple[float, float]:
@@ -157,7 +158,7 @@ def _pair(key: str, item: Summary) -> tuple[float, float]:
         return item.s("rdot", 1), item.s("N", 1)
     if key == "Yr":
         return item.c("r", 1) * item.c("u", 0), item.c("Y", 1)
-    order = 1 if item.run.test == "pure_surge" else 2
+    order = 1 if item.run.kind_of_test.surges else 2
     return item.s("udot", order), item.s("X", order)
 
 

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.kind import SWAY, YAW
+from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
 from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.numerics import Array
@@ -162,14 +164,12 @@ def _rates(summaries: Sequence[Summary], name: str, of: str) -> Iterator[CheckFi
 
 def examine_settings(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Recorded motions against what the campaign file says the test was set to."""
-    for motion, tests in (
-        ("v", ("pure_sway", "sway_yaw")),
-        ("r", ("pure_yaw", "yaw_drift", "yaw_rudder")),
-    ):
+    for swing in (SWAY, YAW):
+        motion = swing.velocity
         pairs = [
             (item, item.c(motion, 1) / item.c(f"nominal_{motion}", 1))
             for item in summaries
-            if item.run.test in tests and item.c(f"nominal_{motion}", 1)
+            if item.run.kind_of_test.leading == swing and item.c(f"nominal_{motion}", 1)
         ]
         off = [(item, ratio) for item, ratio in pairs if abs(ratio - 1) > AGREES]
         if off:
@@ -195,7 +195,7 @@ def _headings(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     off = []
     for item in summaries:
         facts, settings = item.facts, item.run.settings
-        if item.run.test != "static_drift" or not {"u_mean", "v_mean"} <= set(facts):
+        if item.run.kind_of_test is not STATIC_DRIFT or not {"u_mean", "v_mean"} <= set(facts):
             continue
         found = math.atan2(-facts["v_mean"], facts["u_mean"])
         speed = math.hypot(facts["u_mean"], facts["v_mean"])

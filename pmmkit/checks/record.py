@@ -212,13 +212,13 @@ def _odd_cycle(item: Summary, channel: str, noise: float) -> _Odd | None:
 
 
 _SISTERS: Final = (
-    ("pure_sway", "Y", "s", "vdot"),
-    ("pure_sway", "Y", "c", "v"),
-    ("pure_sway", "N", "c", "v"),
-    ("pure_yaw", "Y", "s", "rdot"),
-    ("pure_yaw", "Y", "c", "r"),
-    ("pure_yaw", "N", "s", "rdot"),
-    ("pure_yaw", "N", "c", "r"),
+    ("v", "Y", "s", "vdot"),
+    ("v", "Y", "c", "v"),
+    ("v", "N", "c", "v"),
+    ("r", "Y", "s", "rdot"),
+    ("r", "Y", "c", "r"),
+    ("r", "N", "s", "rdot"),
+    ("r", "N", "c", "r"),
 )
 
 
@@ -228,10 +228,12 @@ def examine_sisters(campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
     For each run the ratio that the others agree on (their median) predicts its first harmonic;
     conspicuous is a run that misses by half of the prediction and by 5 times the typical miss.
     """
-    for test, channel, phase, motion in _SISTERS:
+    for pure, channel, phase, motion in _SISTERS:
         groups: dict[float, list[Summary]] = {}
         for item in summaries:
-            if item.run.test == test and abs(item.run.settings.drift) < math.radians(0.2):
+            if item.run.kind_of_test.pure == pure and abs(item.run.settings.drift) < math.radians(
+                0.2
+            ):
                 groups.setdefault(round(item.run.settings.speed, 2), []).append(item)
         for group in groups.values():
             if len(group) >= 4:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.checks.expected import expected
 from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
-from pmmkit.checks.signs import RUDDER_LIMIT, STATIC
+from pmmkit.checks.signs import RUDDER_LIMIT
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -80,11 +80,11 @@ def _symmetry(
     campaign: Campaign, summaries: Sequence[Summary]
 ) -> tuple[float, float, tuple[str, ...]] | None:
     """The point, its standard error [m], and the runs."""
-    sway = [item for item in summaries if item.run.test == "pure_sway" and item.s("vdot", 1)]
+    sway = [item for item in summaries if item.run.kind_of_test.pure == "v" and item.s("vdot", 1)]
     yaw = [
         item
         for item in summaries
-        if item.run.test == "pure_yaw"
+        if item.run.kind_of_test.pure == "r"
         and abs(item.run.settings.drift) < math.radians(0.2)
         and item.s("rdot", 1)
     ]
@@ -108,7 +108,7 @@ def _lever(summaries: Sequence[Summary]) -> tuple[float, float, tuple[str, ...]]
     for item in summaries:
         settings = item.run.settings
         if (
-            item.run.test in STATIC
+            item.run.kind_of_test.upright
             and abs(settings.drift) < math.radians(0.3)
             and abs(settings.rudder) <= RUDDER_LIMIT
             and math.isfinite(item.mean("Y"))

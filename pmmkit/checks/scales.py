@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
 from pmmkit.checks.expected import expected, resistance_estimate, round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure
-from pmmkit.checks.signs import STATIC, Slope, drift_slope
+from pmmkit.checks.signs import Slope, drift_slope
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign, Settings
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.campaigns.settings import Settings
     from pmmkit.checks.summary import Summary
 
 MEAN_LIMIT: Final = 2.5
@@ -34,7 +36,9 @@ def examine_means(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     are passed over.
     """
     static = [
-        item for item in summaries if item.run.test in STATIC and item.run.test != "resistance"
+        item
+        for item in summaries
+        if item.run.kind_of_test.upright and not item.run.kind_of_test.measures_resistance
     ]
     used = [item for item in summaries if item.run.dynamic and item.run.use_means]
     ratios: dict[str, dict[str, list[tuple[Summary, float]]]] = {}
@@ -93,7 +97,7 @@ def _gentlest(items: Sequence[Summary]) -> Sequence[Summary]:
     best: dict[tuple[str, float, float], tuple[float, Summary]] = {}
     for item in items:
         settings = item.run.settings
-        motion = item.c("r", 1) if item.run.test != "pure_sway" else item.c("v", 1)
+        motion = item.c("v" if item.run.kind_of_test.pure == "v" else "r", 1)
         key = (item.run.test, round(settings.speed, 2), round(settings.drift, 4))
         if math.isfinite(motion) and (key not in best or abs(motion) < best[key][0]):
             best[key] = (abs(motion), item)
@@ -106,7 +110,8 @@ def _comparable(channel: str, item: Summary, still: float, found: float) -> bool
     if channel in ("Y", "N"):
         return abs(item.run.settings.drift) > math.radians(1.5)
     if channel == "X":
-        return abs(still) > HARMONIC_SHARE * item.level("X") and item.run.test != "yaw_drift"
+        kind = item.run.kind_of_test
+        return abs(still) > HARMONIC_SHARE * item.level("X") and not (kind.yaws and kind.drifts)
     return True
 
 
@@ -186,8 +191,8 @@ def _resistance(
     towed = [
         item
         for item in summaries
-        if item.run.test == "resistance"
-        or (item.run.test in STATIC and item.run.settings.propeller_rps == 0)
+        if item.run.kind_of_test.measures_resistance
+        or (item.run.kind_of_test.upright and item.run.settings.propeller_rps == 0)
     ]
     towed = [
         item
@@ -243,7 +248,7 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
     drifts = [
         abs(item.run.settings.drift)
         for item in summaries
-        if item.run.test == "static_drift" and item.run.settings.drift
+        if item.run.kind_of_test is STATIC_DRIFT and item.run.settings.drift
     ]
     if len(drifts) >= 3 and max(drifts) < math.radians(1.0):
         yield CheckFinding(

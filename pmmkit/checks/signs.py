@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 SIGMAS: Final = 3.0
 DRIFT_LIMIT: Final = math.radians(16)
 RUDDER_LIMIT: Final = math.radians(25)
-STATIC: Final = ("static_drift", "static_rudder", "drift_rudder", "resistance", "propulsion")
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def static_slope(
     for item in summaries:
         settings = item.run.settings
         if (
-            item.run.test in STATIC
+            item.run.kind_of_test.upright
             and abs(getattr(settings, other)) < math.radians(0.3)
             and abs(getattr(settings, angle)) <= limit
             and math.isfinite(item.mean(channel))
@@ -174,22 +173,19 @@ def _rudder(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
         )
 
 
-_DAMPING: Final = (
-    ("pure_sway", "Y", "v", "Yv"),
-    ("pure_sway", "N", "v", "Nv"),
-    ("pure_yaw", "N", "r", "Nr"),
-)
+_DAMPING: Final = (("v", "Y", "v", "Yv"), ("v", "N", "v", "Nv"), ("r", "N", "r", "Nr"))
 
 
 def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
-    for test, channel, motion, derivative in _DAMPING:
+    for pure, channel, motion, derivative in _DAMPING:
+        pures = [item for item in summaries if item.run.kind_of_test.pure == pure]
         ratios = {
             item.run.id: item.c(channel, 1)
             / item.c(motion, 1)
             / prime_unit(campaign, channel, item.run.settings.speed)
             * prime_unit(campaign, motion, item.run.settings.speed)
-            for item in summaries
-            if item.run.test == test and item.c(motion, 1) and math.isfinite(item.c(channel, 1))
+            for item in pures
+            if item.c(motion, 1) and math.isfinite(item.c(channel, 1))
         }
         values = np.array(list(ratios.values()))
         if not len(values):
@@ -197,6 +193,7 @@ def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
         middle = float(np.median(values))
         std = float(values.std() / math.sqrt(len(values)))
         if middle > SIGMAS * std:
+            tests = ", ".join(dict.fromkeys(item.run.test for item in pures))
             meaning = {
                 "Yv": "it would drive the sway on",
                 "Nv": "the bow would turn into the flow (Munk)",
@@ -205,7 +202,7 @@ def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
             yield CheckFinding(
                 check="signs",
                 severity="error",
-                message=f"{derivative}' from {len(values)} runs of {test} is {figure(middle)} "
+                message=f"{derivative}' from {len(values)} runs of {tests} is {figure(middle)} "
                 f"({channel} in phase with the velocity); it should be negative, {meaning} "
                 f"otherwise.",
                 runs=tuple(ratios),
@@ -220,8 +217,8 @@ def _resistance(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
         item
         for item in summaries
         if (
-            item.run.test == "resistance"
-            or (item.run.test in STATIC and item.run.settings.propeller_rps == 0)
+            item.run.kind_of_test.measures_resistance
+            or (item.run.kind_of_test.upright and item.run.settings.propeller_rps == 0)
         )
         and abs(item.run.settings.drift) < math.radians(5)
         and math.isfinite(item.mean("X"))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.checks.finding import Check, CheckFinding, figure
-from pmmkit.checks.signs import STATIC
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -29,7 +28,8 @@ def examine_sides(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
     series: dict[tuple[float, float, float | None], list[Summary]] = {}
     for item in summaries:
         settings = item.run.settings
-        if item.run.test in STATIC and item.run.test != "resistance" and not settings.heel:
+        towed = item.run.kind_of_test.measures_resistance
+        if item.run.kind_of_test.upright and not towed and not settings.heel:
             key = (round(settings.speed, 3), round(settings.rudder, 4), settings.propeller_rps)
             series.setdefault(key, []).append(item)
     for group in series.values():

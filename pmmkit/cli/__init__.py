@@ -44,13 +44,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(given: list[str]) -> int:
     import typer
 
-    from pmmkit.cli.console import emit, tell_error
-    from pmmkit.cli.every_command import app
+    from pmmkit.cli.app import application
+    from pmmkit.cli.output import emit, tell_error
 
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__
     try:
-        status = app(given, prog_name="pmmkit", standalone_mode=False)
+        status = application()(given, prog_name="pmmkit", standalone_mode=False)
         sys.stdout.flush()
     except (typer.Abort, KeyboardInterrupt):
         status = STOPPED

@@ -1,32 +1,18 @@
-"""What all commands share: the application, the options they have in common, how they end."""
+"""The options and arguments that commands share, and what is read out of their text."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pmmkit.version import __version__
-
 if TYPE_CHECKING:
-    from pmmkit.cli.console import Outcome
+    import pmmkit.campaigns.run
+    from pmmkit.checks import CheckFinding
 
-app = typer.Typer(
-    name="pmmkit",
-    help="Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
-
-Json = Annotated[
-    bool,
-    typer.Option("--json", help="One JSON object on standard output, words on standard error."),
-]
 Out = Annotated[Path | None, typer.Option("--out", help="Folder of the results.")]
 Data = Annotated[
     Path | None,
@@ -34,38 +20,103 @@ Data = Annotated[
 ]
 Model = Annotated[str, typer.Argument(help="Library ship (pmmkit ships) or model file (.toml).")]
 Campaign = Annotated[Path, typer.Argument(help="Folder with campaign.toml, such a file, or .h5.")]
+Figures = Annotated[bool, typer.Option(help="Draw figures, which takes most of the time.")]
+DrawFigures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
+
+Speed = Annotated[float, typer.Option(help="Approach speed in m/s at the model's scale.")]
+Manoeuvre = Annotated[
+    str,
+    typer.Option(
+        help="turning, initial_turning, zigzag, spiral, pull_out, stopping, accelerating, "
+        "course_change or williamson."
+    ),
+]
+RudderDeg = Annotated[
+    float | None,
+    typer.Option(
+        "--rudder-deg",
+        help="Rudder, positive to starboard; 35 in a turn, 10 in a zigzag, else as usual in that "
+        "manoeuvre.",
+    ),
+]
+SwitchDeg = Annotated[float | None, typer.Option(help="Heading of a zigzag's order.")]
+Depth = Annotated[float | None, typer.Option(help="Depth of the water in m.")]
+Extrapolate = Annotated[
+    bool, typer.Option("--extrapolate", help="Allow a speed outside the tested range.")
+]
+Spread = Annotated[
+    float | None,
+    typer.Option(
+        help="Relative standard deviation of every derivative, where the model has no covariance "
+        "or in its place, such as 0.05."
+    ),
+]
+
+Floor = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        max=0.5,
+        help="What is smooth and too small to matter, over the rms force of a channel: your own "
+        "uncertainty. U_SN of the campaign file, 0.005 for measured forces, 0.02 for free-running "
+        "records if absent.",
+    ),
+]
+Noise = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        max=0.5,
+        help="Standard uncertainty of a mean or harmonic, over the rms force, of runs that state "
+        "none (tables, CFD).",
+    ),
+]
+Own = Annotated[
+    Path | None, typer.Option("--own", help="File of your own effects (.toml), who take part.")
+]
+Given = Annotated[
+    str | None,
+    typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
+]
 
 
-def _version(asked: bool) -> None:
-    if asked:
-        typer.echo(f"pmmkit {__version__}")
-        raise typer.Exit
+def results_folder(out: Path | None, default: str) -> Path:
+    """The folder of the results, which can be written."""
+    from pmmkit.files import check_folder
+
+    folder = out or Path(default)
+    check_folder(folder)
+    return folder
 
 
-@app.callback()
-def _options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
-    ] = False,
-) -> None:
-    """Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres."""
+def sound_campaign(
+    path: Path, data: Path | None
+) -> tuple[pmmkit.campaigns.run.Campaign, tuple[CheckFinding, ...]]:
+    """A campaign that does not contradict itself, and what the checks say of it."""
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.checks import examine, refuse
+
+    campaign = open_campaign(path, data=data)
+    findings = examine(campaign)
+    refuse(findings)
+    return campaign, findings
 
 
-def finish(result: Outcome, as_json: bool) -> None:
-    """The outcome on standard output: words, or JSON with the words on standard error."""
-    from pmmkit.cli.console import emit, say
-
-    for line in result.lines:
-        say(line) if as_json else typer.echo(line)
-    if as_json:
-        emit(result.content)
-
-
-def stem(path: Path) -> str:
+def stem(path: str | Path) -> str:
     """Name for a folder of results: that of the campaign's folder, or of the file."""
-    full = path.resolve()
+    full = Path(path).resolve()
     named = full.parent if full.name == "campaign.toml" else full
     return named.stem if named.suffix in (".toml", ".h5", ".hdf5", ".nc", ".csv") else named.name
+
+
+def stated(**settings: Any) -> dict[str, Any]:
+    """The settings that were given."""
+    return {name: value for name, value in settings.items() if value is not None}
+
+
+def words(text: str | None) -> list[str]:
+    """Names out of text such as memory,current."""
+    return (text or "").replace(",", " ").split()
 
 
 def numbers(text: str | None) -> Sequence[float] | None:
@@ -73,7 +124,7 @@ def numbers(text: str | None) -> Sequence[float] | None:
     if text is None:
         return None
     try:
-        return [float(part) for part in text.replace(",", " ").split()]
+        return [float(part) for part in words(text)]
     except ValueError:
         raise typer.BadParameter(f"{text!r}: write numbers such as 6,9,12.") from None
 
@@ -90,7 +141,7 @@ def sensors_of(text: str | None) -> dict[str, float] | None:
     if text is None:
         return None
     found = {}
-    for part in text.replace(",", " ").split():
+    for part in words(text):
         name, _, value = part.partition("=")
         try:
             number = float(value)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
 from pmmkit.figures.comparison_free import force_residuals, sailed
@@ -16,7 +17,7 @@ from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.misfit import Cell, order_words, words_of_test
+from pmmkit.validation.misfit import Cell, order_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -117,7 +118,7 @@ def misfit_map(comparison: Comparison) -> Figure:
             _write_numbers(axis, values)
             axis.grid(False)
             axis.invert_yaxis()
-            axis.set_yticks(np.arange(len(tests)) + 0.5, [words_of_test(test) for test in tests])
+            axis.set_yticks(np.arange(len(tests)) + 0.5, [kind_of(test).title for test in tests])
             axis.tick_params(length=0)
             axis.spines[:].set_visible(False)
             axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
@@ -216,7 +217,7 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
                     ls="--",
                     label="predicted",
                 )
-            axes[0, column].set_title(f"{words_of_test(run.view.run.test)}\n{run.view.run.id}")
+            axes[0, column].set_title(f"{run.view.run.kind_of_test.title}\n{run.view.run.id}")
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
@@ -238,10 +239,10 @@ def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
 
 
 def _velocity(run: CaptiveRun) -> tuple[Array, str]:
-    test, motion = run.view.run.test, run.view.motion
-    if test == "pure_sway":
+    kind, motion = run.view.run.kind_of_test, run.view.motion
+    if kind.sways and not kind.yaws:
         return motion.v, "sway velocity v [m/s]"
-    if test == "pure_surge":
+    if kind.surges:
         return motion.u, "surge velocity u [m/s]"
     return np.degrees(motion.r), "yaw rate r [deg/s]"
 
@@ -333,7 +334,7 @@ def _residual(
         U=view.speed,
     )
     number = tests.index(view.run.test)
-    look: dict[str, Any] = {"color": style.colour(number), "label": words_of_test(view.run.test)}
+    look: dict[str, Any] = {"color": style.colour(number), "label": view.run.kind_of_test.title}
     if not view.run.dynamic:
         axis.plot(
             [float(view.projection[0] @ x)],

@@ -8,7 +8,6 @@ import numpy as np
 
 from pmmkit.plotting import style
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
-from pmmkit.validation.misfit import words_of_test
 from pmmkit.validation.uncertainty import COVERAGE
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def sailed(run: FreeRun) -> Figure:
         track.set_aspect("equal", adjustable="datalim")
         track.set_xlabel("y, east [m]")
         track.set_ylabel("x, north [m]")
-        track.set_title(f"{words_of_test(run.run.test)} {run.name}")
+        track.set_title(f"{run.run.kind_of_test.title} {run.name}")
         axes = right.subplots(4, 1, sharex=True)
         for axis, (what, measured, simulated) in zip(axes[:3], histories, strict=True):
             axis.plot(t, measured, color=MEASURED)
@@ -90,7 +89,7 @@ def force_residuals(run: FreeRun) -> Figure:
             right.plot(
                 t, predicted - force, color=style.LIMIT, lw=1.0, label="predicted less measured"
             )
-        axes[0, 0].set_title(f"{words_of_test(run.run.test)} {run.name}")
+        axes[0, 0].set_title(f"{run.run.kind_of_test.title} {run.name}")
         axes[0, 1].set_title("what is left")
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")

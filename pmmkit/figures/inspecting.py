@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.errors import DataError
+from pmmkit.inspection import ColumnLook, FileLook, Group, Look
+from pmmkit.inspection.sampling import sample_of
+from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
 from pmmkit.plotting.style import INK, canvas, colour, in_powers, styled
 
@@ -91,3 +96,50 @@ def envelope(time: Sequence[float] | Array, values: Array) -> tuple[Array, Array
 
 def _cut(text: str, length: int) -> str:
     return text if len(text) <= length else text[: length - 2] + " …"
+
+
+def first_look(found: Look) -> Figure | None:
+    """The columns of the first history that was seen, else of the first file with numbers.
+
+    Parameters
+    ----------
+    found : Look
+        As `look` gives it.
+    """
+    look = _drawn(found.groups)
+    if look is None:
+        return None
+    try:
+        with sample_of(look.path) as sample:
+            values = values_of(replace(look, path=sample.path)).numbers
+    except OSError as error:
+        raise DataError(f"{look.shown} cannot be read: {error.strerror}.") from error
+    clock = look.known.get("t") if look.kind == "history" else None
+    count = max(len(numbers) for numbers in values.values())
+    time = values[clock.position] if clock else np.arange(1.0, count + 1.0)
+    unit = (clock.unit or (clock.suggestion and clock.suggestion.unit) or "s") if clock else ""
+    columns = {
+        f"{column.clipped} [{_unit(column)}]": values[column.position]
+        for column in look.columns
+        if column.position in values and column is not clock
+    }
+    return columns_over_time(
+        time,
+        columns,
+        time_label=f"{clock.clipped} [{unit}]" if clock else "row",
+        title=look.shown + (" (beginning, middle and end)" if look.sampled else ""),
+    )
+
+
+def _drawn(groups: Sequence[Group]) -> FileLook | None:
+    """The file whose columns are drawn."""
+    rank = {"history": 0, "unknown": 1, "table": 2, "open water": 3}
+    files = [
+        group.first for group in groups if any(column.numbers for column in group.first.columns)
+    ]
+    return min(files, key=lambda item: rank[item.kind], default=None)
+
+
+def _unit(column: ColumnLook) -> str:
+    stated = column.unit or (column.suggestion.unit if column.suggestion else None)
+    return stated or "no unit stated"

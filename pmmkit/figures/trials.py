@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError
 from pmmkit.plotting import style
 
@@ -33,7 +35,7 @@ def trial_figure(trial: Trial) -> Figure:
     -------
     Figure
     """
-    return trial_zigzag(trial) if trial.test == "zigzag" else trial_path(trial)
+    return trial_zigzag(trial) if kind_of(trial.test).switches else trial_path(trial)
 
 
 def trial_path(trial: Trial) -> Figure:
@@ -57,9 +59,9 @@ def trial_path(trial: Trial) -> Figure:
     DataError
         If the record holds nothing after the order.
     """
-    shown = trial.x > -_FORE * trial.L if trial.test == "turning" else trial.t > -60.0
+    shown = trial.x > -_FORE * trial.L if trial.test == TURNING.name else trial.t > -60.0
     shown &= (trial.t > 0) | (trial.x > -_FORE * trial.L)
-    if trial.test == "stopping" and math.isfinite(trial.metrics["time_to_stop"]):
+    if trial.test == STOPPING.name and math.isfinite(trial.metrics["time_to_stop"]):
         shown &= trial.t <= trial.metrics["time_to_stop"]
     if np.count_nonzero(shown) < 2:
         raise DataError("The record holds nothing to draw after the order.")
@@ -81,7 +83,7 @@ def trial_path(trial: Trial) -> Figure:
             label="current removed" if removed else "as measured, over ground",
         )
         axis.plot(0.0, 0.0, ls="", marker="o", ms=5, color=style.colour(0), label="order", zorder=4)
-        if trial.test == "turning":
+        if trial.test == TURNING.name:
             _turn_lines(axis, trial)
         else:
             _stop_lines(axis, trial)
@@ -157,8 +159,8 @@ def _in_lengths(
 
 def _title(trial: Trial) -> str:
     """What the run is, and each limit beside its value."""
-    rudder = "" if trial.test == "stopping" else f" {abs(trial.rudder_deg):.0f}°"
-    if trial.test == "turning":
+    rudder = "" if trial.test == STOPPING.name else f" {abs(trial.rudder_deg):.0f}°"
+    if trial.test == TURNING.name:
         rudder += " to starboard" if trial.rudder_deg > 0 else " to port"
     lines = [f"{trial.name}, {trial.run}: {trial.test}{rudder}, {trial.speed:.2f} m/s"]
     words = []

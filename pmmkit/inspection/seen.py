@@ -84,6 +84,12 @@ class ColumnLook:
         """Header, or the number of the column counted from 1."""
         return self.header or f"column {self.position + 1}"
 
+    @property
+    def clipped(self) -> str:
+        """The label, cut to 36 letters, that can be shown."""
+        plain = "".join(char if char.isprintable() else "?" for char in self.label)
+        return plain if len(plain) <= 36 else plain[:34] + " …"
+
 
 @dataclass(frozen=True, kw_only=True)
 class FileLook:

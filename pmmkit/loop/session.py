@@ -156,7 +156,7 @@ class Session:
         blocks = self.blocks
         fit = joint_fit(self.system, blocks, floor=self.floor)
         found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
-        made = found.model.with_(notes=(*found.model.notes, *found.notes))
+        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
         return made.stepped(*self._fitted(fit, blocks, self.source, made))
 
     def _fitted(

@@ -105,6 +105,7 @@ def to_model(
             effect="added_mass",
             values=MappingProxyType(mass),
             source=origin,
+            references=donor.parts["added_mass"].references if borrowed else (),
             sources=MappingProxyType({k: v for k, v in (assumed | lent).items() if k in mass}),
         ),
     }

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from pmmkit.bibliography import cite
 from pmmkit.empirical import (
     METHODS,
+    RUDDER_SOURCES,
     estimate,
     friction_coefficient,
     rudder_values,
@@ -108,17 +110,24 @@ def estimated_model(
         "xp": -0.48,
     }
     blade = rudder_values(ship, area=rudder_area, aspect=rudder_aspect, D=propeller_diameter)
+    hull_sources = [guess.sources[0], METHODS["yoshimura-masumoto"].sources[0]]
+    if not resistance:
+        hull_sources.append("ittc_1957")
     parts = (
         Part(
             effect="hull_polynomial",
             values=MappingProxyType(hull),
             source=f"empirical: {guess.source}",
+            references=tuple(dict.fromkeys(hull_sources)),
             sources=MappingProxyType(
                 {"Xuu": "measured: resistance" if resistance else "empirical: ITTC 1957 friction"}
             ),
         ),
         Part(
-            effect="added_mass", values=MappingProxyType(mass), source="empirical: Zhou et al. 1983"
+            effect="added_mass",
+            values=MappingProxyType(mass),
+            source=f"empirical: {cite(guess.sources[1])}",
+            references=guess.sources[1:],
         ),
         Part(
             effect="propeller",
@@ -130,6 +139,7 @@ def estimated_model(
             options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
+            references=RUDDER_SOURCES,
         ),
     )
     return Model(

@@ -35,14 +35,17 @@ class FileReader:
         self.problems: list[Problem] = []
 
     def fault(self, message: str, remedy: str | None = None) -> None:
+        """What is wrong, and what to do."""
         self.problems.append(Problem(message=message, file=self.file, remedy=remedy))
 
     def known(self, data: Mapping[str, Any], names: Iterable[str], place: str) -> None:
+        """Names the entries that have no place in a section."""
         stray = [key for key in data if key not in tuple(names)]
         if stray:
             self.fault(f"{place} has no {', '.join(map(repr, stray))}; it has {', '.join(names)}.")
 
     def section(self, data: Mapping[str, Any], key: str, place: str) -> Mapping[str, Any]:
+        """A section inside another; empty where it is absent."""
         value = data.get(key, {})
         if isinstance(value, dict):
             return value
@@ -50,6 +53,7 @@ class FileReader:
         return {}
 
     def text(self, data: Mapping[str, Any], key: str, place: str = "") -> str:
+        """A text; empty where it is absent."""
         value = data.get(key, "")
         if isinstance(value, str):
             return value
@@ -57,6 +61,7 @@ class FileReader:
         return ""
 
     def texts(self, data: Mapping[str, Any], key: str, place: str = "") -> tuple[str, ...]:
+        """A list of texts; empty where it is absent."""
         value = data.get(key, [])
         if isinstance(value, list) and all(isinstance(item, str) for item in value):
             return tuple(value)
@@ -64,6 +69,7 @@ class FileReader:
         return ()
 
     def words(self, data: Mapping[str, Any], key: str, place: str) -> Mapping[str, str]:
+        """A section of texts."""
         content = self.section(data, key, place)
         wrong = [name for name, value in content.items() if not isinstance(value, str)]
         if wrong:
@@ -71,6 +77,7 @@ class FileReader:
         return MappingProxyType({k: v for k, v in content.items() if isinstance(v, str)})
 
     def number(self, value: object, place: str) -> Value | None:
+        """A finite number or a list of them."""
         if isinstance(value, list):
             read = [number(item) for item in value]
             kept = tuple(item for item in read if item is not None)

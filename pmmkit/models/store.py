@@ -38,7 +38,7 @@ _TOP: Final = (
     "effects",
     "covariance",
 )
-_PART: Final = ("source", "text", "options", "values", "sources")
+_PART: Final = ("source", "references", "text", "options", "values", "sources")
 
 
 def load_model(name_or_path: str | Path) -> Model:
@@ -124,6 +124,8 @@ def model_text(model: Model) -> str:
 
 def _part_data(part: Part) -> dict[str, Any]:
     data: dict[str, Any] = {"source": part.source} if part.source else {}
+    if part.references:
+        data["references"] = list(part.references)
     if part.options:
         data["options"] = dict(part.options)
     data["values"] = {name: _plain(value) for name, value in part.values.items()}
@@ -231,6 +233,7 @@ def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:
         options=reader.words(data, "options", f"{place}.options"),
         source=reader.text(data, "source", f"{place}."),
         text=reader.text(data, "text", f"{place}."),
+        references=reader.texts(data, "references", f"{place}."),
         sources=reader.words(data, "sources", f"{place}.sources"),
     )
 

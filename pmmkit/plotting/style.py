@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -147,6 +148,13 @@ def save(figure: Figure, path: str | Path) -> Path:
     with styled(), atomic_path(target) as part:
         figure.savefig(part, metadata=_undated(target.suffix))
     return target
+
+
+def figure_files(
+    figures: Mapping[str, Figure], ending: str = "svg"
+) -> list[tuple[str, Callable[[Path], Path]]]:
+    """Figures by name as results to be written (see `files.write_results`)."""
+    return [(f"{name}.{ending}", partial(save, figure)) for name, figure in figures.items()]
 
 
 def svg(figure: Figure) -> str:

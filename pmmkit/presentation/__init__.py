@@ -10,10 +10,19 @@ from pmmkit.presentation.layout import (
     aligned,
     section_lines,
     table_lines,
+    text_of,
 )
-from pmmkit.presentation.numbers import counted, number, percent, plus_minus, with_uncertainty
+from pmmkit.presentation.numbers import (
+    ABSENT,
+    counted,
+    number,
+    percent,
+    plus_minus,
+    with_uncertainty,
+)
 
 __all__ = [
+    "ABSENT",
     "Cell",
     "Described",
     "Grid",
@@ -27,5 +36,6 @@ __all__ = [
     "plus_minus",
     "section_lines",
     "table_lines",
+    "text_of",
     "with_uncertainty",
 ]

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.presentation.layout import Section, printable, section_html, section_lines
+from pmmkit.presentation.layout import Section, printable, section_html, text_of
 
 LONGEST: Final = 110
 """Characters of a line that says what an object is."""
@@ -52,8 +52,7 @@ class Described(ABC):
         return f"<{self._title()}>"
 
     def __str__(self) -> str:
-        blocks = [[self._title()], *map(section_lines, self._sections())]
-        return "\n\n".join("\n".join(lines) for lines in blocks if lines)
+        return text_of([Section(paragraphs=[self._title()]), *self._sections()])
 
     def _repr_html_(self) -> str:
         title = section_html(Section(paragraphs=[self._title()]))

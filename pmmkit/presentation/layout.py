@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Final
+
+from pmmkit.presentation.numbers import ABSENT
 
 Cell = str | None
-ABSENT: Final = "–"
-"""What stands in a table where there is no value."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -175,6 +174,18 @@ def section_lines(section: Section) -> list[str]:
     if not section.title:
         return inside
     return [printable(section.title), *(f"  {line}" for line in inside)]
+
+
+def text_of(sections: Iterable[Section]) -> str:
+    """Sections in plain text, an empty line between them.
+
+    Parameters
+    ----------
+    sections : iterable of Section
+        Those that say nothing are left out.
+    """
+    blocks = map(section_lines, sections)
+    return "\n\n".join("\n".join(lines) for lines in blocks if lines)
 
 
 def section_html(section: Section) -> str:

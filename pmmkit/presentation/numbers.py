@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Final, Literal
 
+ABSENT: Final = "–"
+"""What stands where there is no value."""
 Style = Literal["parentheses", "plus-minus"]
 
 
@@ -78,7 +80,7 @@ def number(value: float, digits: int = 4) -> str:
     >>> number(4.361), number(float("nan"))
     ('4.361', '–')
     """
-    return f"{value:.{digits}g}" if math.isfinite(value) else "–"
+    return f"{value:.{digits}g}" if math.isfinite(value) else ABSENT
 
 
 def percent(share: float) -> str:

@@ -9,16 +9,15 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Final, Literal
 
 from pmmkit.errors import UnknownNameError
-from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, head_of
+from pmmkit.plugins import offered
+from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, columns_of, head_of
 from pmmkit.readers.reader import Reader
 
 __all__ = [
@@ -29,6 +28,7 @@ __all__ = [
     "Options",
     "Reader",
     "Request",
+    "columns_of",
     "files_of",
     "format_of",
     "reader_for",
@@ -54,21 +54,8 @@ def readers() -> Mapping[str, Reader]:
     ('TDMS (LabVIEW)', True)
     """
     found = {reader.name: reader for reader in sorted(_ours(), key=lambda item: item.name)}
-    for entry in sorted(entry_points(group=GROUP), key=lambda item: item.name):
-        package = "a package" if entry.dist is None else entry.dist.name
-        try:
-            reader = entry.load()()
-            if not isinstance(reader, Reader):
-                raise TypeError(f"{entry.value} is not a Reader")
-            if reader.name in found:
-                raise ValueError(f"the name {reader.name!r} is taken")
-        except Exception as error:
-            warnings.warn(
-                f"The reader {entry.name!r} of {package} is left out: {error}", stacklevel=2
-            )
-        else:
-            found[reader.name] = reader
-    return MappingProxyType(found)
+    brought = offered(GROUP, Reader, found)  # type: ignore[type-abstract]
+    return MappingProxyType(found | brought)
 
 
 def _ours() -> Iterator[Reader]:

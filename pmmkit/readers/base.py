@@ -129,6 +129,10 @@ class Request:
         title = None if len(problems) == 1 else f"{self.shown} cannot be read"
         return CampaignError(problems, title=title)
 
+    def unreadable(self, error: OSError) -> CampaignError:
+        """The error of a file that the system does not give."""
+        return self.error(self.problem(f"cannot be read: {error.strerror}."))
+
 
 def head_of(path: Path) -> bytes:
     """The first bytes of a file, none of a folder.
@@ -260,6 +264,15 @@ _GROUPED: Final = re.compile(
 
 def columns_of(cells: Cells, positions: Sequence[int], request: Request) -> Columns:
     """Numbers of some columns of a small file, every cell checked.
+
+    Parameters
+    ----------
+    cells : Cells
+        The file.
+    positions : sequence of int
+        Columns wanted, counted from 0.
+    request : Request
+        It too, for messages and its options.
 
     Raises
     ------

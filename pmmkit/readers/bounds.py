@@ -15,6 +15,10 @@ RATIO: Final = 200
 _PIECE: Final = 1 << 16
 
 
+class Damaged(ValueError):
+    """A file is not as its own sizes say; never leaves the reader."""
+
+
 def limit_of(size: int) -> int:
     """Bytes that a file of that size may expand to.
 

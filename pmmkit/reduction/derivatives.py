@@ -72,7 +72,6 @@ def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str
     optional: dict[str, list[str]] = {
         channel: ["XT"] if channel == "X" else [f"{channel}0"] for channel in required
     }
-    moving = {run.test for run in tests}
     ruddered = [run for run in tests if run.settings.rudder]
     heeled = [run for run in tests if run.settings.heel]
     if ruddered:
@@ -80,7 +79,7 @@ def columns_of(structure: Structure, runs: Iterable[Run], channels: Iterable[str
         _add(optional, {"Y": "ddd", "N": "ddd"})
         if any(run.settings.drift for run in ruddered):
             _add(optional, {"X": "vd", "Y": "vvd vdd", "N": "vvd vdd"})
-    if "yaw_rudder" in moving:
+    if any(run.kind_of_test.yaws and run.kind_of_test.turns_rudder for run in tests):
         _add(optional, {"X": "rd", "Y": "rrd rdd", "N": "rrd rdd"})
     if heeled:
         _add(required, {"Y": "phi", "N": "phi", "K": "phi"})

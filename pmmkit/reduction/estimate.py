@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.run import Settings
+from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whitener

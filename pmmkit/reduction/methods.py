@@ -2,50 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Sequence
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.solve import Solution, solve, to_table
 from pmmkit.tables import DerivativeTable
-
-
-@dataclass(frozen=True)
-class Family:
-    """Tests that are fitted together, and the variables that they excite.
-
-    Parameters
-    ----------
-    key : str
-        The test without which the family is not there.
-    tests : tuple of str
-        All tests that take part.
-    factors : tuple of str
-        Variables that may stand in the derivatives.
-    """
-
-    key: str
-    tests: tuple[str, ...]
-    factors: tuple[str, ...]
-
-
-FAMILIES: Final[Mapping[str, Family]] = {
-    "static drift": Family("static_drift", ("static_drift",), ("u", "v", "T")),
-    "static rudder": Family("static_rudder", ("static_rudder",), ("u", "d", "T")),
-    "drift with rudder": Family(
-        "drift_rudder", ("static_drift", "static_rudder", "drift_rudder"), ("u", "v", "d", "T")
-    ),
-    "static heel": Family("static_heel", ("static_heel",), ("u", "v", "phi", "T")),
-    "circular motion": Family("circular_motion", ("circular_motion",), ("u", "v", "r", "T")),
-    "pure surge": Family("pure_surge", ("pure_surge",), ("u", "udot", "T")),
-    "pure sway": Family("pure_sway", ("pure_sway",), ("u", "v", "vdot", "T")),
-    "pure yaw": Family("pure_yaw", ("pure_yaw",), ("u", "r", "udot", "rdot", "T")),
-    "yaw with drift": Family("yaw_drift", ("yaw_drift",), ("u", "v", "r", "udot", "rdot", "T")),
-}
 
 
 def by_family(
@@ -70,22 +35,25 @@ def by_family(
     Returns
     -------
     dict of str to DerivativeTable
-        By the family's name; families without runs are absent.
+        By the title of the kind of test; kinds without runs are absent.
     """
     tables = {}
-    for name, family in FAMILIES.items():
+    for kind in captive_kinds():
+        if kind.fit is None:
+            continue
+        tests = (kind.name, *kind.fit.beside)
         groups = [
             (float(froude), chosen)
             for froude, members in zip(solution.Fn, solution.groups, strict=True)
-            if (chosen := [i for i in members if rows[i].result.run.test in family.tests])
-            and any(rows[i].result.run.test == family.key for i in chosen)
+            if (chosen := [i for i in members if rows[i].result.run.test in tests])
+            and any(rows[i].result.run.test == kind.name for i in chosen)
         ]
-        wanted = columns.only(family.factors)
+        wanted = columns.only(kind.fit.factors)
         if not groups or not any(wanted.required.values()):
             continue
         found = solve(rows, sensitivities, wanted, groups)
         if found.fits:
-            tables[name] = to_table(found, wanted, campaign, convention, method=name)
+            tables[kind.title] = to_table(found, wanted, campaign, convention, method=kind.title)
     return tables
 
 
@@ -115,16 +83,16 @@ def by_run(
     values: dict[int, dict[str, float]] = {}
     for group, item in solution.fits:
         values.setdefault(group, {}).update(item.values())
-    families = {family.key: family for family in FAMILIES.values()}
     tables = {}
     for group, members in enumerate(solution.groups):
         for place in members:
             run = rows[place].result.run
-            if not run.dynamic or run.test not in families:
+            kind = run.kind_of_test
+            if not kind.oscillates or kind.fit is None:
                 continue
-            wanted = columns.only(families[run.test].factors, optional=False)
+            wanted = columns.only(kind.fit.factors, optional=False)
             held: dict[str, float] = {}
-            if run.test == "yaw_drift":
+            if {"v", "r"} <= set(kind.fit.factors):
                 wanted = Columns(
                     required={c: tuple(filter(couples, n)) for c, n in wanted.required.items()},
                     optional=wanted.optional,

@@ -376,7 +376,7 @@ def _points(reduction: Reduction) -> list[_Point]:
     for rows in reduction.rows:
         run, extras = rows.result.run, rows.result.extras
         here = run.settings
-        turned = run.dynamic or run.test == "circular_motion" or here.heel
+        turned = not run.kind_of_test.straight or here.heel
         if turned or not here.propeller_rps or not {"T", "FY_rudder"} <= set(extras):
             continue
         found.append(

@@ -72,7 +72,7 @@ def resistance(results: Iterable[RunResult]) -> Resistance | None:
     points = sorted(
         (item.run.settings.speed, -float(item.measured["X"][0]))
         for item in results
-        if item.run.test == "resistance" and "X" in item.measured
+        if item.run.kind_of_test.measures_resistance and "X" in item.measured
     )
     if not points:
         return None
@@ -135,7 +135,7 @@ def propulsion(
 def straight_ahead(run: Run) -> bool:
     """Whether a run is towed straight: no drift, no heel, no turning, no oscillation."""
     here = run.settings
-    return not run.dynamic and not here.drift and not here.heel and run.test != "circular_motion"
+    return run.kind_of_test.straight and not here.drift and not here.heel
 
 
 def _wake(straight: Sequence[RunResult], campaign: Campaign) -> dict[float, float]:

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Progress = Callable[[int, int, str], None]
-PROPULSION_TESTS = ("resistance", "propulsion")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -230,7 +229,7 @@ def _groups(rows: Sequence[Rows], fn: str) -> list[tuple[float, tuple[int, ...]]
     manoeuvring = [
         (froude, members)
         for froude, members in groups
-        if any(rows[place].result.run.test not in PROPULSION_TESTS for place in members)
+        if not all(rows[place].result.run.kind_of_test.straight_ahead for place in members)
     ]
     return manoeuvring or groups
 

@@ -2,8 +2,8 @@
 
 from pmmkit.report.build import report_html, write_report
 from pmmkit.report.loop import Loop, loop_of, write_diagnosis
-from pmmkit.report.turning import Turns, changes
-from pmmkit.report.words import Reference
+from pmmkit.report.reference import Reference, reference_of
+from pmmkit.report.turning import Turns, changes, turns_of
 
 __all__ = [
     "Loop",
@@ -11,7 +11,9 @@ __all__ = [
     "Turns",
     "changes",
     "loop_of",
+    "reference_of",
     "report_html",
+    "turns_of",
     "write_diagnosis",
     "write_report",
 ]

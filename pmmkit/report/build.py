@@ -13,8 +13,9 @@ from pmmkit.reduction import Reduction
 from pmmkit.report import pictures, tables
 from pmmkit.report.loop import Loop, loop_sections
 from pmmkit.report.page import page
+from pmmkit.report.reference import Reference
 from pmmkit.report.turning import Turns, changes, turning_section
-from pmmkit.report.words import Reference, flattened
+from pmmkit.report.words import flattened
 from pmmkit.version import __version__
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.figures.diagnosis import coverage, error_fall, evidence
@@ -16,7 +17,6 @@ from pmmkit.loop.session import ErrorFall, Session
 from pmmkit.plotting.style import svg
 from pmmkit.presentation import Cell, Grid, Group, Picture, Section, counted, number
 from pmmkit.report.page import page
-from pmmkit.report.words import TESTS
 from pmmkit.version import __version__
 
 WIDE: Final = 1.96
@@ -207,7 +207,7 @@ def _fall(loop: Loop) -> Section:
             ]
         )
     units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
-    head = ["after", "all [%]", *units, *(f"{TESTS.get(name, name)} [%]" for name in tests)]
+    head = ["after", "all [%]", *units, *(f"{kind_of(name).title} [%]" for name in tests)]
     points = [f"{name} does not lower the error of left-out conditions." for name in fall.useless]
     if loop.end is not None:
         points.append(f"Asked again after the last step: {VERDICTS[loop.end.verdict]}")

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.campaigns.motion.kinematics import displacement_phase
+from pmmkit.campaigns.test_kinds.registry import captive_kinds
+from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
 from pmmkit.figures import (
     Cycle,
     DriftPoints,
@@ -19,13 +21,12 @@ from pmmkit.figures import (
 )
 from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
-from pmmkit.report.words import TESTS, Reference
+from pmmkit.report.reference import Reference
 from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:
     from pmmkit.tables import DerivativeTable
 
-_OSCILLATING: Final = ("pure_surge", "pure_sway", "pure_yaw", "yaw_drift", "yaw_rudder")
 _SHOWN: Final = ("X", "Y", "N")
 
 
@@ -90,7 +91,7 @@ def drift_points(reduction: Reduction) -> list[DriftPoints]:
     reduction : Reduction
         With the forces of the water at midship.
     """
-    found = [item for item in reduction.rows if item.result.run.test == "static_drift"]
+    found = [item for item in reduction.rows if item.result.run.kind_of_test is STATIC_DRIFT]
     sets = []
     for froude in sorted({round(item.result.froude, 3) for item in found}):
         rows = [item for item in found if round(item.result.froude, 3) == froude]
@@ -122,9 +123,11 @@ def typical_cycles(reduction: Reduction) -> list[Cycle]:
         With its runs; tables without histories give nothing.
     """
     cycles = []
-    for test in _OSCILLATING:
+    for kind in captive_kinds():
         results = [
-            item for item in reduction.runs if item.run.test == test and item.run.kind == "history"
+            item
+            for item in reduction.runs
+            if kind.oscillates and item.run.test == kind.name and item.run.kind == "history"
         ]
         if results:
             cycles.append(_cycle(_typical(results), reduction))
@@ -153,7 +156,7 @@ def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
     kept = whole_cycles(times, theta, record, cycles=asked)
     cut = slice(kept.start, kept.stop)
     return Cycle(
-        title=f"{TESTS[result.run.test]}, Fn {result.froude:.3f}\n{result.run.id}",
+        title=f"{result.run.kind_of_test.title}, Fn {result.froude:.3f}\n{result.run.id}",
         theta=theta[cut],
         samples={name: values[cut] for name, values in zip(channels, record, strict=True)},
         coefficients={name: result.measured[name] for name in channels},

@@ -8,11 +8,13 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.conventions import CHANNELS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.report.words import TESTS, Reference, symbol
+from pmmkit.report.reference import Reference
+from pmmkit.report.words import symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 
@@ -206,13 +208,13 @@ def runs(reduction: Reduction) -> Grid:
     """
     count = Counter((item.run.test, f"{item.froude:.3f}") for item in reduction.runs)
     rows: list[list[Cell]] = []
-    for test, name in TESTS.items():
+    for test in kinds().values():
         speeds = {
-            froude: number for (kind, froude), number in sorted(count.items()) if kind == test
+            froude: number for (kind, froude), number in sorted(count.items()) if kind == test.name
         }
         if speeds:
             places = ", ".join(f"{froude} ({number})" for froude, number in speeds.items())
-            rows.append([name, str(sum(speeds.values())), places])
+            rows.append([test.title, str(sum(speeds.values())), places])
     return Grid(head=["Test", "Runs", "At Fn (runs)"], groups=[Group(rows=rows)], texts=(2,))
 
 
@@ -238,7 +240,7 @@ def settings(reduction: Reduction) -> Grid:
         rows.append(
             [
                 item.run.id,
-                TESTS.get(item.run.test, item.run.test),
+                item.run.kind_of_test.title,
                 f"{item.froude:.3f}",
                 ", ".join(part for part in motion if part) or "straight",
                 item.window,

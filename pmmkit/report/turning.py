@@ -6,10 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
-from pmmkit.metrics import metric_of, unit_of
+from pmmkit.metrics import HARD_OVER, metric_of, unit_of
+from pmmkit.models import Model
 from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
-from pmmkit.simulation import imo_turning
+from pmmkit.report.reference import Reference
+from pmmkit.simulation import froude_sweep, imo_turning, simulate
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,6 +30,8 @@ MEASURES: Final = (
     "steady_yaw_rate_deg_s",
     "heel_max_deg",
 )
+STEPS: Final = 7
+"""Froude numbers of a sweep."""
 CHANGING: Final = ("steady_diameter_L", "tactical_diameter_L", "transfer_L", "advance_L")
 
 
@@ -48,14 +54,49 @@ class Turns:
     notes: Sequence[str] = ()
 
 
+def turns_of(model: Model, tested: Sequence[float], reference: Reference | None = None) -> Turns:
+    """Turning circles at the speeds of the tests, and sweeps between them.
+
+    Parameters
+    ----------
+    model : Model
+        With propeller and rudder.
+    tested : sequence of float
+        Froude numbers of the tests, where the model has one set of values for all.
+    reference : Reference, optional
+        Sails beside it if it can.
+
+    Raises
+    ------
+    SimulationError
+        If the model cannot be sailed.
+    """
+    at = model.Fn or tuple(tested)
+    along = np.linspace(at[0], at[-1], STEPS if len(at) > 1 else 1).tolist()
+    speeds = [model.ship.speed(number, model.water.g) for number in at]
+    tracks = [
+        simulate(model, rudder_deg=HARD_OVER, speed=speed, compiled=False) for speed in speeds
+    ]
+    sailing = {"these derivatives": model}
+    if reference is not None and reference.model is not None:
+        sailing[reference.name] = reference.model
+    sweeps = {
+        name: froude_sweep(item, Fn=along, rudder_deg=HARD_OVER, compiled=False)
+        for name, item in sailing.items()
+    }
+    return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes)
+
+
 def changes(tracks: Sequence[Track]) -> dict[str, float]:
     """Change of the measures from the lowest to the highest Froude number, as a share.
 
     Parameters
     ----------
     tracks : sequence of Track
-        Turns at several speeds.
+        Turns; those of a single speed do not change.
     """
+    if len(tracks) < 2:
+        return {}
     ordered = sorted(tracks, key=lambda item: item.Fn)
     first, last = ordered[0].metrics, ordered[-1].metrics
     return {name: last[name] / first[name] - 1 for name in CHANGING}
@@ -112,7 +153,7 @@ def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
     limits = _verdicts(tracks)
     names = [name for name in MEASURES if name in tracks[0].metrics]
-    moved = changes(tracks) if len(tracks) > 1 else {}
+    moved = changes(tracks)
     rows: list[list[Cell]] = []
     for name in names:
         row: list[Cell] = [_titled(name), *(number(track.metrics[name]) for track in tracks)]

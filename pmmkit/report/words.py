@@ -3,46 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, Final
 
 from markupsafe import Markup
 
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.tables import DerivativeTable
 
 _LETTERS: Final = {"phi": "φ", "d": "δ", "|d|": "|δ|"}
-TESTS: Final = {
-    "resistance": "resistance",
-    "propulsion": "self-propulsion",
-    "static_drift": "static drift",
-    "static_heel": "static heel",
-    "static_rudder": "static rudder",
-    "drift_rudder": "drift with rudder",
-    "circular_motion": "circular motion",
-    "pure_surge": "pure surge",
-    "pure_sway": "pure sway",
-    "pure_yaw": "pure yaw",
-    "yaw_drift": "yaw with drift",
-    "yaw_rudder": "yaw with rudder",
-    "sway_yaw": "sway and yaw",
-}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reference:
-    """Derivatives of a source that stand beside ours.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Its values, in any convention.
-    name : str
-        Its name in tables and figures.
-    """
-
-    table: DerivativeTable
-    name: str
 
 
 def symbol(name: str, convention: Convention) -> Markup:

@@ -3,7 +3,9 @@
 from pmmkit.simulation.ensemble import Ensemble, monte_carlo
 from pmmkit.simulation.imo import Verdict, imo_turning, imo_verdicts, zigzag_limits
 from pmmkit.simulation.linear import Stability, stability
-from pmmkit.simulation.manoeuvres import MANOEUVRES
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting
+from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.sensitivity import Sensitivities, SobolIndices, sensitivities, sobol
 from pmmkit.simulation.simulate import simulate
 from pmmkit.simulation.spiral import SpiralCurve, spiral_curve
@@ -11,9 +13,14 @@ from pmmkit.simulation.sweeps import froude_sweep, sweep
 from pmmkit.simulation.track import Track
 
 __all__ = [
-    "MANOEUVRES",
     "Ensemble",
+    "Manoeuvre",
+    "Phase",
+    "Plan",
+    "Probe",
+    "ProbeResults",
     "Sensitivities",
+    "Setting",
     "SobolIndices",
     "SpiralCurve",
     "Stability",
@@ -22,6 +29,7 @@ __all__ = [
     "froude_sweep",
     "imo_turning",
     "imo_verdicts",
+    "manoeuvre_of",
     "monte_carlo",
     "sensitivities",
     "simulate",

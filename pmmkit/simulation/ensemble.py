@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -14,30 +14,30 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.program import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
+from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_ships, settings_for
-from pmmkit.simulation.simulate import (
-    ENVIRONMENT,
-    RTOL,
-    RudderLaw,
-    check_request,
-    gear_of,
-    plan_for,
-)
+from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 CHUNK: Final = 10_000
 """Ships whose constants are held at a time."""
+SHOWN: Final = 3
+"""Metrics that are drawn as distributions where none are named."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Ensemble:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Ensemble(Described):
     """A manoeuvre of many ships that differ in their derivatives.
 
     Parameters
@@ -58,6 +58,8 @@ class Ensemble:
         Where the differences come from.
     name, manoeuvre, scale : str
         Of the model and the manoeuvre.
+    units : mapping of str to str
+        Of the metrics.
     """
 
     metrics: Mapping[str, Array]
@@ -71,6 +73,7 @@ class Ensemble:
     name: str
     manoeuvre: str
     scale: str
+    units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def __len__(self) -> int:
         return len(next(iter(self.metrics.values())))
@@ -113,6 +116,61 @@ class Ensemble:
         import pandas as pd
 
         return pd.DataFrame(dict(self.metrics))
+
+    def plot(self, metrics: Sequence[str] | None = None) -> Figure:
+        """How metrics are distributed, with the model as it stands and IMO limits nearby.
+
+        Parameters
+        ----------
+        metrics : sequence of str, optional
+            Up to four; the main one and those after it by default.
+        """
+        from pmmkit.plotting.metrics import distributions
+
+        chosen = list(metrics or self.varying()[:SHOWN])
+        return distributions(
+            {name: self.metrics[name] for name in chosen},
+            self.nominal,
+            {name: self.interval(name) for name in chosen},
+            self.units,
+        )
+
+    def varying(self) -> list[str]:
+        """The metrics that differ between the ships, the main one first."""
+        first = main_of(self.metrics)
+        names = [first, *(name for name in in_lengths(self.metrics) if name != first)]
+        return [name for name in names if name == first or _differs(self.metrics[name])]
+
+    def _headline(self) -> str:
+        return (
+            f"{counted(len(self), 'ship')} like {self.name}, {self.manoeuvre.replace('_', ' ')} at "
+            f"{self.speed:.2f} m/s: {self.failed} could not be simulated"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        rows = []
+        for name in in_lengths(self.metrics):
+            values = self.metrics[name][np.isfinite(self.metrics[name])]
+            std = float(values.std(ddof=1)) if len(values) > 1 else np.nan
+            numbers = (self.nominal[name], std, *self.interval(name))
+            unit = self.units.get(name, "")
+            rows.append([name, *(number(x) for x in numbers), unit, str(len(values))])
+        head = ["metric", "as it is", "std", "2.5 %", "97.5 %", "unit", "ships"]
+        return [
+            Section(
+                paragraphs=[
+                    f"Fn {self.Fn:.3f}; {self.scale}",
+                    f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
+                    f"{self.seed}",
+                ]
+            ),
+            Section(title="Metrics", tables=[Grid(head=head, groups=[Group(rows=rows)])]),
+        ]
+
+
+def _differs(values: Array) -> bool:
+    there = values[np.isfinite(values)]
+    return len(there) > 1 and float(np.ptp(there)) > 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -274,17 +332,17 @@ class Batch:
         settings = settings_for(
             structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
         )
-        answers, status = run_ships(
+        results, status = run_ships(
             structure, stacked(k, len(values)), self.plan, settings, jobs=jobs, advance=advance
         )
         with np.errstate(all="ignore"):
-            metrics = {name: np.asarray(x) for name, x in self.plan.measure(answers).items()}
+            metrics = {name: np.asarray(x) for name, x in self.plan.metrics_of(results).items()}
         return metrics, status
 
 
 def batch_of(
     model: Model | str | Path,
-    manoeuvre: str,
+    manoeuvre: str | Manoeuvre,
     *,
     speed: float,
     rtol: float = RTOL,
@@ -299,8 +357,9 @@ def batch_of(
     loaded = model if isinstance(model, Model) else load_model(model)
     around = {name: x for name, x in settings.items() if name in ENVIRONMENT}
     settings = {name: x for name, x in settings.items() if name not in ENVIRONMENT}
+    chosen = manoeuvre_of(manoeuvre)
     check_request(
-        manoeuvre,
+        chosen,
         settings,
         around,
         speed=speed,
@@ -312,7 +371,7 @@ def batch_of(
     )
     conditions = Conditions(**around)
     pace = speed / loaded.ship.L
-    plan = plan_for(manoeuvre, pace, wind=conditions.wind_speed > 0.0, **settings)
+    plan = chosen.plan(pace, wind=conditions.wind_speed > 0.0, **settings)
     return Batch(
         model=loaded,
         plan=plan,
@@ -329,7 +388,7 @@ def batch_of(
 
 def monte_carlo(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     n: int = 10_000,
@@ -345,7 +404,7 @@ def monte_carlo(
     ----------
     model : Model, str or path
         A model, a library name or a file.
-    manoeuvre : str
+    manoeuvre : str or Manoeuvre
         As for `simulate`.
     speed : float
         Approach speed [m/s].
@@ -394,7 +453,7 @@ def monte_carlo(
         nonlocal done
         done += size
         if progress is not None:
-            progress(done, n, f"{manoeuvre}, {loaded.name}")
+            progress(done, n, f"{batch.plan.name}, {loaded.name}")
 
     for first in range(0, n, CHUNK):
         count = min(CHUNK, n - first)
@@ -414,6 +473,7 @@ def monte_carlo(
         seed=seed,
         origin=drawn.origin,
         name=loaded.name,
-        manoeuvre=manoeuvre,
+        manoeuvre=batch.plan.name,
         scale=loaded.scale,
+        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
@@ -21,6 +21,7 @@ from pmmkit.metrics import (
     second_overshoot_limit,
 )
 from pmmkit.models import Model, load_model
+from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.simulation.track import Track
 
@@ -33,8 +34,8 @@ SHORTEST: Final = 100.0
 LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
 
 
-@dataclass(frozen=True, kw_only=True)
-class Verdict:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Verdict(Described):
     """One criterion applied to one manoeuvre.
 
     Parameters
@@ -74,6 +75,45 @@ class Verdict:
     def metric(self) -> str:
         """Name of the number that is judged."""
         return next(m.judged(item) for m, item in criteria() if item.name == self.criterion)
+
+    def row(self) -> list[str]:
+        """Criterion, manoeuvre, value, limit, margin, what follows, and how probable that is."""
+        unit = " L" if self.unit == "L" else "°"
+        return [
+            self.criterion.replace("_", " "),
+            self.manoeuvre,
+            f"{self.value:.2f}{unit}" if math.isfinite(self.value) else ABSENT,
+            f"{self.limit:.4g}{unit}",
+            f"{self.margin:+.2f}" if math.isfinite(self.margin) else ABSENT,
+            {True: "met", False: "NOT met", None: "not judged"}[self.passed],
+            ABSENT if self.probability is None else f"{100 * self.probability:.1f} %",
+        ]
+
+    def _headline(self) -> str:
+        criterion, manoeuvre, value, limit, _, word, _ = self.row()
+        return f"{criterion}, {manoeuvre}: {value}, at most {limit}: {word}"
+
+    def _sections(self) -> Sequence[Section]:
+        return verdict_sections([self])
+
+
+def verdict_sections(verdicts: Sequence[Verdict]) -> list[Section]:
+    """Verdicts as a table, and the conditions that stand beside them.
+
+    Parameters
+    ----------
+    verdicts : sequence of Verdict
+        Of one ship.
+    """
+    head = ["criterion", "manoeuvre", "value", "limit", "margin", "", "probability"]
+    rows = [item.row() for item in verdicts]
+    scales = dict.fromkeys(f"Scale: {item.scale}" for item in verdicts if item.scale)
+    said = dict.fromkeys(text for item in verdicts for text in item.conditions)
+    return [
+        Section(paragraphs=[f"Criteria of {SOURCE}", *scales]),
+        Section(tables=[Grid(head=head, groups=[Group(rows=rows)], texts=(1,))]),
+        *([Section(title="Conditions", points=list(said))] if said else []),
+    ]
 
 
 def judge(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pmmkit.equations import Conditions, Prepared, prepare
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, number
 
 Complex = NDArray[np.complex128]
 STEP: Final = 1e-5
@@ -21,8 +22,8 @@ BENT: Final = 2e-3
 """Difference between the slopes of both sides, over the largest, from which there is a bend."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Stability:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Stability(Described):
     """A ship running straight ahead at a speed, made linear, everything included that acts on it.
 
     Parameters
@@ -65,6 +66,23 @@ class Stability:
     stable: bool
     side: str
     name: str
+
+    def constants(self) -> dict[str, float]:
+        """The numbers of the prime system by name."""
+        names = ("C", "lever_sway", "lever_yaw", "K", "T", "T1", "T2", "T3")
+        Ydelta, Ndelta = self.rudder
+        return {name: getattr(self, name) for name in names} | {"Ydelta": Ydelta, "Ndelta": Ndelta}
+
+    def _headline(self) -> str:
+        word = "stable" if self.stable else "UNSTABLE"
+        side = f", turning to {self.side}, the less stable side" if self.side != "both" else ""
+        return f"{self.name} at {self.speed:g} m/s is straight-line {word}{side}"
+
+    def _sections(self) -> Sequence[Section]:
+        rows = [[name, number(value)] for name, value in self.constants().items()]
+        roots = ", ".join(f"{x:.4g}" for x in self.eigenvalues.tolist())
+        table = Grid(head=["number (prime system)", "value"], groups=[Group(rows=rows)])
+        return [Section(tables=[table]), Section(paragraphs=[f"Eigenvalues [U/L]: {roots}"])]
 
 
 def stability(

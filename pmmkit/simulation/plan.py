@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from pmmkit.metrics import METRICS, Metric, in_both
 from pmmkit.numerics import Array
 
 End = Literal["time", "heading", "yaw rate", "surge", "steady turn", "steady"]
 ENDS: Final[tuple[End, ...]] = ("time", "heading", "yaw rate", "surge", "steady turn", "steady")
 Ask = Literal["crossing", "extreme", "end", "begin", "path", "steady", "reached"]
 ASKS: Final[tuple[Ask, ...]] = ("crossing", "extreme", "end", "begin", "path", "steady", "reached")
+LONGEST: Final = 2000.0
+"""No phase lasts longer, in ship lengths over the approach speed."""
+STEADY: Final = 2e-5
+"""Accelerations over U²/L and (U/L)² below which a motion counts as steady."""
 STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
 
 
@@ -27,7 +32,7 @@ class Phase:
     ----------
     rudder : float
         Ordered angle [rad]; NaN leaves the order as it is.
-    turns : float
+    revolutions : float
         Ordered revolutions over those of the approach; NaN as above.
     bucket : float
         Ordered bucket of a waterjet, 0 ahead to 1 astern; NaN as above.
@@ -42,7 +47,7 @@ class Phase:
     """
 
     rudder: float = math.nan
-    turns: float = math.nan
+    revolutions: float = math.nan
     bucket: float = math.nan
     until: End = "time"
     level: float = 0.0
@@ -55,7 +60,7 @@ class Phase:
         """As the engine takes it."""
         return (
             self.rudder,
-            self.turns,
+            self.revolutions,
             self.bucket,
             float(ENDS.index(self.until)),
             self.level,
@@ -106,7 +111,7 @@ class Probe:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answers:
+class ProbeResults:
     """What the probes of a plan found for one ship, or for many at once.
 
     Parameters
@@ -138,30 +143,37 @@ class Answers:
 
 @dataclass(frozen=True, kw_only=True)
 class Plan:
-    """A manoeuvre.
+    """The plan of a manoeuvre for one ship.
 
     Parameters
     ----------
-    name : str
-        Of the manoeuvre.
     phases : tuple of Phase
         Orders one after another.
     probes : mapping of str to Probe
         What is asked.
     measure : callable
-        From the answers to metrics by name.
+        From the results of the probes to numbers by name, lengths in metres.
     rudder : float
         Largest ordered angle with its sign [rad].
     settles : bool
         Whether the end is to be steady.
+    name : str
+        Of the manoeuvre, which fills it in.
+    metrics : tuple of Metric
+        What the numbers are; filled in too.
     """
 
-    name: str
     phases: tuple[Phase, ...]
     probes: Mapping[str, Probe]
-    measure: Callable[[Answers], dict[str, Any]]
+    measure: Callable[[ProbeResults], Mapping[str, Any]] = field(compare=False)
     rudder: float = 0.0
     settles: bool = False
+    name: str = ""
+    metrics: tuple[Metric, ...] = METRICS
+
+    def metrics_of(self, results: ProbeResults) -> dict[str, Any]:
+        """The metrics by name, each length also in ship lengths."""
+        return in_both(results.L, self.measure(results), self.metrics)
 
     @cached_property
     def orders(self) -> list[float]:

@@ -18,7 +18,7 @@ from pmmkit.equations.program import mass_problem, propulsion_problem
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.numerics import Array
-from pmmkit.simulation.plan import Answers, Plan
+from pmmkit.simulation.plan import Plan, ProbeResults
 
 LONGEST_STEP: Final = 2.0
 """Longest step in ship lengths over the approach speed. Near a steady turn the error estimate
@@ -41,7 +41,7 @@ class Gear:
         [rad/s]
     rudder_lag : float
         Time constant near the order [s]; 0 goes at the rate to the end.
-    turns_rate : float
+    revolutions_rate : float
         Rate of the revolutions, over those of the approach, where no effect ``shaft`` moves
         them [1/s].
     bucket_rate : float
@@ -50,7 +50,7 @@ class Gear:
 
     rudder_rate: float
     rudder_lag: float = 0.0
-    turns_rate: float = INSTANT
+    revolutions_rate: float = INSTANT
     bucket_rate: float = INSTANT
 
 
@@ -102,7 +102,7 @@ class History:
         return tuple(bool(self.events[9 * i + 8]) for i in range(len(self.plan.phases)))
 
     @cached_property
-    def answers(self) -> Answers:
+    def results(self) -> ProbeResults:
         """What the probes of the plan find."""
         states = self.ready.structure.states
         width, count = 1 + len(states), len(self.plan.probes)
@@ -120,7 +120,7 @@ class History:
         )
         flat = found.tolist() if self.fast else found
         values = [flat[i * width : (i + 1) * width] for i in range(count)]
-        return Answers(
+        return ProbeResults(
             places=self.plan.places,
             states=states,
             values=values,
@@ -172,7 +172,7 @@ def settings_for(
         speed,
         gear.rudder_rate,
         gear.rudder_lag,
-        INSTANT if shaft else gear.turns_rate,
+        INSTANT if shaft else gear.revolutions_rate,
         0.0,
         gear.bucket_rate,
         0.0,
@@ -281,7 +281,7 @@ def run_ships(
     *,
     jobs: int | None = None,
     advance: Callable[[int], object] | None = None,
-) -> tuple[Answers, Array]:
+) -> tuple[ProbeResults, Array]:
     """Run many ships of one structure through a plan.
 
     Parameters
@@ -301,7 +301,7 @@ def run_ships(
 
     Returns
     -------
-    answers : Answers
+    results : ProbeResults
         With a value per ship.
     status : array (ships,)
         0 where the ship was simulated, else as in `problem`.
@@ -316,7 +316,7 @@ def run_ships(
     functions = compiled(structure)
     number, width = ships.shape
     asked, states = len(plan.probes), structure.states
-    results = np.empty(number * asked * (1 + len(states)))
+    filled = np.empty(number * asked * (1 + len(states)))
     state = np.empty(2 * number)
     flat = np.ascontiguousarray(ships).reshape(-1)
     orders, questions, given = plan.orders_array, plan.questions_array, np.array(settings)
@@ -335,7 +335,7 @@ def run_ships(
             questions,
             asked,
             room,
-            results,
+            filled,
             state,
         )
         return last - first
@@ -347,12 +347,12 @@ def run_ships(
         for size in done:
             if advance is not None:
                 advance(size)
-    values = results.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
-    answers = Answers(
+    values = filled.reshape(number, asked, 1 + len(states)).transpose(1, 2, 0)
+    results = ProbeResults(
         places=plan.places,
         states=states,
         values=values,
         speed=settings[2],
         L=float(ships[0, PLACE["L"]]),
     )
-    return answers, state.reshape(-1, 2)[:, 0]
+    return results, state.reshape(-1, 2)[:, 0]

@@ -12,22 +12,28 @@ import numpy as np
 
 from pmmkit.equations.program import values_at
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.metrics import in_lengths, main_of
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 STEP: Final = 1e-3
 """Step of the differences over the size of a derivative."""
+LISTED: Final = 10
+"""Derivatives that a report lists."""
 TIGHT: Final = 1e-11
 """Tolerance of the integration for the differences."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Sensitivities:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Sensitivities(Described):
     """Slopes of the metrics of a manoeuvre over the derivatives of its model.
 
     Parameters
@@ -94,6 +100,57 @@ class Sensitivities:
         frame["share_of_variance"] = self.shares(metric)
         return frame.sort_values("share_of_variance", key=abs, ascending=False)
 
+    def plot(self, metric: str | None = None) -> Figure:
+        """Which derivatives decide a metric, the main one by default."""
+        from pmmkit.plotting.metrics import importance
+
+        chosen = metric or main_of(self.slopes)
+        shares = self.covariance is not None
+        table = self.table(chosen)
+        column = "share_of_variance" if shares else "per_cent_per_per_cent"
+        return importance(list(table.index), table[column].to_numpy(), chosen, shares=shares)
+
+    def describe(self, metric: str, most: int = LISTED) -> Section:
+        """What decides a metric, as a section of a report.
+
+        Parameters
+        ----------
+        metric : str
+            Name of the metric.
+        most : int
+            Derivatives that are listed.
+        """
+        rows = [
+            [
+                str(name),
+                *([f"{100 * row['share_of_variance']:.1f} %"] if "std" in row else []),
+                f"{row['per_cent_per_per_cent']:+.2f}",
+            ]
+            for name, row in self.table(metric).head(most).iterrows()
+        ]
+        shares = ["share of the variance"] if self.covariance is not None else []
+        return Section(
+            title=f"What decides {metric}, which is {number(self.nominal[metric])}",
+            tables=[
+                Grid(
+                    head=["derivative", *shares, "% per %"],
+                    groups=[Group(rows=rows)],
+                    caption=_listed(len(rows), len(self.names)),
+                )
+            ],
+        )
+
+    def _headline(self) -> str:
+        return (
+            f"{counted(len(self.slopes), 'metric')} over {counted(len(self.names), 'derivative')}"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        return [
+            self.describe(main_of(self.slopes)),
+            Section(title="Metrics", paragraphs=[", ".join(in_lengths(self.slopes))]),
+        ]
+
     def _slopes(self, metric: str) -> Array:
         if metric not in self.slopes:
             raise UnknownNameError(
@@ -107,9 +164,14 @@ class Sensitivities:
         return self.covariance
 
 
+def _listed(shown: int, known: int) -> str:
+    """What a table leaves out."""
+    return "" if shown == known else f"The first {shown} of {counted(known, 'derivative')}."
+
+
 def sensitivities(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,
@@ -201,8 +263,8 @@ def _sizes(names: Sequence[str], values: Array) -> Array:
     return sizes
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SobolIndices:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SobolIndices(Described):
     """Shares of the variance of each metric, of each derivative alone and with all others.
 
     Parameters
@@ -229,10 +291,37 @@ class SobolIndices:
         )
         return frame.set_index("derivative").sort_values("total", ascending=False)
 
+    def _headline(self) -> str:
+        return (
+            f"{counted(len(self.total), 'metric')} over {counted(len(self.names), 'derivative')}, "
+            f"from {counted(self.ships, 'ship')}"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        metric = main_of(self.total)
+        rows = [
+            [str(name), f"{100 * row['first']:.1f} %", f"{100 * row['total']:.1f} %"]
+            for name, row in self.table(metric).head(LISTED).iterrows()
+        ]
+        head = ["derivative", "alone", "with all others"]
+        return [
+            Section(
+                title=f"Shares of the variance of {metric}",
+                tables=[
+                    Grid(
+                        head=head,
+                        groups=[Group(rows=rows)],
+                        caption=_listed(len(rows), len(self.names)),
+                    )
+                ],
+            ),
+            Section(title="Metrics", paragraphs=[", ".join(in_lengths(self.total))]),
+        ]
+
 
 def sobol(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     spread: float | None = None,

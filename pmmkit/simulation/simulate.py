@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
-from functools import cache, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal
@@ -15,9 +14,10 @@ import numpy as np
 
 from pmmkit.equations import CALM, Conditions, prepare
 from pmmkit.equations.program import feels_depth
-from pmmkit.errors import DataError, Problem, SimulationError, UnknownNameError
+from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
-from pmmkit.simulation.manoeuvres import MANOEUVRES
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import INSTANT, Gear, History, run_plan
 from pmmkit.simulation.track import Track
@@ -36,7 +36,7 @@ without a shaft."""
 
 def simulate(
     model: Model | str | Path,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
     rudder_rate_deg: float | None = None,
@@ -64,13 +64,9 @@ def simulate(
     ----------
     model : Model, str or path
         A model, a library name or a file.
-    manoeuvre : str
-        ``turning`` (`rudder_deg`, `duration`), ``initial_turning`` (`rudder_deg`,
-        `heading_deg`), ``zigzag`` (`rudder_deg`, `switch_deg`, `executes`), ``spiral``
-        (`rudder_deg`, `step_deg`), ``pull_out`` (`rudder_deg`), ``stopping`` (`turns`, ordered
-        revolutions over those of the approach; `rudder_deg`), ``accelerating`` (`turns`),
-        ``course_change`` (`rudder_deg`, `heading_deg`, `counter_deg`), ``williamson``
-        (`rudder_deg`, `shift_deg`, `ease_deg`).
+    manoeuvre : str or Manoeuvre
+        A name of `pmmkit.simulation.manoeuvres.catalogue.manoeuvres`; docs/simulate.md lists them
+        with their settings. Or one of your own.
     speed : float
         Approach speed through the water [m/s] at the scale of the model.
     rudder_rate_deg : float, optional
@@ -109,6 +105,8 @@ def simulate(
     ------
     DataError
         If an argument makes no sense; all of them at once.
+    UnknownNameError
+        If there is no such manoeuvre.
     MissingPartError, ExtrapolationError
         If the model lacks a part, or has no values at that speed.
     SimulationError
@@ -131,8 +129,9 @@ def simulate(
         "current_direction_deg": current_direction_deg,
         "depth": depth,
     }
+    chosen = manoeuvre_of(manoeuvre)
     check_request(
-        manoeuvre,
+        chosen,
         settings,
         around,
         speed=speed,
@@ -145,7 +144,7 @@ def simulate(
     )
     conditions = Conditions(**around) if any(around.values()) else CALM
     ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
-    plan = plan_for(manoeuvre, speed / ready.L, wind=wind_speed > 0.0, **settings)
+    plan = chosen.plan(speed / ready.L, wind=wind_speed > 0.0, **settings)
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
@@ -156,7 +155,7 @@ def simulate(
 
 
 def check_request(
-    manoeuvre: str,
+    manoeuvre: Manoeuvre,
     settings: Mapping[str, Any],
     environment: Mapping[str, float | None],
     *,
@@ -168,12 +167,9 @@ def check_request(
 
     Raises
     ------
-    UnknownNameError
-        If there is no such manoeuvre.
     DataError
-        With everything else that is wrong.
+        With everything that is wrong.
     """
-    known_manoeuvre(manoeuvre)
     found = [
         f"{name} = {value} must be positive."
         for name, value in positive.items()
@@ -183,7 +179,7 @@ def check_request(
         found.append(f"rudder_law = {rudder_law!r} is not known: ramp, lag.")
     if not 1e-13 < rtol < 0.1:
         found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
-    found += _environment_problems(environment) + _setting_problems(manoeuvre, settings)
+    found += _environment_problems(environment) + manoeuvre.problems(settings)
     if found:
         raise DataError([Problem(message=text) for text in found], title="Cannot simulate")
 
@@ -200,39 +196,6 @@ def _environment_problems(environment: Mapping[str, float | None]) -> list[str]:
         elif value <= 0 and name == "depth":
             found.append(f"depth = {value} must be positive.")
     return found
-
-
-def known_manoeuvre(name: str) -> None:
-    """Refuse a manoeuvre that there is not.
-
-    Raises
-    ------
-    UnknownNameError
-        With the names there are.
-    """
-    if name not in MANOEUVRES:
-        raise UnknownNameError(
-            f"There is no manoeuvre {name!r}; there are: {', '.join(MANOEUVRES)}."
-        )
-
-
-def plan_for(manoeuvre: str, pace: float, *, wind: bool = False, **settings: Any) -> Plan:
-    """The plan of a manoeuvre for a ship at its approach speed.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such manoeuvre.
-    """
-    known_manoeuvre(manoeuvre)
-    if wind and manoeuvre == "turning":
-        settings = {**settings, "wind": True}
-    return _planned(manoeuvre, pace, tuple(settings.items()))
-
-
-@lru_cache(maxsize=256)
-def _planned(manoeuvre: str, pace: float, settings: tuple[tuple[str, Any], ...]) -> Plan:
-    return MANOEUVRES[manoeuvre](pace, **dict(settings))
 
 
 def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: float) -> Gear:
@@ -261,7 +224,7 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
     return Gear(
         rudder_rate=math.radians(rate) if rate is not None else INSTANT,
         rudder_lag=lag,
-        turns_rate=pace / REVERSAL,
+        revolutions_rate=pace / REVERSAL,
         bucket_rate=pace / REVERSAL,
     )
 
@@ -287,7 +250,7 @@ def track_of(
     states = ready.structure.states
     channels = dict(zip(states, rows, strict=False))
     still = np.zeros(len(t))
-    metrics = {name: float(value) for name, value in plan.measure(history.answers).items()}
+    metrics = {name: float(value) for name, value in plan.metrics_of(history.results).items()}
     return Track(
         t=t,
         x=rows[0],
@@ -330,52 +293,16 @@ def _notes(history: History) -> list[str]:
             notes.append(f"The motion is not steady within {phase.longest:.4g} s.")
             break
     if plan.settles and not notes:
-        answers = history.answers
-        if math.isnan(answers.t("steady")):
+        results = history.results
+        if math.isnan(results.t("steady")):
             notes.append("The turn does not become steady: no steady diameter, drift or speed.")
-    astern = any(phase.turns < 0.0 for phase in plan.phases)
+    astern = any(phase.revolutions < 0.0 for phase in plan.phases)
     if astern and any(item.effect == "propeller" for item in history.ready.structure.used):
         notes.append(
             "The propeller astern is carried on from its open-water characteristics ahead; the "
             "effect four_quadrant_propeller describes it."
         )
     return notes
-
-
-@cache
-def settings_of(manoeuvre: str) -> tuple[str, ...]:
-    """Names of the settings of a manoeuvre."""
-    known = inspect.signature(MANOEUVRES[manoeuvre]).parameters
-    return tuple(name for name in known if name not in ("pace", "wind"))
-
-
-def _setting_problems(manoeuvre: str, settings: Mapping[str, Any]) -> list[str]:
-    own = settings_of(manoeuvre)
-    found = []
-    for name, value in settings.items():
-        if name not in own:
-            found.append(f"{manoeuvre} has no {name}; it has {', '.join(own)}.")
-        elif value is None:
-            continue
-        elif isinstance(value, bool) or not isinstance(value, (int, float)):
-            found.append(f"{name} = {value!r} must be a number.")
-        elif name == "rudder_deg":
-            if not (math.isfinite(value) and abs(value) <= 90) or (
-                value == 0 and manoeuvre != "stopping"
-            ):
-                found.append(
-                    f"rudder_deg = {value} must be an angle up to 90° to either side, not 0."
-                )
-        elif name == "turns":
-            if not math.isfinite(value):
-                found.append(f"turns = {value} must be a finite share of the revolutions.")
-        elif not (math.isfinite(value) and value > 0):
-            found.append(f"{name} = {value} must be positive.")
-        elif name == "executes" and value != int(value):
-            found.append(f"executes = {value} must be a whole number.")
-        elif name in ("shift_deg", "ease_deg") and value >= 180:
-            found.append(f"{name} = {value} must be an angle below 180°.")
-    return found
 
 
 def interval(unit: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -14,15 +14,19 @@ from pmmkit.equations import Conditions, prepare
 from pmmkit.errors import SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 _SETTLED: Final = 1e-11
+LISTED: Final = 16
+"""Steady turns that a report lists, about."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SpiralCurve:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class SpiralCurve(Described):
     """Steady turns from one side to the other.
 
     Parameters
@@ -59,6 +63,50 @@ class SpiralCurve:
 
         names = ("rudder_deg", "yaw_rate_deg_s", "drift_deg", "speed_ratio", "stable")
         return pd.DataFrame({name: getattr(self, name) for name in names})
+
+    def plot(self) -> Figure:
+        """Yaw rate over the rudder that holds it; the loop of an unstable ship is shaded."""
+        from pmmkit.plotting.histories import steady_turns
+
+        half = self.loop_width_deg / 2
+        loop = (self.neutral_deg - half, self.neutral_deg + half)
+        return steady_turns(self.rudder_deg, self.yaw_rate_deg_s, self.stable, loop)
+
+    def _headline(self) -> str:
+        loop = (
+            f"loop {self.loop_width_deg:.2f}° wide and {self.loop_height_deg_s:.3f}°/s high"
+            if self.loop_width_deg > 0
+            else "no loop"
+        )
+        return f"{self.name}: {len(self.rudder_deg)} steady turns, {loop}"
+
+    def _sections(self) -> Sequence[Section]:
+        some = self.to_pandas().iloc[:: max(len(self.stable) // LISTED, 1)]
+        rows = [
+            [
+                f"{turn.yaw_rate_deg_s:+.3f}",
+                f"{turn.rudder_deg:+.2f}",
+                f"{turn.drift_deg:+.2f}",
+                f"{turn.speed_ratio:.3f}",
+                "yes" if turn.stable else "no",
+            ]
+            for turn in some.itertuples()
+        ]
+        head = ["yaw rate [deg/s]", "rudder [deg]", "drift [deg]", "U / U0", "stays"]
+        table = Grid(head=head, groups=[Group(rows=rows)])
+        return [
+            Section(paragraphs=[self.sentence(), *([self.scale] if self.scale else [])]),
+            Section(title=f"{len(rows)} of the {len(self.stable)} steady turns", tables=[table]),
+        ]
+
+    def sentence(self) -> str:
+        """Whether there is a loop and where, in a sentence."""
+        if self.loop_width_deg > 0:
+            return (
+                f"The spiral has a loop {self.loop_width_deg:.2f}° wide and "
+                f"{self.loop_height_deg_s:.3f}°/s high about a rudder of {self.neutral_deg:+.2f}°."
+            )
+        return f"The spiral has no loop; the ship runs straight at {self.neutral_deg:+.2f}°."
 
 
 def spiral_curve(

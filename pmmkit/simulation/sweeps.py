@@ -12,6 +12,8 @@ from pmmkit.errors import DataError
 from pmmkit.metrics import unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.simulate import simulate
 
 if TYPE_CHECKING:
@@ -22,20 +24,17 @@ _UNITS: Final = {
     "depth": "m",
     "rudder_rate_deg": "deg/s",
     "rudder_lag": "s",
-    "duration": "s",
     "dt": "s",
     "revolutions": "1/s",
-    "turns": "-",
-    "executes": "-",
     "rtol": "-",
 }
-"""Units of settings; the others are speeds or angles."""
+"""Units of settings of `simulate`; the others are speeds or angles."""
 
 
 def froude_sweep(
     model: Model | str | Path,
     speeds: Sequence[float] | None = None,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     Fn: Sequence[float] | None = None,
     n: int = 0,
@@ -52,7 +51,7 @@ def froude_sweep(
     speeds : sequence of float, optional
         Approach speeds [m/s]. Without `speeds` and `Fn` the Froude numbers of the model's values
         are taken.
-    manoeuvre : str
+    manoeuvre : str or Manoeuvre
         As for `simulate`.
     Fn : sequence of float, optional
         Froude numbers instead of `speeds`.
@@ -91,20 +90,21 @@ def froude_sweep(
         raise DataError(
             f"Model {loaded.name!r} has one set of values for all speeds: say which speeds."
         )
+    sailed = manoeuvre_of(manoeuvre)
     rows = [
-        _row(loaded, manoeuvre, {"speed": float(speed), **settings}, n, spread, seed)
+        _row(loaded, sailed, {"speed": float(speed), **settings}, n, spread, seed)
         for speed in asked
     ]
     numbers = [loaded.ship.froude(float(speed), loaded.water.g) for speed in asked]
     return xr.Dataset(
-        _variables("Fn", rows),
+        _variables("Fn", rows, sailed),
         coords={
             "Fn": ("Fn", np.array(numbers)),
             "speed": ("Fn", np.array([float(speed) for speed in asked]), {"units": "m/s"}),
         },
         attrs={
             "name": loaded.name,
-            "manoeuvre": manoeuvre,
+            "manoeuvre": sailed.name,
             "scale": loaded.scale,
             **{name: x for name, x in settings.items() if isinstance(x, (int, float))},
         },
@@ -115,7 +115,7 @@ def sweep(
     model: Model | str | Path | Mapping[str, Model | str | Path],
     over: str,
     values: Sequence[float] | None = None,
-    manoeuvre: str = "turning",
+    manoeuvre: str | Manoeuvre = "turning",
     *,
     n: int = 0,
     spread: float | None = None,
@@ -133,7 +133,7 @@ def sweep(
         ``switch_deg``, ``speed`` …, or ``model``.
     values : sequence of float, optional
         Values of that setting.
-    manoeuvre : str
+    manoeuvre : str or Manoeuvre
         As for `simulate`.
     n, spread, seed
         As for `froude_sweep`.
@@ -168,23 +168,29 @@ def sweep(
         if values is None or len(values) == 0:
             raise DataError(f"Give the values of {over}.")
         cases = [(float(x), model, {**settings, over: float(x)}) for x in values]
+    sailed = manoeuvre_of(manoeuvre)
     rows, loaded = [], []
     for _, item, given in cases:
         loaded.append(item if isinstance(item, Model) else load_model(item))
-        rows.append(_row(loaded[-1], manoeuvre, given, n, spread, seed))
+        rows.append(_row(loaded[-1], sailed, given, n, spread, seed))
     return xr.Dataset(
-        _variables(over, rows),
-        coords={over: (over, np.array([label for label, _, _ in cases]), _with_unit(over))},
+        _variables(over, rows, sailed),
+        coords={over: (over, np.array([label for label, _, _ in cases]), _with_unit(over, sailed))},
         attrs={
             "name": ", ".join(dict.fromkeys(item.name for item in loaded)),
-            "manoeuvre": manoeuvre,
+            "manoeuvre": sailed.name,
             "scale": "; ".join(dict.fromkeys(item.scale for item in loaded)),
         },
     )
 
 
 def _row(
-    model: Model, manoeuvre: str, given: dict[str, Any], n: int, spread: float | None, seed: int
+    model: Model,
+    manoeuvre: Manoeuvre,
+    given: dict[str, Any],
+    n: int,
+    spread: float | None,
+    seed: int,
 ) -> dict[str, float]:
     row = dict(simulate(model, manoeuvre, **given).metrics)
     if n:
@@ -195,18 +201,21 @@ def _row(
     return row
 
 
-def _variables(over: str, rows: Sequence[Mapping[str, float]]) -> dict[str, Any]:
+def _variables(
+    over: str, rows: Sequence[Mapping[str, float]], manoeuvre: Manoeuvre
+) -> dict[str, Any]:
+    def unit(column: str) -> str:
+        plain = column.removesuffix("_low").removesuffix("_high")
+        return unit_of(plain, manoeuvre.metrics, lengths="-")
+
     return {
-        name: (over, np.array([row[name] for row in rows]), {"units": _unit(name)})
+        name: (over, np.array([row[name] for row in rows]), {"units": unit(name)})
         for name in rows[0]
     }
 
 
-def _with_unit(over: str) -> dict[str, str]:
+def _with_unit(over: str, manoeuvre: Manoeuvre) -> dict[str, str]:
     if over == "model":
         return {}
-    return {"units": _UNITS.get(over, "m/s" if "speed" in over else "deg")}
-
-
-def _unit(column: str) -> str:
-    return unit_of(column.removesuffix("_low").removesuffix("_high"), lengths="-")
+    units = _UNITS | {setting.name: setting.unit for setting in manoeuvre.settings}
+    return {"units": units.get(over, "m/s" if "speed" in over else "deg")}

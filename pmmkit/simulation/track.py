@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
+from pmmkit.errors import UnknownNameError
+from pmmkit.metrics import IN_LENGTHS, METRICS, Metric, in_lengths, unit_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, number
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
+
+    from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
     {
@@ -29,8 +37,8 @@ CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Track:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Track(Described):
     """A free-running history of the midship point, SI and radians.
 
     Parameters
@@ -124,9 +132,77 @@ class Track:
         lines = [",".join(map(repr, row)) for row in zip(*columns, strict=True)]
         return "\n".join([head, *lines]) + "\n"
 
-    def plot(self) -> Any:
-        """The first of the figures that show the manoeuvre."""
-        import importlib
+    def figures(self) -> dict[str, Figure]:
+        """The figures that show the manoeuvre, by the name of their file.
 
-        drawn = importlib.import_module("pmmkit.figures").manoeuvre(self)
-        return next(iter(drawn.values()))
+        As the manoeuvre declares: a turning circle gives ``trajectory`` and ``histories``.
+        """
+        from pmmkit.plotting.manoeuvres import manoeuvre
+
+        known = self._known()
+        return manoeuvre(self, known.drawn if known else "path")
+
+    def plot(self) -> Figure:
+        """The first of the figures that show the manoeuvre."""
+        return next(iter(self.figures().values()))
+
+    def _headline(self) -> str:
+        angle = f" {self.rudder_deg:.1f}°" if self.rudder_deg else ""
+        return (
+            f"{self.manoeuvre.replace('_', ' ')}{angle} of {self.name} at {self.speed:.2f} m/s: "
+            f"{len(self)} instants, {self.t[-1] - self.t[0]:.0f} s"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        told = [
+            f"L = {self.L:g} m, Fn {self.Fn:.3f}; {self.scale or 'no scale is stated'}",
+            *(f"{name} = {value}" for name, value in self.settings.items()),
+        ]
+        missing = [name for name in in_lengths(self.metrics) if not np.isfinite(self.metrics[name])]
+        points = [f"The track does not show: {', '.join(missing)}"] if missing else []
+        points += self.notes
+        return [
+            Section(paragraphs=told),
+            *([Section(title="Metrics", tables=[self._metrics()])] if self.metrics else []),
+            Section(title="Channels", tables=[self._channels()]),
+            *([Section(title="Notes", points=points)] if points else []),
+        ]
+
+    def _metrics(self) -> Grid:
+        known = self._known()
+        entries = known.metrics if known else METRICS
+        rows = []
+        for name, value in self.metrics.items():
+            bare = name.removesuffix(IN_LENGTHS)
+            if bare != name and bare in self.metrics:
+                continue
+            lengths = self.metrics.get(name + IN_LENGTHS)
+            beside = "" if lengths is None else f"{number(lengths)} L"
+            rows.append([name, number(value), _unit(name, entries), beside])
+        return Grid(head=["", "value", "unit", ""], groups=[Group(rows=rows)], texts=(2,))
+
+    def _channels(self) -> Grid:
+        rows = []
+        for name, (unit, text) in CHANNELS.items():
+            values = getattr(self, name)
+            ends = (values[0], values.min(), values.max(), values[-1])
+            rows.append([name, unit, *(number(x) for x in ends), text])
+        head = ["", "unit", "start", "least", "most", "end", ""]
+        return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 6))
+
+    def _known(self) -> Manoeuvre | None:
+        """The manoeuvre among those that pmmkit and other packages define."""
+        from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+
+        try:
+            return manoeuvre_of(self.manoeuvre)
+        except UnknownNameError:
+            return None
+
+
+def _unit(name: str, known: tuple[Metric, ...]) -> str:
+    """Unit of a number; empty for one that a user brings along."""
+    try:
+        return unit_of(name, known)
+    except UnknownNameError:
+        return ""

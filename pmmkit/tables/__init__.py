@@ -3,7 +3,7 @@
 from pmmkit.tables.compare import Deviation, compare, identical, worst_deviation
 from pmmkit.tables.convert import converted, to_system
 from pmmkit.tables.interpolate import interpolate
-from pmmkit.tables.io import read_table, to_latex, write_table
+from pmmkit.tables.io import is_table, read_table, to_latex, write_table
 from pmmkit.tables.table import DerivativeTable, from_values
 
 __all__ = [
@@ -14,6 +14,7 @@ __all__ = [
     "from_values",
     "identical",
     "interpolate",
+    "is_table",
     "read_table",
     "to_latex",
     "to_system",

@@ -89,6 +89,32 @@ class Advice:
     checks: Mapping[str, str]
     words: str
 
+    @property
+    def options(self) -> tuple[Option, ...]:
+        """The best run, as often as it is to be made."""
+        return tuple(item.option for item in self.runs[:1] for _ in range(item.repeats))
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit plan --json`` prints of the next run."""
+        return {
+            "words": self.words,
+            "rivals": self.rivals,
+            "wanted": self.wanted,
+            "runs": [
+                {
+                    **item.option.entry,
+                    "repeats": item.repeats,
+                    "gain": item.gain,
+                    "gains": item.gains,
+                    "resolves": item.resolves,
+                    "hours": item.hours,
+                    "words": item.words,
+                }
+                for item in self.runs
+            ],
+            "checks": self.checks,
+        }
+
     def to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, gain, hours, probability that it resolves."""
         import pandas as pd
@@ -191,7 +217,6 @@ def _apart(
 ) -> Advice:
     """Rivals of a diagnosis, as the data have made them likely."""
     sets = [likely(reduced, names) for names in rivals]
-    names = tuple(" and ".join(own) for own in rivals)
     weight = np.array(against)
     weight = weight / weight.sum()
     ahead = np.log(weight)[:, None] - np.log(weight)
@@ -200,7 +225,7 @@ def _apart(
         gains = expected_odds(columns, sets)
         return gains.min(axis=1), _resolved(gains, ahead, weight)
 
-    return _ranked(ground, reduced, names, weight, tried, most)
+    return _ranked(ground, reduced, rivals, weight, tried, most)
 
 
 def _apart_at_usual_size(
@@ -219,7 +244,7 @@ def _apart_at_usual_size(
         np.fill_diagonal(gains, np.inf)
         return gains.min(axis=1), _resolved(gains, np.zeros_like(gains), weight)
 
-    return _ranked(ground, reduced, tuple(effects), weight, tried, most)
+    return _ranked(ground, reduced, [(name,) for name in effects], weight, tried, most)
 
 
 def _resolved(gains: Array, ahead: Array, weight: Array) -> float:
@@ -233,9 +258,15 @@ def _resolved(gains: Array, ahead: Array, weight: Array) -> float:
 
 
 def _ranked(
-    ground: Ground, reduced: Reduced, names: tuple[str, ...], weight: Array, tried: Any, most: int
+    ground: Ground,
+    reduced: Reduced,
+    rivals: Sequence[Sequence[str]],
+    weight: Array,
+    tried: Any,
+    most: int,
 ) -> Advice:
     """Options by how probably they resolve, over time; repeats where no single run is worth it."""
+    names = tuple(" and ".join(own) for own in rivals)
 
     def gains_of(run: str, times: int) -> tuple[float, dict[str, float], float]:
         gains, resolves = tried(reduced.added(run, times))
@@ -260,7 +291,7 @@ def _ranked(
     single = {run: gains_of(run, 1) for run in ground.options}
     worth = [made(run, 1, found) for run, found in single.items() if found[0] >= LEAST]
     worth.sort(key=lambda item: (-item.resolves / item.hours, -item.gain))
-    wanted = tuple(dict.fromkeys(part for name in names for part in name.split(" and ")))
+    wanted = tuple(dict.fromkeys(name for own in rivals for name in own))
     checks = _checks(ground, wanted)
     if not worth:
         worth = _repeated(ground, single, gains_of, made)

@@ -7,21 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
-from pmmkit.campaigns.run import STATIC_TESTS, Campaign, Run, Settings
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.kind import TestKind
+from pmmkit.campaigns.test_kinds.registry import BUILT_IN, captive_kinds, kind_of
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.ship import Ship, Water
 
-USUAL: Final = (
-    "resistance",
-    "static_drift",
-    "pure_sway",
-    "pure_yaw",
-    "yaw_drift",
-    "static_rudder",
-    "drift_rudder",
-)
-"""Tests of every planar motion mechanism."""
-OFFERED: Final = (*USUAL, "static_heel", "sway_yaw")
 BREAKING: Final = 0.25
 """ωU/g above which waves no longer leave the model behind."""
 LENGTHS: Final = 10.0
@@ -30,21 +22,18 @@ FEWEST: Final = 3
 """Whole cycles, the first included, without which an oscillating run tells too little."""
 SPEEDS: Final = 5
 """Speeds that are offered of a campaign with more."""
-SHORT: Final = {
-    "resistance": "RE",
-    "static_drift": "SD",
-    "static_heel": "SH",
-    "static_rudder": "RS",
-    "drift_rudder": "DR",
-    "pure_sway": "PS",
-    "pure_yaw": "PY",
-    "yaw_drift": "YD",
-    "sway_yaw": "SY",
-    "yaw_rudder": "YR",
-    "pure_surge": "PU",
-    "circular_motion": "CM",
-    "propulsion": "PR",
-}
+USUAL: Final = tuple(
+    kind.name
+    for kind in sorted(BUILT_IN.values(), key=lambda kind: kind.turns_rudder)
+    if kind.usual and kind.shares is not None
+)
+"""Tests of every planar motion mechanism that are planned, those of the hull before the rudder."""
+
+
+def offered() -> tuple[str, ...]:
+    """Names of the kinds of test that can be planned: the usual ones, then others."""
+    known = [kind.name for kind in captive_kinds() if kind.shares is not None]
+    return (*USUAL, *(name for name in known if name not in USUAL))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +64,7 @@ class Option:
     def id(self) -> str:
         """A name from the settings, such as ``SD_1.5_b+06``."""
         s = self.settings
-        parts = [SHORT[self.test], f"{s.speed:.4g}"]
+        parts = [kind_of(self.test).code, f"{s.speed:.4g}"]
         for letter, angle in (("b", s.drift), ("d", s.rudder), ("h", s.heel)):
             if angle:
                 parts.append(f"{letter}{math.degrees(angle):+.3g}")
@@ -205,9 +194,9 @@ class Limits:
             raise CampaignError(wrong)
         made = replace(self, **changes)
         wrong += [
-            f"{name!r} is no test that can be planned: {', '.join(OFFERED)}."
+            f"{name!r} is no test that can be planned: {', '.join(offered())}."
             for name in made.tests
-            if name not in OFFERED
+            if name not in offered()
         ]
         if not made.speeds or min(made.speeds) <= 0:
             wrong.append("speeds must be positive, and at least one.")
@@ -268,7 +257,7 @@ def limits_of(campaign: Campaign) -> Limits:
         **{name: value for name, value in largest.items() if value > 0},
         rudder=max((abs(s.rudder) for s in every), default=0.0),
         heel=max((abs(s.heel) for s in every), default=0.0),
-        tests=(*USUAL, *(name for name in OFFERED[len(USUAL) :] if name in tests)),
+        tests=(*USUAL, *(name for name in offered()[len(USUAL) :] if name in tests)),
         propeller_rps=revolutions.pop() if len(revolutions) == 1 else None,
     )
 
@@ -292,7 +281,7 @@ def options_of(limits: Limits, ship: Ship, water: Water) -> tuple[Option, ...]:
     made: dict[str, Option] = {}
     for speed in limits.speeds:
         for test in limits.tests:
-            for given in _GRIDS[test](limits, ship, speed):
+            for given in _grid(kind_of(test), limits, ship, speed):
                 settings = Settings(speed=speed, propeller_rps=limits.propeller_rps, **given)
                 option = timed(test, settings, limits, ship)
                 if option is not None and _possible(option, limits, ship, water):
@@ -303,7 +292,7 @@ def options_of(limits: Limits, ship: Ship, water: Water) -> tuple[Option, ...]:
 def timed(test: str, settings: Settings, limits: Limits, ship: Ship) -> Option | None:
     """A run with the time it takes; None where the tank is too short for it."""
     length = limits.tank_length
-    if settings.period is None or test in STATIC_TESTS:
+    if settings.period is None or not kind_of(test).oscillates:
         record, cycles = min(LENGTHS * ship.L, length) / settings.speed, 0
     else:
         room = length / settings.speed / settings.period
@@ -325,7 +314,7 @@ def _possible(option: Option, limits: Limits, ship: Ship, water: Water) -> bool:
     if abs(s.yaw_amplitude or 0.0) > limits.yaw * 1.001:
         return False
     across = s.amplitude or 0.0
-    if s.yaw_amplitude and omega and option.test != "sway_yaw":
+    if s.yaw_amplitude and omega and not kind_of(option.test).sways:
         across = s.speed * abs(s.yaw_amplitude) / omega
     return across + 1.5 * ship.B <= limits.tank_width / 2.0
 
@@ -333,9 +322,24 @@ def _possible(option: Option, limits: Limits, ship: Ship, water: Water) -> bool:
 Given = Iterator[dict[str, Any]]
 
 
-def _straight(limits: Limits, ship: Ship, speed: float) -> Given:
-    del limits, ship, speed
-    yield {}
+def _grid(kind: TestKind, limits: Limits, ship: Ship, speed: float) -> Given:
+    """Settings of one kind of test at a speed."""
+    for swing in _swings(kind, limits, ship, speed):
+        for angles in _angles(kind, limits):
+            yield {**swing, **angles}
+
+
+def _angles(kind: TestKind, limits: Limits) -> Given:
+    """Angles that are held, the last of them to both sides: a mirrored test tells the same."""
+    found: list[dict[str, float]] = [{}]
+    for name in kind.held:
+        largest, shares = getattr(limits, name), (kind.shares or {}).get(name, ())
+        if name == kind.held[-1]:
+            values = list(_sides(largest, shares))
+        else:
+            values = [share * largest for share in shares]
+        found = [{**given, name: value} for given in found for value in values]
+    yield from found
 
 
 def _sides(largest: float, shares: Sequence[float]) -> Iterator[float]:
@@ -344,68 +348,26 @@ def _sides(largest: float, shares: Sequence[float]) -> Iterator[float]:
             yield from (share * largest, -share * largest)
 
 
-def _drift(limits: Limits, ship: Ship, speed: float) -> Given:
-    del ship, speed
-    yield from ({"drift": x} for x in _sides(limits.drift, (0.25, 0.5, 1.0)))
-
-
-def _rudder(limits: Limits, ship: Ship, speed: float) -> Given:
-    del ship, speed
-    yield from ({"rudder": x} for x in _sides(limits.rudder, (0.4, 1.0)))
-
-
-def _drift_rudder(limits: Limits, ship: Ship, speed: float) -> Given:
-    del ship, speed
-    for drift in (0.5 * limits.drift, limits.drift):
-        yield from ({"drift": drift, "rudder": x} for x in _sides(limits.rudder, (0.8,)))
-
-
-def _heel(limits: Limits, ship: Ship, speed: float) -> Given:
-    del ship, speed
-    yield from ({"heel": x} for x in _sides(limits.heel, (0.5, 1.0)))
-
-
-def _sway(limits: Limits, ship: Ship, speed: float) -> Given:
+def _swings(kind: TestKind, limits: Limits, ship: Ship, speed: float) -> Given:
+    """Periods and amplitudes of an oscillation."""
+    shares = kind.shares or {}
+    if not kind.oscillates:
+        yield {}
+        return
     for frequency in limits.frequencies:
-        omega = frequency * speed / ship.L
-        largest = min(limits.sway_velocity * speed / omega, limits.sway)
-        for share in (0.4, 0.7, 1.0):
-            yield {"period": 2 * math.pi / omega, "amplitude": share * largest}
-
-
-def _yaw(limits: Limits, ship: Ship, speed: float) -> Given:
-    for frequency in limits.frequencies:
-        largest = min(limits.yaw_rate / frequency, limits.yaw)
-        period = 2 * math.pi * ship.L / (frequency * speed)
-        for share in (0.4, 0.7, 1.0):
-            yield {"period": period, "yaw_amplitude": share * largest}
-
-
-def _yaw_drift(limits: Limits, ship: Ship, speed: float) -> Given:
-    for frequency in limits.frequencies:
-        largest = min(limits.yaw_rate / frequency, limits.yaw)
-        period = 2 * math.pi * ship.L / (frequency * speed)
-        for drift in _sides(limits.drift, (2 / 3,)):
-            yield {"period": period, "yaw_amplitude": 0.8 * largest, "drift": drift}
-
-
-def _sway_yaw(limits: Limits, ship: Ship, speed: float) -> Given:
-    """Heading lags sway by a quarter period: v is a ω + U ψ0 at its largest."""
-    for frequency in limits.frequencies:
-        yaw = min(0.7 * limits.yaw_rate / frequency, limits.yaw, 0.7 * limits.sway_velocity)
-        period = 2 * math.pi * ship.L / (frequency * speed)
-        amplitude = (limits.sway_velocity - yaw) * ship.L / frequency
-        yield {"period": period, "yaw_amplitude": yaw, "amplitude": min(amplitude, limits.sway)}
-
-
-_GRIDS: Final = {
-    "resistance": _straight,
-    "static_drift": _drift,
-    "static_rudder": _rudder,
-    "drift_rudder": _drift_rudder,
-    "static_heel": _heel,
-    "pure_sway": _sway,
-    "pure_yaw": _yaw,
-    "yaw_drift": _yaw_drift,
-    "sway_yaw": _sway_yaw,
-}
+        omega, period = frequency * speed / ship.L, 2 * math.pi * ship.L / (frequency * speed)
+        if kind.yaws and kind.sways:
+            # The heading lags sway by a quarter period: v is a ω + U ψ0 at its largest.
+            for share in shares["yaw_amplitude"]:
+                most = (share * limits.yaw_rate / frequency, share * limits.sway_velocity)
+                yaw = min(*most, limits.yaw)
+                sway = (limits.sway_velocity - yaw) * ship.L / frequency
+                yield {"period": period, "yaw_amplitude": yaw, "amplitude": min(sway, limits.sway)}
+        elif kind.yaws:
+            largest = min(limits.yaw_rate / frequency, limits.yaw)
+            for share in shares["yaw_amplitude"]:
+                yield {"period": period, "yaw_amplitude": share * largest}
+        else:
+            largest = min(limits.sway_velocity * speed / omega, limits.sway)
+            for share in shares["amplitude"]:
+                yield {"period": 2 * math.pi / omega, "amplitude": share * largest}

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.campaigns.motion.nominal import require_settings
-from pmmkit.campaigns.run import DYNAMIC_TESTS, STATIC_TESTS, Settings
+from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.ship import Ship
 from pmmkit.test_planning.options import Limits, Option, timed
@@ -159,7 +160,7 @@ def _listed(entry: Any, limits: Limits, ship: Ship) -> Option:
         for name in entry
         if name not in allowed
     ]
-    if test not in (*STATIC_TESTS, *DYNAMIC_TESTS):
+    if test not in [kind.name for kind in captive_kinds()]:
         wrong.append(f"test = {test!r} is no captive test.")
     wrong += [
         f"{name} = {entry[name]!r} is no number."

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -136,6 +136,26 @@ class Plan:
     def invisible(self) -> tuple[Sight, ...]:
         """What stays invisible, and why."""
         return tuple(item for item in self.sights if not item.shown)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit plan --json`` prints of a programme."""
+        return {
+            "hours": self.hours,
+            "made": self.made,
+            "before": self.before,
+            "steps": [
+                {
+                    **step.option.entry,
+                    "duration_h": step.option.hours,
+                    "hours": step.hours,
+                    "shown": step.shown,
+                    "visible": step.visible,
+                    "separated": step.separated,
+                }
+                for step in self.steps
+            ],
+            "effects": [asdict(item) for item in self.sights],
+        }
 
     def to_pandas(self) -> pd.DataFrame:
         """A row per run: settings as in a campaign file, hours, what becomes visible."""

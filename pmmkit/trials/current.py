@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,18 @@ class Current:
             return max(self.std)
         return math.sqrt(self.variance_along(math.radians(self.direction_deg)))
 
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return {
+            "x": self.x,
+            "y": self.y,
+            "std_x": self.std[0],
+            "std_y": self.std[1],
+            "speed": self.speed,
+            "direction_deg": self.direction_deg,
+            "origin": self.origin,
+        }
+
     def variance_along(self, heading: float) -> float:
         """Variance of the component along a heading [m²/s²]."""
         cos, sin = math.cos(heading), math.sin(heading)
@@ -59,13 +72,13 @@ class Current:
         return max(cos * cos * xx + sin * sin * yy + 2 * cos * sin * xy, 0.0)
 
 
-def mean_current(found: Sequence[Current]) -> Current | None:
+def mean_current(found: Mapping[str, Current]) -> Current | None:
     """Weighted mean of the circles' currents in north and east; their scatter counts too.
 
     Parameters
     ----------
-    found : sequence of Current
-        Of turning circles in the same axes.
+    found : mapping of str to Current
+        By run, of turning circles in the same axes.
 
     Returns
     -------
@@ -74,8 +87,8 @@ def mean_current(found: Sequence[Current]) -> Current | None:
     """
     if not found:
         return None
-    values = np.array([(item.x, item.y) for item in found])
-    information = [np.linalg.inv(_matrix(item)) for item in found]
+    values = np.array([(item.x, item.y) for item in found.values()])
+    information = [np.linalg.inv(_matrix(item)) for item in found.values()]
     covariance = np.linalg.inv(np.sum(information, axis=0))
     mean = covariance @ np.sum(
         [one @ value for one, value in zip(information, values, strict=True)], axis=0
@@ -83,12 +96,11 @@ def mean_current(found: Sequence[Current]) -> Current | None:
     if len(found) > 1:
         rest = values - mean
         covariance = covariance + rest.T @ rest / len(found)
-    ids = ", ".join(item.origin.rpartition(" ")[2] for item in found)
     return Current(
         x=float(mean[0]),
         y=float(mean[1]),
         covariance=(float(covariance[0, 0]), float(covariance[1, 1]), float(covariance[0, 1])),
-        origin=f"turning circle{'s' if len(found) > 1 else ''} {ids}",
+        origin=f"turning circle{'s' if len(found) > 1 else ''} {', '.join(found)}",
     )
 
 

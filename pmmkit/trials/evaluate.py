@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.errors import DataError, Problem
 from pmmkit.trials.circle import Circle, fit_circle
 from pmmkit.trials.current import Current, mean_current
@@ -21,7 +22,7 @@ from pmmkit.trials.surroundings import noise_of, true_wind
 from pmmkit.trials.table import Trial
 from pmmkit.trials.verdicts import conditions_of, verdicts_of
 
-JUDGED: Final = ("turning", "zigzag", "stopping")
+JUDGED: Final = (TURNING.name, ZIGZAG.name, STOPPING.name)
 """Tests that are evaluated."""
 SPEEDS_DIFFER: Final = 0.05
 
@@ -89,7 +90,7 @@ def evaluate_trials(
     problems: list[Problem] = []
     for run in wanted:
         asked = not runs or run.id in runs
-        if not asked and run.test != "turning":
+        if not asked and run.kind_of_test is not TURNING:
             continue
         try:
             parts.append(_part(run, campaign, given.get(run.id)))
@@ -100,7 +101,7 @@ def evaluate_trials(
         raise DataError(problems, title="The trial cannot be evaluated")
     known = None if current is None else Current(x=current[0], y=current[1], origin="as given")
     common = known or mean_current(
-        [part.circle.current for part in parts if part.circle and part.record.north]
+        {part.run.id: part.circle.current for part in parts if part.circle and part.record.north}
     )
     circles = [part.circle for part in parts if part.circle]
     return tuple(
@@ -148,7 +149,7 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
     notes = list(record.notes)
     orders = _orders(run, record, given, notes)
     circle = None
-    if run.test == "turning":
+    if run.kind_of_test is TURNING:
         delta = record.others.get("delta")
         end = float(record.t[-1]) if delta is None else held_until(record.t, delta, orders[0])
         inside = (record.t >= orders[0].t) & (record.t <= end)
@@ -166,9 +167,9 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
 
 
 def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
-    channel = record.others.get("n" if run.test == "stopping" else "delta")
+    channel = record.others.get("n" if run.kind_of_test is STOPPING else "delta")
     rounding = record.step / math.sqrt(12.0)
-    if run.test == "stopping":
+    if run.kind_of_test is STOPPING:
         if given is not None:
             return [Order(given, rounding, 0.0)]
         if channel is None:
@@ -179,20 +180,20 @@ def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> 
         return [astern_order(record.t, channel)]
     nominal = run.settings.rudder
     if channel is None:
-        if given is None or run.test == "zigzag":
+        if given is None or run.kind_of_test is ZIGZAG:
             raise DataError(
                 "The record has no rudder angle (column delta), so the orders do not show. "
-                + ("Add the column." if run.test == "zigzag" else "Give order under [trial].")
+                + ("Add the column." if run.kind_of_test is ZIGZAG else "Give order under [trial].")
             )
         return [Order(given, rounding, nominal)]
     if given is None:
-        orders = rudder_orders(record.t, channel, nominal, single=run.test == "turning")
+        orders = rudder_orders(record.t, channel, nominal, single=run.kind_of_test is TURNING)
     else:
         late = record.t >= given - 1e-9
         held = channel[late][np.abs(channel[late]) > 0.6 * abs(nominal)]
         level = float(np.median(held)) if len(held) else nominal
         orders = [Order(given, rounding, level)]
-        if run.test == "zigzag":
+        if run.kind_of_test is ZIGZAG:
             orders = rudder_orders(record.t, channel, nominal)
             orders[0] = replace(orders[0], t=given, std=rounding)
     if nominal and orders[0].level * nominal < 0:
@@ -200,7 +201,7 @@ def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> 
     turned = np.interp(orders[0].t + np.array([0.0, 60.0]), record.t, record.psi)
     later = record.psi[record.t > orders[0].t]
     swing = later[np.argmax(np.abs(later - turned[0]))] - turned[0] if len(later) else 0.0
-    if run.test == "turning" and swing * orders[0].level < 0:
+    if run.kind_of_test is TURNING and swing * orders[0].level < 0:
         raise DataError(
             "The ship turns against the rudder: a positive rudder must turn her to starboard. "
             'Say rudder_positive = "port" under [campaign], or turn psi.'
@@ -242,9 +243,9 @@ def _trial(
         )
     level = math.degrees(part.orders[0].level)
     switch = run.settings.switch if run.settings.switch is not None else run.settings.rudder
-    if run.test == "turning":
+    if run.kind_of_test is TURNING:
         found = of_turning(path, part.orders[0], part.circle, notes)
-    elif run.test == "zigzag":
+    elif run.kind_of_test is ZIGZAG:
         found, _ = of_zigzag(path, part.orders, abs(switch), notes)
     else:
         found = of_stopping(path, part.orders[0], notes)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -135,6 +135,34 @@ class Trial:
         import pandas as pd
 
         return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit trial --json`` prints of a run."""
+        return {
+            "run": self.run,
+            "test": self.test,
+            "L": self.L,
+            "speed": self.speed,
+            "speed_std": self.speed_std,
+            "heading_deg": self.heading_deg,
+            "rudder_deg": self.rudder_deg,
+            "order": self.order,
+            "orders": list(self.orders),
+            "metrics": dict(self.metrics),
+            "std": dict(self.std),
+            "current": None if self.current is None else self.current.to_dict(),
+            "wind": None if self.wind is None else asdict(self.wind),
+            "noise": asdict(self.noise),
+            "imo": [asdict(verdict) for verdict in self.verdicts],
+            "notes": list(self.notes),
+        }
+
+    def path(self) -> pd.DataFrame:
+        """The path, the heading and the rudder over time."""
+        import pandas as pd
+
+        names = ("t", "x", "y", "psi", "x_ground", "y_ground", "delta")
+        return pd.DataFrame({name: getattr(self, name) for name in names})
 
 
 class Measures:

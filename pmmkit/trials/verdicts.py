@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.simulation.imo import LARGE, SHORTEST, Verdict, judge, turning_conditions
 
@@ -57,12 +59,15 @@ def verdicts_of(
     size = abs(rudder_deg)
     asked = [pair for pair in criteria() if _applies(pair[1], test, size, switch_deg)]
     own_first = sorted(asked, key=lambda pair: pair[1].manoeuvre != test)
-    if test == "turning":
+    kind = kind_of(test)
+    if kind is TURNING:
         conditions = turning_conditions(rudder_deg, conditions, ".1f")
-    elif test == "stopping":
+    elif kind is STOPPING:
         conditions += (LARGE,)
-    words = {"turning": f"turning {size:.0f}°", "zigzag": f"zigzag {size:.0f}/{switch_deg:.0f}"}
-    to = "" if test == "stopping" else f", to {'starboard' if rudder_deg > 0 else 'port'}"
+    words = kind.title
+    if kind.turns_rudder:
+        words += f" {size:.0f}" + (f"/{switch_deg:.0f}" if kind.switches else "°")
+        words += f", to {'starboard' if rudder_deg > 0 else 'port'}"
     found = []
     for metric, criterion in own_first:
         verdict = judge(
@@ -72,7 +77,7 @@ def verdicts_of(
             L=L,
             speed=speed,
             scale=f"as measured, L = {L:.4g} m",
-            manoeuvre=words.get(test, test) + to,
+            manoeuvre=words,
             conditions=conditions,
         )
         spread = std.get(verdict.metric, math.nan)
@@ -87,7 +92,7 @@ def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> b
     """Whether a run is the test of a criterion: the manoeuvre, and its angles within reach."""
     if test not in (criterion.manoeuvre, *criterion.shown_by):
         return False
-    if test != "zigzag":
+    if not kind_of(test).switches:
         return True
     settings = criterion.settings
     heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))

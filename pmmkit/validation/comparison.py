@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
@@ -27,9 +28,8 @@ from pmmkit.validation.misfit import (
     conditions,
     order_words,
     standouts_of,
-    words_of_test,
 )
-from pmmkit.validation.uncertainty import SHARES, rms_of
+from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,6 +105,23 @@ class Comparison:
         import pandas as pd
 
         return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data: what ``pmmkit compare --json`` prints."""
+        return {
+            "campaign": self.campaign,
+            "model": self.model,
+            "kind": self.kind,
+            "floor": self.floor,
+            "coverage_factor": COVERAGE,
+            "runs": self.rows(),
+            "misfit": self.misfit().to_dict("records"),
+            "standouts": [{"text": str(item), **asdict(item)} for item in self.outstanding()]
+            if self.captive
+            else [{"text": text} for text in self.standouts()],
+            "manoeuvres": [row for item in self.manoeuvres for row in item.rows()],
+            "notes": list(self.notes),
+        }
 
     def harmonics(self) -> pd.DataFrame:
         """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,
@@ -376,7 +393,7 @@ def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
         for row in loud.sort_values("ratio", ascending=False).to_dict("records")
     ]
     return [
-        f"{row['channel']}, {words_of_test(row['test'])}, {row['speed']:.3g} m/s: "
+        f"{row['channel']}, {kind_of(row['test']).title}, {row['speed']:.3g} m/s: "
         f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the measured "
         f"force"
         for row in rows
@@ -397,7 +414,7 @@ def _measure_sentences(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
             continue
         share = 100.0 * float(np.mean([row["relative"] for row in rows]))
         sentences.append(
-            f"{measure.removesuffix('_deg').replace('_', ' ')}, {words_of_test(test)}, "
+            f"{measure.removesuffix('_deg').replace('_', ' ')}, {kind_of(test).title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
             f"run{'s' if len(rows) > 1 else ''}: simulated {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"

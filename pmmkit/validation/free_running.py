@@ -298,9 +298,9 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
     settings = run.settings
     trial = evaluate(run, campaign)
     asked: dict[str, Any] = {}
-    if run.test in ("turning", "zigzag"):
+    if run.kind_of_test.turns_rudder:
         asked["rudder_deg"] = math.degrees(settings.rudder)
-    if run.test == "zigzag":
+    if run.kind_of_test.switches:
         switch = settings.rudder if settings.switch is None else settings.switch
         asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
     rate = campaign.rudder.get("rate_deg_s")

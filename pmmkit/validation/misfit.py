@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.numerics import Array, rms
 from pmmkit.validation.captive import CaptiveRun
 
@@ -27,12 +28,6 @@ MOST_LISTED: Final = 3
 """Speeds that a sentence lists; of more it gives the number."""
 THREE: Final = 3
 """Speeds that it takes to tell a power of the speed; of two no more is said than that it grows."""
-TESTS: Final[Mapping[str, str]] = {
-    "yaw_drift": "yaw with drift",
-    "yaw_rudder": "yaw with rudder",
-    "sway_yaw": "sway with yaw",
-    "drift_rudder": "drift with rudder",
-}
 ORDERS: Final = ("mean", "first", "second", "third", "fourth", "fifth", "sixth", "seventh")
 POWERS: Final = {1: "", 2: " squared", 3: " cubed"}
 
@@ -121,7 +116,7 @@ class Standout:
 
     def __str__(self) -> str:
         text = (
-            f"{self.channel}, {words_of_test(self.test)}, {order_words(self.harmonic)}, "
+            f"{self.channel}, {kind_of(self.test).title}, {order_words(self.harmonic)}, "
             f"{self.where}: {_times(self.ratio)} the uncertainty"
         )
         if not self.known:
@@ -141,17 +136,6 @@ def _listed(words: Sequence[str]) -> str:
 
 def _times(ratio: float) -> str:
     return f"{ratio:.0f} times" if ratio >= 3.0 else f"{ratio:.1f} times"
-
-
-def words_of_test(test: str) -> str:
-    """A kind of test for a sentence.
-
-    Examples
-    --------
-    >>> words_of_test("yaw_drift"), words_of_test("pure_sway")
-    ('yaw with drift', 'pure sway')
-    """
-    return TESTS.get(test, test.replace("_", " "))
 
 
 def order_words(harmonic: int) -> str:

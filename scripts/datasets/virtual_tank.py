@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run, Settings
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.ship import Ship, Water
 
 SHIP = Ship(

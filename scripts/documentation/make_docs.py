@@ -1,4 +1,4 @@
-"""Write what docs/ takes from the program: effects.md, checks.md and the README's pictures.
+"""Write what docs/ takes from the program: effects, checks, rooms and the README's pictures.
 
     python -m scripts.documentation.make_docs [--check]
 
@@ -17,11 +17,12 @@ from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.figures import trajectory
 from pmmkit.figures.derivatives import derivatives_over_froude
-from pmmkit.figures.turns import trajectory
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
+from scripts.documentation import rooms
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -43,13 +44,13 @@ Coefficients are those of the prime system with the speed of the instant, Coriol
 SECTIONS = {
     "Parts of a model": lambda effect: effect.enters and not effect.coefficients,
     "Effects that a diagnosis looks for": lambda effect: (
-        effect.kind != "observation" and bool(effect.coefficients)
+        not effect.faulty and bool(effect.coefficients or effect.moves)
     ),
-    "Faults of a measurement": lambda effect: effect.kind == "observation",
+    "Faults of a measurement": lambda effect: effect.faulty,
 }
 KINDS = {
     "terms": "derivatives of the hull polynomial (of the rudder's where there is one)",
-    "observation": "fault of a measurement, never part of a model",
+    "fault": "fault of a measurement, never part of a model",
 }
 
 CHECKS_HEAD = """\
@@ -147,7 +148,11 @@ def effects_page() -> str:
 
 def pages() -> dict[str, str]:
     checks = "\n".join(f"| {check.name} | {check.description} |" for check in CHECKS)
-    return {"effects.md": effects_page(), "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}"}
+    return {
+        "effects.md": effects_page(),
+        "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
+        "architecture.md": rooms.page(),
+    }
 
 
 def pictures() -> None:

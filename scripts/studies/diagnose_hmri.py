@@ -43,7 +43,7 @@ def followed(session: Session) -> tuple[Session, list[str]]:
                 for name, value in item.coefficients.items()
             )
             said.append(f"  {item.effect}, {item.evidence}: {values}")
-            session = session.add(item.effect, item.evidence)
+            session = session.add(item)
     return session, said
 
 

@@ -29,7 +29,7 @@ from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
 from pmmkit.models import Model
 from pmmkit.plotting import style
-from pmmkit.simulation.manoeuvres import zigzag
+from pmmkit.simulation import manoeuvre_of
 from pmmkit.simulation.run import run_plan
 from pmmkit.simulation.simulate import RTOL, gear_of, track_of
 from scripts.studies.diagnose_esso_osaka import told
@@ -79,7 +79,7 @@ def as_executed(run: Run, model: Model) -> list[float]:
     count = min(len(levels), 3)
     speed = run.settings.speed
     ready = prepare(model, speed)
-    plan = zigzag(
+    plan = manoeuvre_of("zigzag").plan(
         speed / ready.L,
         rudder_deg=math.degrees(run.settings.rudder),
         switch_deg=abs(math.degrees(run.settings.switch or 0.0)),

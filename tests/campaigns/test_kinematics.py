@@ -18,12 +18,15 @@ from pmmkit.campaigns.motion.kinematics import (
     move_motion,
     nominal_motion,
 )
-from pmmkit.campaigns.run import DYNAMIC_TESTS, Run, Settings
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError
 
 UC, PERIOD, SWAY, YAW, DRIFT, PHASE = 1.5, 12.0, 0.35, 0.3, 0.12, 0.7
 OMEGA = 2 * math.pi / PERIOD
+OSCILLATING = [kind.name for kind in captive_kinds() if kind.oscillates]
 
 
 def run_of(test: str, **changes: object) -> Run:
@@ -56,7 +59,7 @@ def path(test: str, t: np.ndarray, drift: float) -> tuple[np.ndarray, np.ndarray
 
 
 @pytest.mark.parametrize("drift", [0.0, DRIFT, -0.4])
-@pytest.mark.parametrize("test", DYNAMIC_TESTS)
+@pytest.mark.parametrize("test", OSCILLATING)
 def test_velocities_are_the_derivatives_of_the_path(test: str, drift: float) -> None:
     t = np.linspace(0.0, 15.0, 15001)
     x, y, psi = path(test, t, drift)
@@ -145,7 +148,7 @@ def test_a_stated_yaw_rate_counts_before_the_radius() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(
-    test=st.sampled_from(DYNAMIC_TESTS),
+    test=st.sampled_from(OSCILLATING),
     speed=st.floats(0.1, 12),
     period=st.floats(2, 60),
     sway=st.floats(0.01, 3),
@@ -186,7 +189,7 @@ def uneven(cycles: float = 3.3, n: int = 500, start: float = 2.1) -> np.ndarray:
 
 
 @pytest.mark.parametrize("drift", [0.0, DRIFT])
-@pytest.mark.parametrize("test", DYNAMIC_TESTS)
+@pytest.mark.parametrize("test", OSCILLATING)
 def test_measured_velocities_are_differentiated_through_their_series(test, drift) -> None:
     """A yaw motion of small angle is a short series; six harmonics leave next to nothing."""
     run, t = run_of(test, drift=drift, yaw_amplitude=0.1), uneven()

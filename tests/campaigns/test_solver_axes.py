@@ -20,8 +20,8 @@ from scipy.integrate import solve_ivp
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.motion.hull_path import set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
-from pmmkit.campaigns.run import Settings
 from pmmkit.campaigns.samples.loading import file_hashes
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import CampaignError
 from scripts.datasets.campaign_text import S175
 

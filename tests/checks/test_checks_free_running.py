@@ -10,8 +10,9 @@ import pytest
 import xarray as xr
 from checks_programme import SHIP, campaign_of, run_of
 
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.segments import usable
+from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import examine
 from pmmkit.errors import CampaignError
 

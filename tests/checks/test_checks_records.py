@@ -10,7 +10,8 @@ import xarray as xr
 from checks_programme import campaign_of, hash_of, programme, run_of
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import examine
 from pmmkit.checks.track import rate_facts, velocity_facts
 from pmmkit.errors import CampaignError, Problem

@@ -71,7 +71,7 @@ def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
     def diverges(*_, **__):
         raise SimulationError("it grows without bound")
 
-    monkeypatch.setattr("pmmkit.cli.reducing.simulate", diverges)
+    monkeypatch.setattr("pmmkit.report.turning.simulate", diverges)
     arguments = ["--parts", "s175-3dof", "--out", tmp_path / "r"]
     status, content, words = said(capsys, "reduce", campaign, *arguments)
     assert status == 0
@@ -405,7 +405,7 @@ def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monke
             raise KeyboardInterrupt
         os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr("pmmkit.cli.results.write_report", interrupted)
+    monkeypatch.setattr("pmmkit.report.results.write_report", interrupted)
     before = tmp_path / "r"
     before.mkdir()
     (before / "derivatives.csv").write_text("mine")

@@ -12,13 +12,13 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.cli import main
-from pmmkit.cli.identifying_input import known_before, parameters_of
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.figures import identification as drawings
 from pmmkit.figures import save
 from pmmkit.identification.comparing import compare_methods, predicted_window
 from pmmkit.identification.consistency import autocorrelation, consistency, innovation_tests
 from pmmkit.identification.filters import Innovations
+from pmmkit.identification.known import known_before, parameters_of
 from pmmkit.identification.methods import METHODS
 from pmmkit.identification.predict import reference
 from pmmkit.identification.record import FreeRecord

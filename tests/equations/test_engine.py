@@ -25,9 +25,8 @@ from pmmkit.errors import MissingPartError, ModelError
 from pmmkit.identification import ForceRecord, fit_to_forces
 from pmmkit.models import Part, load_model, model_text, save_model
 from pmmkit.ship_library import ships
-from pmmkit.simulation import monte_carlo, sensitivities, simulate, sobol
+from pmmkit.simulation import manoeuvre_of, monte_carlo, sensitivities, simulate, sobol
 from pmmkit.simulation.ensemble import batch_of, spread_of
-from pmmkit.simulation.manoeuvres import turning, zigzag
 from pmmkit.simulation.run import Gear, run_plan
 
 TANKER = load_model("kvlcc2-l7")
@@ -85,7 +84,7 @@ def test_the_error_falls_with_the_tolerance():
 
 def test_a_phase_ends_where_its_event_is():
     ready = prepare(TANKER, SPEED)
-    plan = zigzag(SPEED / ready.L)
+    plan = manoeuvre_of("zigzag").plan(SPEED / ready.L)
     history = run_plan(ready, plan, Gear(rudder_rate=0.2), rtol=1e-8, fast=False)
     switch = math.radians(10.0)
     for i, begin in enumerate(history.begins[1:], start=1):
@@ -96,7 +95,9 @@ def test_a_phase_ends_where_its_event_is():
 
 def test_the_dense_output_is_continuous():
     ready = prepare(TANKER, SPEED)
-    history = run_plan(ready, turning(SPEED / 7), Gear(rudder_rate=0.2), rtol=1e-6, fast=False)
+    history = run_plan(
+        ready, manoeuvre_of("turning").plan(SPEED / 7), Gear(rudder_rate=0.2), rtol=1e-6, fast=False
+    )
     stride = 2 + 5 * 6
     for step in range(1, history.kept):
         t = history.steps[stride * step]
@@ -293,7 +294,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
         brake = fit_to_forces(again, [towed_with_a_brake(0.037)], ["sea_anchor.brake"])
         assert brake.values[0] == pytest.approx(0.037, rel=1e-6)
         assert brake.model.values("sea_anchor") == {"brake": brake.values[0]}
-        from pmmkit.cli.tasks import effects
+        from pmmkit.cli.commands.effects import effects
         from scripts.documentation.make_docs import effect_page
 
         assert any(item["name"] == "sea_anchor" for item in effects().content["effects"])

@@ -9,7 +9,10 @@ from pathlib import Path
 import pytest
 
 from pmmkit.bibliography import ITSELF, bibliography, bibtex, cite, reference
+from pmmkit.empirical import METHODS, RUDDER_SOURCES, estimate
 from pmmkit.errors import UnknownNameError
+from pmmkit.models import estimated_model, load_model
+from pmmkit.ship_library import load_ship, ships
 
 ROOT = Path(__file__).parents[2]
 TEXTS = {
@@ -118,3 +121,27 @@ def test_pmmkit_is_cited_as_its_own_file_asks():
 def test_an_unknown_key_says_what_there_is():
     with pytest.raises(UnknownNameError, match="abkowitz_1964"):
         cite("abkowitz64")
+
+
+@pytest.mark.parametrize("ship", ships())
+def test_every_part_of_a_library_ship_has_its_source_by_key(ship):
+    for part in load_model(ship).parts.values():
+        assert part.source.startswith(f"library: {cite(part.references[0])}")
+        assert all(key in bibliography() for key in part.references)
+
+
+def test_estimates_have_their_sources_by_key():
+    for name in METHODS:
+        found = estimate(load_ship("kcs"), name)
+        assert found.source.startswith(cite(found.sources[0]))
+    assert all(key in bibliography() for key in RUDDER_SOURCES)
+    model = estimated_model(
+        load_ship("kcs"), "kijima", speed=10.0, propeller_diameter=7.9, rudder_area=55.0
+    )
+    assert {key for part in model.parts.values() for key in part.references} == {
+        "kijima_1990",
+        "yoshimura_masumoto_2012",
+        "zhou_1983",
+        "ittc_1957",
+        *RUDDER_SOURCES,
+    }

@@ -10,7 +10,8 @@ import pytest
 import xarray as xr
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import DataError
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord, rate_limited

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 from itertools import pairwise
 from types import MappingProxyType
@@ -15,7 +16,7 @@ from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.effects.grammar import own_effect
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.loop.session import begin, fit, replay, undone
-from pmmkit.models import load_model, save_model
+from pmmkit.models import load_model, model_text, save_model
 from pmmkit.ship_library import datasets_folder
 from pmmkit.simulation.simulate import simulate
 
@@ -95,6 +96,52 @@ def test_a_model_is_written_read_and_its_last_step_taken_back(session, tmp_path)
         undone(first)
 
 
+def test_the_steps_hold_what_the_fit_says_as_numbers(session):
+    found = session.diagnose()
+    finding = next(item for item in found.findings if item.effect == "memory")
+    made = session.add("fault_misalignment").add(finding, "seen in sway").model()
+    fault, memory = made.steps
+    assert (fault.action, memory.action) == ("fault_corrected", "effect_added")
+    assert fault.faults == memory.faults == ("fault_misalignment",)
+    assert list(fault.coefficients) == ["turned [deg]"]
+    assert fault.before is None
+    assert memory.log_odds == finding.log_odds
+    part = made.parts["memory"].values
+    assert memory.coefficients == {name: part[name] for name in ("Yv_late", "Nv_late")}
+    assert memory.value == part["lag"]
+    assert memory.error_before == fault.error_after
+    assert memory.error_after < memory.error_before
+    base = sum(map(len, session.system.base.names.values()))
+    assert memory.count == base + 1 + 3, "one of the fault, two and the lag of the memory"
+    assert memory.campaign == "hidden effects, full"
+    assert len(memory.Fn) == 3
+
+
+def test_odds_without_a_remark_are_said_in_the_sentence(session):
+    finding = next(item for item in session.diagnose().findings if item.effect == "memory")
+    (step,) = session.add(finding).model().steps
+    assert str(step).startswith(f"Added memory ({finding.evidence}): error")
+
+
+@pytest.mark.parametrize("effect", ["yaw_sway_coupling", "froude_linear", "memory"])
+def test_an_undone_step_leaves_the_base_to_be_fitted_again(session, bare, effect, tmp_path):
+    """Nvvr was in the base before the effect that has it too: it stays."""
+    hull = bare.parts["hull_polynomial"]
+    values = MappingProxyType({**hull.values, "Nvvr": -0.03})
+    old = bare.with_(
+        parts=MappingProxyType({**bare.parts, "hull_polynomial": replace(hull, values=values)})
+    )
+    before = begin(old, session.campaign)
+    save_model(before.add(effect).model(), tmp_path / "made.toml")
+    back, name = undone(load_model(tmp_path / "made.toml"))
+    assert name == effect
+    assert back.steps == ()
+    assert back.Fn == ()
+    again, first = (begin(x, session.campaign).model() for x in (back, old))
+    one, other = (tomllib.loads(model_text(x)) for x in (again, first))
+    assert one == other
+
+
 def test_a_fault_found_before_is_known_in_the_next_session(session):
     made = session.add("fault_misalignment").model()
     later = begin(made, session.campaign)
@@ -125,6 +172,10 @@ def test_steps_are_saved_and_replayed(session, bare, tmp_path):
     again = replay(tmp_path / "steps.toml", bare, session.campaign)
     assert again.steps == made.steps
     assert again.floor == made.floor
+    found = next(item for item in session.diagnose().findings if item.effect == "memory")
+    session.add(found).save(tmp_path / "found.toml")
+    (step,) = replay(tmp_path / "found.toml", bare, session.campaign).steps
+    assert step.log_odds == found.log_odds
     np.testing.assert_array_equal(again.fall().errors[-1].error, made.fall().errors[-1].error)
 
 
@@ -137,6 +188,9 @@ def test_steps_are_saved_and_replayed(session, bare, tmp_path):
         "[session]\nfloor = 'a'\neffects = []\nwhy = []\n",
         "[session]\nfloor = 0.01\neffects = ['memory']\nwhy = []\n",
         "[session]\nfloor = 0.01\neffects = [1]\nwhy = ['']\n",
+        "[session]\nfloor = 0.01\n[[steps]]\naction = 'fitted'\n",
+        "[session]\nfloor = 0.01\n[[steps]]\naction = 'effect_added'\n",
+        "[session]\nfloor = 0.01\n[[steps]]\naction = 'effect_added'\neffect = 3\n",
     ],
 )
 def test_a_damaged_file_of_steps_is_refused(session, text, tmp_path):

@@ -14,7 +14,8 @@ import pytest
 import xarray as xr
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign, Run, Settings, TypeB
+from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import MissingPartError
 from pmmkit.reduction import contributions, reduce_campaign
 from pmmkit.reduction.parts import hull_alone, parts_of

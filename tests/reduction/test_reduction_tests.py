@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run, Settings
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.reduction import reduce_campaign
 from pmmkit.ship import Water
 from scripts.datasets.virtual_tank import SHIP, SON_NOMOTO, WATER, captive, history, water_forces

@@ -254,7 +254,7 @@ def test_a_file_is_there_whole_or_not_at_all_however_saving_is_killed(tmp_path):
 def test_the_command_keeps_beside_its_output_and_clears_away(
     folder, tmp_path, at_once, capsys, monkeypatch
 ):
-    from pmmkit.cli import main, reducing
+    from pmmkit.cli import main
 
     out = tmp_path / "out"
     kept = resume.resume_folder(out)
@@ -265,7 +265,7 @@ def test_the_command_keeps_beside_its_output_and_clears_away(
         written.append(found)
         return []
 
-    monkeypatch.setattr(reducing, "write_reduction", write)
+    monkeypatch.setattr("pmmkit.report.results.write_reduction", write)
     reduced(folder, jobs=1, resume=kept)
     arguments = ["reduce", str(folder), "--structure", "cubic", "--out", str(out), "--jobs", "1"]
     assert main(arguments) == 0

@@ -24,8 +24,8 @@ from pmmkit.errors import (
 )
 from pmmkit.models import load_model, scaled, to_model
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
-from pmmkit.simulation.manoeuvres import turning
-from pmmkit.simulation.plan import Answers
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+from pmmkit.simulation.plan import ProbeResults
 from pmmkit.simulation.run import Gear, run_plan
 from pmmkit.tables import from_values
 
@@ -271,11 +271,11 @@ def test_metrics_of_a_true_circle(monkeypatch, side):
         out[:] = [speed * math.cos(way), speed * math.sin(way), side * turn, 0.0, 0.0, 0.0]
 
     monkeypatch.setattr(ready.functions(), "rates", rates)
-    plan = turning(speed / ready.L, rudder_deg=side * 35.0)
-    found = plan.measure(
+    plan = manoeuvre_of("turning").plan(speed / ready.L, rudder_deg=side * 35.0)
+    found = plan.metrics_of(
         run_plan(
             ready, plan, Gear(rudder_rate=0.1), rtol=1e-11, fast=False, revolutions=1.0
-        ).answers
+        ).results
     )
     R = speed / turn
     assert found["advance"] == pytest.approx(R * (math.cos(drift) + math.sin(drift)), rel=1e-9)
@@ -289,16 +289,16 @@ def test_metrics_of_a_true_circle(monkeypatch, side):
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_metrics_of_a_steady_turn(side):
     drift, turn = 0.2, 0.02
-    plan = turning(0.05, rudder_deg=side * 35.0)
+    plan = manoeuvre_of("turning").plan(0.05, rudder_deg=side * 35.0)
     state = [0.0, 0.0, 0.0, 8 * math.cos(drift), -side * 8 * math.sin(drift), side * turn]
-    answers = Answers(
+    results = ProbeResults(
         places=plan.places,
         states=("x", "y", "psi", "u", "v", "r"),
         values=[[1.0, *state] for _ in plan.probes],
         speed=10.0,
         L=100.0,
     )
-    found = plan.measure(answers)
+    found = plan.metrics_of(results)
     assert found["steady_diameter"] == pytest.approx(2 * 8.0 / turn, rel=1e-12)
     assert found["steady_drift_deg"] == pytest.approx(math.degrees(drift), rel=1e-12)
     assert found["speed_ratio"] == pytest.approx(0.8, rel=1e-12)

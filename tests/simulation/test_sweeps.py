@@ -11,7 +11,7 @@ import pytest
 from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model, save_model, scaled
 from pmmkit.simulation import froude_sweep, monte_carlo, simulate
-from pmmkit.simulation.manoeuvres import MANOEUVRES
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 from pmmkit.simulation.sweeps import sweep
 
 CONTAINER = load_model("s175-3dof")
@@ -171,7 +171,7 @@ FROUDE = {"m": 1.0, "s": 0.5, "m/s": 0.5, "deg/s": -0.5, "deg": 0.0, "-": 0.0}
 """Power of the scale by which a quantity of each unit grows at one Froude number."""
 
 
-@pytest.mark.parametrize("manoeuvre", MANOEUVRES)
+@pytest.mark.parametrize("manoeuvre", manoeuvres())
 def test_units_of_the_metrics_are_those_by_which_they_scale(manoeuvre):
     """A ship 25 times the model: metres times 25, seconds times 5, angles the same (Froude)."""
     small, large = (

@@ -13,7 +13,8 @@ import numpy as np
 import xarray as xr
 
 from pmmkit.campaigns.motion.kinematics import nominal_motion
-from pmmkit.campaigns.run import Campaign, Run, Settings
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.ship import Ship, Water
 
 SHIP = Ship(

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from types import SimpleNamespace
 from unittest import mock
 
-from pmmkit import readers
+from pmmkit import plugins, readers
 from pmmkit.readers import Reader
 
 
@@ -21,6 +21,6 @@ def installed(*classes: type[Reader]) -> Iterator[None]:
         for one in classes
     ]
     readers.readers.cache_clear()
-    with mock.patch.object(readers, "entry_points", return_value=entries):
+    with mock.patch.object(plugins, "entry_points", return_value=entries):
         yield
     readers.readers.cache_clear()

@@ -14,7 +14,7 @@ from hidden_effects import SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
 
 from pmmkit.campaigns.file.schema import RunEntry
-from pmmkit.campaigns.run import Settings
+from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis import captive_candidates, diagnose_captive

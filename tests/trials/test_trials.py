@@ -16,6 +16,7 @@ from pmmkit.campaigns.samples.geodesy import geographic, local_metres
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.trials import evaluate, evaluate_trials, fit_circle
+from pmmkit.trials.current import Current, mean_current
 from pmmkit.trials.orders import rudder_orders
 
 A, F = 6378137.0, 1 / 298.257223563
@@ -725,3 +726,9 @@ def test_figures_show_both_paths(many):
             assert axis.get_aspect() == 1.0
     alone = replace(many[0][0], current=None)
     assert "current removed" not in trial_figure(alone).axes[0].get_legend_handles_labels()[1]
+
+
+def test_a_mean_current_names_its_runs_in_full():
+    one = Current(x=1.0, y=0.0, covariance=(0.01, 0.01, 0.0))
+    assert mean_current({"TC 1": one, "TC 2": one}).origin == "turning circles TC 1, TC 2"
+    assert mean_current({"TC 1": one}).origin == "turning circle TC 1"

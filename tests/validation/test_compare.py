@@ -12,7 +12,8 @@ import xarray as xr
 from hidden_effects import hidden_campaign
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run, Settings, TypeB
+from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
 from pmmkit.loop.session import begin

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import DYNAMIC_TESTS, FREE_TESTS, Correction, Kind, Run
+from pmmkit.campaigns.run import Correction, Kind, Run
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame, in_phase_parts
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, RowLoader, check_rows
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
 from pmmkit.errors import DataError, Problem
 from pmmkit.readers import reader_for
@@ -185,7 +186,7 @@ def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> No
 
 
 def _request(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Request | None:
-    free = entry.test in FREE_TESTS
+    free = kind_of(entry.test).free_running
     if free != (setup.kind == "free-running"):
         out.problems.append(
             Problem(
@@ -359,7 +360,7 @@ def _add_row(
     stated = {**entry.settings(), **from_cells}
     given = {**stated, **_set(corrections)}
     kind, values, dimensional = _contents(numbers, picked, request.options.in_phase_with)
-    dynamic = entry.test in DYNAMIC_TESTS
+    dynamic = kind_of(entry.test).oscillates
     if dynamic != (kind == "harmonics"):
         out.problems.append(
             request.problem(

@@ -21,7 +21,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from pmmkit.campaigns.run import TESTS
+from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 from pmmkit.channels import (
     CHANNEL_UNITS,
     DEGREE_CHANNELS,
@@ -304,11 +304,18 @@ class FileEntry(SettingsEntry):
     """What runs and tables share."""
 
     id: Annotated[str, Field(min_length=1)]
-    test: Literal[TESTS]  # type: ignore[valid-type]
+    test: str
     file: Annotated[str, Field(min_length=1)]
     source: SourceEntry | None = None
     columns: dict[str, ColumnEntry] = {}
     rows: Annotated[int, Field(ge=1)] | None = None
+
+    @field_validator("test")
+    @classmethod
+    def _known_test(cls, value: str) -> str:
+        if value not in kinds():
+            raise ValueError(not_a_kind(value))
+        return value
 
     @field_validator("columns")
     @classmethod

@@ -6,36 +6,17 @@ import math
 from collections.abc import Collection, Mapping
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Settings
 from pmmkit.campaigns.samples.conversions import Frame
+from pmmkit.campaigns.settings import Settings, setting_key
+from pmmkit.campaigns.test_kinds.registry import kind_of
 
-_MEASURED_BY: Final[dict[str, str]] = {
-    "drift_deg": "v",
-    "heel_deg": "phi",
-    "rudder_deg": "delta",
-    "yaw_rate": "r",
-}
+_MEASURED_BY: Final = {"drift": "v", "heel": "phi", "rudder": "delta"}
 """Channel that tells a setting where the file measures it."""
-
-_NEEDED: Final[dict[str, tuple[str, ...]]] = {
-    "static_drift": ("drift_deg",),
-    "static_heel": ("heel_deg",),
-    "static_rudder": ("rudder_deg",),
-    "drift_rudder": ("drift_deg", "rudder_deg"),
-    "yaw_drift": ("drift_deg",),
-    "yaw_rudder": ("rudder_deg",),
-    "turning": ("rudder_deg",),
-    "zigzag": ("rudder_deg", "switch_deg"),
+_AMPLITUDES: Final = {
+    "amplitude": {"amplitude_m", "vdot_amplitude", "v_amplitude"},
+    "yaw_amplitude": {"yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"},
 }
-_MOTION: Final[dict[str, tuple[str, ...]]] = {
-    "pure_surge": ("u",),
-    "pure_sway": ("v",),
-    "pure_yaw": ("r",),
-    "yaw_drift": ("r",),
-    "yaw_rudder": ("r",),
-    "sway_yaw": ("v", "r"),
-}
-"""Motions that an oscillating test makes."""
+"""Keys, any of which gives the amplitude of an oscillation."""
 
 _WORDS: Final[dict[str, str]] = {
     "speed": "the carriage speed, speed [m/s]",
@@ -72,27 +53,25 @@ def missing_settings(
     >>> missing_settings("pure_sway", {"speed": 1.0, "period": 12.5}, measured={"y", "psi"})
     []
     """
+    kind = kind_of(test)
     missing = [] if "speed" in given else ["speed"]
     missing += [
-        name
-        for name in _NEEDED.get(test, ())
-        if name not in given and _MEASURED_BY.get(name) not in measured
+        setting_key(name)
+        for name in kind.held
+        if name != "yaw_rate"
+        and setting_key(name) not in given
+        and _MEASURED_BY.get(name) not in measured
     ]
-    motions = [motion for motion in _MOTION.get(test, ()) if motion not in measured]
-    if motions and not _frequency_known(given):
+    swings = [swing for swing in kind.swings if swing.velocity not in measured]
+    if swings and not _frequency_known(given):
         missing.append("period")
-    placed = {"x", "y", "psi"} if test == "pure_surge" else {"y", "psi"}
-    for motion in () if placed <= set(measured) else motions:
-        if motion in ("u", "v") and not {"amplitude_m", "vdot_amplitude", "v_amplitude"} & set(
-            given
-        ):
-            missing.append("amplitude_m")
-        if motion == "r" and not {"yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"} & set(
-            given
-        ):
-            missing.append("yaw_amplitude_deg")
+    missing += [
+        setting_key(swing.amplitude)
+        for swing in swings
+        if not kind.places <= set(measured) and not _AMPLITUDES[swing.amplitude] & set(given)
+    ]
     words = [_WORDS[name] for name in missing]
-    if test == "circular_motion" and "r" not in measured:
+    if kind.circles and "r" not in measured:
         turning = [name for name in ("yaw_rate", "radius") if name in given]
         if not turning:
             words.append("yaw_rate [rad/s] or radius [m]")
@@ -154,7 +133,8 @@ def settings_of(
     if turn_phase and frame.motion_sign(test) < 0:
         phase += math.pi
         notes.append("phase of the motion turned by 180° because the axis points the other way")
-    if yaw is not None and test == "sway_yaw" and frame.sign("r") != frame.sign("v"):
+    kind = kind_of(test)
+    if yaw is not None and kind.sways and kind.yaws and frame.sign("r") != frame.sign("v"):
         yaw = -yaw
     drift, rudder = _radians(given, "drift_deg") or 0.0, _radians(given, "rudder_deg") or 0.0
     if frame.drift_to_port and drift:

@@ -5,15 +5,15 @@ The place counts from where the hull lies at rest, in axes that move with the ca
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.campaigns.motion.kinematics import displacement_phase
-from pmmkit.campaigns.motion.nominal import YAW_TESTS, require_settings, tank_motion
-from pmmkit.campaigns.run import Kind, Run, Settings
+from pmmkit.campaigns.motion.nominal import require_settings
+from pmmkit.campaigns.run import Kind, Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 
@@ -21,20 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 PLACE: Final = ("x", "y", "psi")
-_SET: Final = (
-    "resistance",
-    "propulsion",
-    "static_drift",
-    "static_heel",
-    "static_rudder",
-    "drift_rudder",
-    "pure_surge",
-    "pure_sway",
-    "sway_yaw",
-    *YAW_TESTS,
-)
-_ORDERS: Final = range(1, 64, 2)
-_GRID: Final = 512
 
 
 def hull_path(
@@ -101,40 +87,16 @@ def _phase(run: Run, values: Mapping[str, Array]) -> Array:
 
 def _set_path(run: Run, theta: Array) -> dict[str, Array]:
     """The path that a test was set to, in axes that move with the carriage."""
-    if run.test not in _SET:
+    kind = run.kind_of_test
+    if kind.motion.place is None:
         raise _problem(
             run.id,
             f"a {run.test} test does not say where the hull is at each instant.",
             'Name a file of t, x, y, psi: motion = "…".',
         )
     require_settings(run)
-    zero = np.zeros_like(theta)
-    if not run.dynamic:
-        return {"x": zero, "y": zero, "psi": zero + run.settings.drift}
-    sway = (run.settings.amplitude or 0.0) * np.sin(theta)
-    if run.test in YAW_TESTS:
-        sway = _tangent_path(run, theta)
-    surge = run.test == "pure_surge"
-    return {
-        "x": sway if surge else zero,
-        "y": zero if surge else sway,
-        "psi": tank_motion(run, theta).psi,
-    }
-
-
-def _tangent_path(run: Run, theta: Array) -> Array:
-    """y of dy/dt = Uc tan(ψ0 sin θ), about its mean [m].
-
-    The tangent is a series of odd sines; each is integrated on its own.
-    """
-    grid = 2 * math.pi * np.arange(_GRID) / _GRID
-    slope = np.tan((run.settings.yaw_amplitude or 0.0) * np.sin(grid))
-    waves = -2.0 * np.fft.rfft(slope).imag / _GRID
-    total = np.zeros_like(theta)
-    for order in _ORDERS:
-        if abs(waves[order]) > 1e-15:
-            total = total - waves[order] / order * np.cos(order * theta)
-    return total * run.settings.speed / (run.settings.omega or math.inf)
+    x, y = kind.motion.place(run.settings, theta)
+    return {"x": x, "y": y, "psi": kind.in_tank(run.settings, theta).psi}
 
 
 def recorded_in(

@@ -11,8 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.campaigns.motion.nominal import (
-    YAW_LEAD,
-    YAW_TESTS,
     as_times,
     check_settings,
     fixed_settings,
@@ -21,12 +19,10 @@ from pmmkit.campaigns.motion.nominal import (
     nominal_phase,
     refuse_free_running,
     require_settings,
-    ship_axes,
-    tank_motion,
-    turn_rate,
 )
 from pmmkit.campaigns.motion.series import fit_series
 from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.test_kinds.kind import ship_axes
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
@@ -35,7 +31,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "YAW_LEAD",
     "displacement_phase",
     "measured_motion",
     "motion_at_phase",
@@ -44,14 +39,6 @@ __all__ = [
 ]
 
 
-_HEADING: Final = (("psi", False, "yaw_amplitude"), ("r", True, "yaw_amplitude"))
-_DISPLACEMENT: Final = {
-    "pure_surge": (("x", False, "amplitude"), ("u", True, "amplitude")),
-    "pure_sway": (("y", False, "amplitude"), ("v", True, "amplitude")),
-    "sway_yaw": (("y", False, "amplitude"), ("r", False, "yaw_amplitude")),
-    **dict.fromkeys(YAW_TESTS, _HEADING),
-}
-"""Channels that tell the phase, best first; whether they go with cos θ; whose sign counts."""
 _RATES: Final = ("udot", "vdot", "rdot", "pdot")
 _OSCILLATING: Final = ("u", "v", "r", "p", *_RATES, "x", "y", "psi")
 _HELD: Final = {
@@ -102,7 +89,7 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
     Examples
     --------
     >>> import xarray as xr
-    >>> from pmmkit.campaigns.run import Settings
+    >>> from pmmkit.campaigns.settings import Settings
     >>> run = Run(id="PS", test="pure_sway", kind="history", loader=None,
     ...           settings=Settings(speed=1.5, period=8.0, amplitude=0.2))
     >>> t = np.arange(0.0, 8.0, 0.5)
@@ -169,15 +156,15 @@ def displacement_phase(run: Run, data: xr.Dataset, times: ArrayLike) -> Array:
     if run.kind == "harmonics":
         return nominal
     channels = _channels(run, data, instants)
-    for name, of_velocity, amplitude in _DISPLACEMENT[run.test]:
-        if name not in channels:
+    for told in run.kind_of_test.phase_channels:
+        if told.channel not in channels:
             continue
-        series = fit_series(run, instants, channels[name], name)
+        series = fit_series(run, instants, channels[told.channel], told.channel)
         cosine, sine = series.fundamental
         if not math.hypot(cosine, sine) > _CLEAR * series.standard_error:
             continue
-        lead = math.atan2(-sine, cosine) if of_velocity else math.atan2(cosine, sine)
-        lead += math.pi if (getattr(run.settings, amplitude) or 0.0) < 0 else 0.0
+        lead = math.atan2(-sine, cosine) if told.with_cosine else math.atan2(cosine, sine)
+        lead += math.pi if (getattr(run.settings, told.amplitude) or 0.0) < 0 else 0.0
         lead -= series.omega * series.start
         return nominal + math.remainder(lead - run.settings.phase, 2 * math.pi)
     return nominal
@@ -257,10 +244,10 @@ def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Arra
         return _rest_static(run, channels, times)
     if not measured:
         return motion_at_phase(run, displacement_phase(run, data, times))
-    needed = {"y", "psi"} | ({"x"} if run.test == "pure_surge" else set())
-    if needed - measured:
+    kind = run.kind_of_test
+    if kind.places - measured:
         require_settings(run)
-    tank = tank_motion(run, displacement_phase(run, data, times))
+    tank = kind.in_tank(run.settings, displacement_phase(run, data, times))
     if "x" in measured:
         series = fit_series(run, times, channels["x"], "x")
         xdot = series.derivative(times, 1) + _carriage(run, series.slope)
@@ -278,8 +265,8 @@ def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Arra
 def _rest_static(run: Run, channels: Mapping[str, Array], times: Array) -> State:
     nominal = motion_at_phase(run, np.zeros_like(times))
     slopes = {name: _slope(times, channels[name]) for name in ("x", "y", "psi") if name in channels}
-    if run.test == "circular_motion":
-        return nominal.with_(r=np.full_like(times, slopes.get("psi", turn_rate(run))))
+    if run.kind_of_test.circles:
+        return nominal.with_(r=np.full_like(times, slopes.get("psi", run.settings.turn_rate)))
     if not slopes:
         return nominal
     speed = run.settings.speed

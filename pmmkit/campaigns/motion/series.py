@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.nominal import check_settings, omega_of
+from pmmkit.campaigns.motion.nominal import check_settings
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array, coefficients
@@ -47,7 +47,7 @@ class Series:
 def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:
     """Least-squares series of a measured channel at the run's frequency."""
     check_settings(run, ("period",))
-    omega = omega_of(run)
+    omega = run.settings.omega or 0.0
     good = np.isfinite(times) & np.isfinite(values)
     instants, samples = times[good], values[good]
     count = len(instants)

@@ -117,7 +117,7 @@ def seen_from_hull(
     Examples
     --------
     >>> import math
-    >>> from pmmkit.campaigns.run import Settings
+    >>> from pmmkit.campaigns.settings import Settings
     >>> side = {"X": np.array([0.0]), "Y": np.array([10.0]), "N": np.array([0.0])}
     >>> run = Run(id="SD", test="static_drift", kind="means", loader=None,
     ...           settings=Settings(speed=1.0, drift=math.pi / 6))

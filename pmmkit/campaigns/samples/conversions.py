@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import FORCE_CHANNELS, MOMENTS, harmonic_part
 from pmmkit.conventions import force_unit
 from pmmkit.numerics import Array
@@ -85,10 +86,8 @@ class Frame:
 
     def motion_sign(self, test: str) -> int:
         """-1 if the displacement of an oscillating test changes sign in our axes."""
-        leading = {"pure_surge": "x", "pure_sway": "y", "sway_yaw": "y"}
-        if test in leading:
-            return self.sign(leading[test])
-        return self.sign("psi") if test in ("pure_yaw", "yaw_drift", "yaw_rudder") else 1
+        leading = kind_of(test).leading
+        return 1 if leading is None else self.sign(leading.displacement)
 
 
 def to_ours(

@@ -12,11 +12,12 @@ import numpy as np
 
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
-from pmmkit.campaigns.run import Campaign, Correction, Kind, Run, Settings
+from pmmkit.campaigns.run import Campaign, Correction, Kind, Run
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick, required_channels
 from pmmkit.campaigns.samples.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
+from pmmkit.campaigns.settings import Settings
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import sha256

@@ -60,17 +60,12 @@ class Seen:
     @property
     def sways(self) -> bool:
         """Whether the rig oscillates the model across the tank."""
-        return self.view.run.dynamic and self.view.run.test in ("pure_sway", "sway_yaw")
+        return self.view.run.kind_of_test.sways
 
     @property
     def yaws(self) -> bool:
         """Whether the rig oscillates the heading."""
-        return self.view.run.dynamic and self.view.run.test in (
-            "pure_yaw",
-            "yaw_drift",
-            "yaw_rudder",
-            "sway_yaw",
-        )
+        return self.view.run.kind_of_test.yaws
 
     @property
     def day(self) -> float:

@@ -12,7 +12,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.campaigns.motion.nominal import nominal_motion
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.oscillating import PURE_SWAY, PURE_YAW, YAW_DRIFT
+from pmmkit.campaigns.test_kinds.steady import (
+    DRIFT_RUDDER,
+    STATIC_DRIFT,
+    STATIC_HEEL,
+    STATIC_RUDDER,
+)
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -236,18 +244,20 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
     """Settings of the standard tests at a speed."""
     found: list[tuple[str, dict[str, float]]] = []
     for degrees in (-12, -8, -4, 4, 8, 12):
-        found.append(("static_drift", {"drift": math.radians(degrees)}))
+        found.append((STATIC_DRIFT.name, {"drift": math.radians(degrees)}))
     for degrees in (-30, -15, 15, 30):
-        found.append(("static_rudder", {"rudder": math.radians(degrees)}))
+        found.append((STATIC_RUDDER.name, {"rudder": math.radians(degrees)}))
         found += [
-            ("drift_rudder", {"rudder": math.radians(degrees), "drift": math.radians(beta)})
+            (DRIFT_RUDDER.name, {"rudder": math.radians(degrees), "drift": math.radians(beta)})
             for beta in (-8, 8)
         ]
     for degrees in (-10, -5, 5, 10):
-        found.append(("static_heel", {"heel": math.radians(degrees)}))
+        found.append((STATIC_HEEL.name, {"heel": math.radians(degrees)}))
     for omega_prime, v in ((1.5, 0.1), (1.5, 0.2), (3.0, 0.2)):
         omega = omega_prime * speed / LENGTH
-        found.append(("pure_sway", {"period": 2 * math.pi / omega, "amplitude": v * speed / omega}))
+        found.append(
+            (PURE_SWAY.name, {"period": 2 * math.pi / omega, "amplitude": v * speed / omega})
+        )
     for omega_prime, r, degrees in (
         (1.5, 0.2, 0),
         (1.5, 0.4, 0),
@@ -260,7 +270,7 @@ def _programme(speed: float) -> list[tuple[str, dict[str, float]]]:
             "yaw_amplitude": r / omega_prime,
             "drift": math.radians(degrees),
         }
-        found.append(("yaw_drift" if degrees else "pure_yaw", yaw))
+        found.append(((YAW_DRIFT if degrees else PURE_YAW).name, yaw))
     return found
 
 

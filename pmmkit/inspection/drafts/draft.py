@@ -13,7 +13,10 @@ from typing import Final
 import numpy as np
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import FREE_TESTS, Campaign
+from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.settings import setting_key
+from pmmkit.campaigns.test_kinds.registry import kind_of, kind_with
+from pmmkit.campaigns.test_kinds.steady import RESISTANCE, STATIC_DRIFT
 from pmmkit.channels import CHANNEL_UNITS, DEGREE_CHANNELS, factor_to
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
@@ -149,7 +152,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         )
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
-        run.test is not None and (run.test in FREE_TESTS) != (kind == "free-running")
+        run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
         for run in runs
     ]
     kept = [run for run, other in zip(runs, apart, strict=True) if not other]
@@ -238,9 +241,11 @@ def _motion_beside(item: FileLook, base: str) -> str | None:
 
 def _sharper(test: str | None, moved: Moved) -> str | None:
     """Yaw whose record shows drift or rudder, though its name does not say so."""
-    if test == "pure_yaw" and moved.test in ("yaw_drift", "yaw_rudder"):
-        return moved.test
-    return test
+    if test is None or moved.test is None:
+        return test
+    named, seen = kind_of(test), kind_of(moved.test)
+    sharper = named.pure and seen.swings == named.swings and seen.held
+    return moved.test if sharper else test
 
 
 def _channels(
@@ -304,16 +309,9 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
 
 
 def _test_of_table(known: set[str]) -> str | None:
-    if {"drift_deg", "rudder_deg"} <= known:
-        return "drift_rudder"
-    return next(
-        (
-            test
-            for key, test in (("drift_deg", "static_drift"), ("rudder_deg", "static_rudder"))
-            if key in known and "period" not in known
-        ),
-        None,
-    )
+    held = [name for name in ("drift", "rudder") if setting_key(name) in known]
+    kind = kind_with(held=held) if len(held) == 2 or (held and "period" not in known) else None
+    return kind.name if kind else None
 
 
 def _read_all(group: Group) -> list[FileLook]:
@@ -329,7 +327,9 @@ def _kind(runs: Sequence[RunDraft], tables: Sequence[RunDraft], saved: str | Non
     """Free-running where most histories are of such tests."""
     if saved is not None:
         return saved
-    counted = Counter(run.test in FREE_TESTS or _is_track(run) for run in runs)
+    counted = Counter(
+        (run.test is not None and kind_of(run.test).free_running) or _is_track(run) for run in runs
+    )
     return "free-running" if counted[True] > counted[False] + len(tables) else "captive"
 
 
@@ -340,11 +340,11 @@ def _is_track(run: RunDraft) -> bool:
 
 def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
     """A straight run without drift among runs of static drift is the one at zero."""
-    if not any(run.test == "static_drift" for run in runs):
+    if not any(run.test == STATIC_DRIFT.name for run in runs):
         return list(runs)
     return [
-        replace(run, test="static_drift", settings=(*run.settings, _NO_DRIFT))
-        if run.test == "resistance" and facts_of(_stem(run.file)).test is None
+        replace(run, test=STATIC_DRIFT.name, settings=(*run.settings, _NO_DRIFT))
+        if run.test == RESISTANCE.name and facts_of(_stem(run.file)).test is None
         else run
         for run in runs
     ]

@@ -10,7 +10,10 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.run import DYNAMIC_TESTS, FREE_TESTS
+from pmmkit.campaigns.settings import setting_key
+from pmmkit.campaigns.test_kinds.free_running import PULL_OUT, TURNING, ZIGZAG
+from pmmkit.campaigns.test_kinds.kind import YAW, TestKind
+from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kind_with
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.signals import design_matrix, estimate_frequency
@@ -62,20 +65,21 @@ def motion_facts(t: Array, channels: Mapping[str, Array], test: str | None) -> M
     """
     if len(t) < 20 or not np.all(np.diff(t) > 0):
         return Moved()
-    if test in FREE_TESTS or (
-        test is None
+    kind = None if test is None else kind_of(test)
+    if (kind is not None and kind.free_running) or (
+        kind is None
         and {"x", "y", "psi"} <= set(channels)
         and "delta" in channels
         and "Y" not in channels
     ):
-        return _free(t, channels, test)
+        return _free(t, channels, kind)
     late = t >= t[0] + _SETTLING * (t[-1] - t[0])
     time, seen = t[late], {name: numbers[late] for name, numbers in channels.items()}
     swings = _oscillations(time, seen)
-    found = _frequency(time, seen, swings, test)
+    found = _frequency(time, seen, swings, kind)
     if found is None:
-        return _steady(seen, test)
-    return _oscillating(time, seen, swings, found, test)
+        return _steady(seen, kind)
+    return _oscillating(time, seen, swings, found, kind)
 
 
 def _oscillations(time: Array, seen: Mapping[str, Array]) -> dict[str, float]:
@@ -122,14 +126,14 @@ def rough_frequency(time: Array, values: Array) -> float | None:
 
 
 def _frequency(
-    time: Array, seen: Mapping[str, Array], swings: Mapping[str, float], test: str | None
+    time: Array, seen: Mapping[str, Array], swings: Mapping[str, float], kind: TestKind | None
 ) -> tuple[float, float] | None:
     """Frequency of the motion, of the forces where no motion is recorded, and its std [rad/s]."""
     if swings:
         omega = next(swings[name] for name in ("r", "v", "psi", "y", "u") if name in swings)
         rows = [seen[name] for name, rough in swings.items() if abs(rough / omega - 1) < 0.1]
-    elif test in DYNAMIC_TESTS:
-        forces = ("X",) if test == "pure_surge" else ("Y", "N")
+    elif kind is not None and kind.oscillates:
+        forces = ("X",) if kind.surges else ("Y", "N")
         roughs = {
             name: rough
             for name in forces
@@ -152,7 +156,7 @@ def _oscillating(
     seen: Mapping[str, Array],
     swings: Mapping[str, float],
     frequency: tuple[float, float],
-    test: str | None,
+    kind: TestKind | None,
 ) -> Moved:
     omega, std = frequency
     period = 2 * math.pi / omega
@@ -163,32 +167,27 @@ def _oscillating(
     first = {name: _harmonic(time, seen[name], omega) for name in swings}
     turning = any(name in first for name in ("r", "psi"))
     swaying = "v" in first or ("y" in first and not turning)
-    kind = test
-    if swings and test not in DYNAMIC_TESTS:
-        kind = "sway_yaw" if swaying and turning else "pure_yaw" if turning else "pure_sway"
-        kind = "pure_surge" if set(swings) == {"u"} else kind
-    for name in ("v", "y") if kind in ("pure_sway", "sway_yaw") else ():
-        if name in first:
-            size = abs(first[name]) / (omega if name == "v" else 1.0)
-            settings.setdefault("amplitude_m", (_rounded(size, 4), f"recorded {name}"))
-            if kind == "pure_sway":
-                _add_phase(settings, first[name], name)
-    if kind == "pure_surge" and "u" in first:
-        settings["amplitude_m"] = (_rounded(abs(first["u"]) / omega, 4), "recorded u")
-        _add_phase(settings, first["u"], "u")
-    for name in ("r", "psi") if turning else ():
-        if name in first:
-            size = math.degrees(abs(first[name]) / (omega if name == "r" else 1.0))
-            settings.setdefault("yaw_amplitude_deg", (_rounded(size, 4), f"recorded {name}"))
-            if kind in ("pure_yaw", "yaw_drift", "yaw_rudder"):
-                _add_phase(settings, first[name], name)
+    if kind is None or not kind.oscillates:
+        moved = {name for name, seen in (("v", swaying), ("r", turning)) if seen} or {"v"}
+        kind = kind_with(swings={"u"} if set(swings) == {"u"} else moved)
+    swung = kind.swings if kind else ()
+    for swing in swung if YAW in swung or not turning else (*swung, YAW):
+        for name in (swing.velocity, swing.displacement):
+            if name in first:
+                size = abs(first[name]) / (omega if name == swing.velocity else 1.0)
+                size = math.degrees(size) if swing is YAW else size
+                settings.setdefault(
+                    setting_key(swing.amplitude), (_rounded(size, 4), f"recorded {name}")
+                )
+                if swung == (swing,):
+                    _add_phase(settings, first[name], name)
     settings |= _speed_and_drift(time, seen, first, omega, turning)
     settings |= _held(seen)
-    if kind == "pure_yaw" and abs(settings.get("drift_deg", (0.0, ""))[0]) > 0.5:
-        kind = "yaw_drift"
-    elif kind == "pure_yaw" and abs(settings.get("rudder_deg", (0.0, ""))[0]) > 0.5:
-        kind = "yaw_rudder"
-    return Moved(test=kind, settings=settings)
+    if kind is not None and kind.pure:
+        for name in ("drift", "rudder"):
+            if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.5:
+                kind = held_too(kind, name)
+    return Moved(test=kind.name if kind else None, settings=settings)
 
 
 def _add_phase(settings: dict[str, tuple[float, str]], first: complex, name: str) -> None:
@@ -231,7 +230,7 @@ def _speed_and_drift(
     return found
 
 
-def _steady(seen: Mapping[str, Array], test: str | None) -> Moved:
+def _steady(seen: Mapping[str, Array], kind: TestKind | None) -> Moved:
     """Settings of a test without oscillation."""
     settings = _carriage(seen) | _held(seen)
     if {"u", "v"} <= set(seen):
@@ -245,22 +244,22 @@ def _steady(seen: Mapping[str, Array], test: str | None) -> Moved:
         r = float(np.mean(seen["r"]))
         if abs(r) > 0.005 and float(np.std(seen["r"])) < 0.2 * abs(r):
             settings["yaw_rate"] = (_rounded(r, 5), "recorded r")
-    return Moved(test=test or _static_test(settings), settings=settings)
+    kind = kind or _static_test(settings)
+    return Moved(test=kind.name if kind else None, settings=settings)
 
 
-def _static_test(settings: Mapping[str, tuple[float, str]]) -> str | None:
+def _static_test(settings: Mapping[str, tuple[float, str]]) -> TestKind | None:
     """Kind of a steady test; None where the record does not say that it is one."""
     if "yaw_rate" in settings:
-        return "circular_motion"
-    drift, rudder, heel = (
-        abs(settings.get(key, (0.0, ""))[0]) > 0.3
-        for key in ("drift_deg", "rudder_deg", "heel_deg")
-    )
-    if drift:
-        return "drift_rudder" if rudder else "static_drift"
-    if rudder or heel:
-        return "static_rudder" if rudder else "static_heel"
-    return "resistance" if "drift_deg" in settings else None
+        return kind_with(turning=True)
+    held = [
+        name
+        for name in ("drift", "rudder", "heel")
+        if abs(settings.get(setting_key(name), (0.0, ""))[0]) > 0.3
+    ]
+    if len(held) > 1:
+        held = [name for name in held if name != "heel"]
+    return kind_with(held=held) if held or "drift_deg" in settings else None
 
 
 def _carriage(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
@@ -284,7 +283,7 @@ def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
     return found
 
 
-def _free(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
+def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Moved:
     """Settings of a free-running test, by its rudder, heading and track."""
     settings: dict[str, tuple[float, str]] = {}
     begun = 0
@@ -296,13 +295,14 @@ def _free(t: Array, channels: Mapping[str, Array], test: str | None) -> Moved:
         long = _stretches(on, t, least=0.01 * float(t[-1] - t[0]))
         swaps = sum(one[0] != two[0] for one, two in itertools.pairwise(long))
         if held > math.radians(0.7) and long:
-            test = test or ("zigzag" if swaps >= 2 else "turning" if swaps == 0 else None)
-            side, begun, _ = max(long, key=_length) if test == "turning" else long[0]
-            if test in ("zigzag", "turning", "pull_out"):
+            kind = kind or (ZIGZAG if swaps >= 2 else TURNING if swaps == 0 else None)
+            side, begun, _ = max(long, key=_length) if kind is TURNING else long[0]
+            if kind in (ZIGZAG, TURNING, PULL_OUT):
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
-            if test == "zigzag" and "psi" in channels:
+            if kind is ZIGZAG and "psi" in channels:
                 settings |= _switch(np.unwrap(channels["psi"]), long)
-    return Moved(test=test, settings=settings | _approach(t, channels, begun))
+    found = settings | _approach(t, channels, begun)
+    return Moved(test=kind.name if kind else None, settings=found)
 
 
 def _most_held(delta: Array) -> float:

@@ -10,9 +10,12 @@ import itertools
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
-from pmmkit.campaigns.run import DYNAMIC_TESTS, STATIC_TESTS
+from pmmkit.campaigns.test_kinds.free_running import ZIGZAG
+from pmmkit.campaigns.test_kinds.kind import SWAY, YAW, TestKind
+from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kinds
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,59 +64,30 @@ _SETTINGS: Final = tuple(
     )
 )
 
-_CODES: Final = {
-    "SD": "static_drift",
-    "SDT": "static_drift",
-    "OT": "static_drift",
-    "OTT": "static_drift",
-    "PS": "pure_sway",
-    "PSW": "pure_sway",
-    "PY": "pure_yaw",
-    "PYW": "pure_yaw",
-    "YD": "yaw_drift",
-    "PYD": "yaw_drift",
-    "PX": "pure_surge",
-    "PSU": "pure_surge",
-    "SR": "static_rudder",
-    "SRT": "static_rudder",
-    "DR": "drift_rudder",
-    "SH": "static_heel",
-    "YR": "yaw_rudder",
-    "SY": "sway_yaw",
-    "CM": "circular_motion",
-    "CMT": "circular_motion",
-    "RES": "resistance",
-    "ZZ": "zigzag",
-    "TC": "turning",
-    "PO": "pull_out",
-    "CS": "stopping",
-}
-"""Usual abbreviations, in capitals at the beginning of a part of the name."""
 
-_PHRASES: Final = tuple(
-    (test, re.compile(pattern))
-    for test, pattern in (
-        ("yaw_drift", r"\byaw\b.*\bdrift\b|\bdrift\b.*\byaw\b"),
-        ("yaw_rudder", r"\byaw\b.*\brudder\b"),
-        ("sway_yaw", r"\bsway\b.*\byaw\b"),
-        ("drift_rudder", r"\bdrift\b.*\brudder\b"),
-        ("static_drift", r"\b(?:static|steady) ?drift\b|\boblique\b|\bdrift\b"),
-        ("static_rudder", r"\b(?:static|steady) ?rudder\b|\brudder (?:angle|test)\b"),
-        ("static_heel", r"\b(?:static|steady) ?heel\b"),
-        ("pure_sway", r"\b(?:pure ?)?sway\b"),
-        ("pure_yaw", r"\b(?:pure ?)?yaw\b"),
-        ("pure_surge", r"\b(?:pure ?)?surge\b"),
-        ("circular_motion", r"\bcircular\b|\brotating ?arm\b|\bcmt\b"),
-        ("resistance", r"\bresistance\b"),
-        ("propulsion", r"\b(?:self ?)?propulsion\b"),
-        ("zigzag", r"\bzig ?zag\b"),
-        ("turning", r"\bturn(?:ing)?\b"),
-        ("pull_out", r"\bpull ?out\b"),
-        ("spiral", r"\bspiral\b"),
-        ("stopping", r"\b(?:crash ?)?stop(?:ping)?\b"),
-        ("random", r"\brandom\b|\bprbs\b"),
+@cache
+def _codes() -> Mapping[str, str]:
+    """Usual abbreviations, in capitals at the beginning of a part of the name."""
+    return {code: kind.name for kind in kinds().values() for code in kind.codes}
+
+
+@cache
+def _phrases() -> tuple[tuple[str, re.Pattern[str]], ...]:
+    """Words for kinds of test, those of combined tests first: they hold those of simple ones.
+
+    Sway, yaw and surge name forces and moments too: of simple tests the steady ones come first.
+    """
+    ordered = sorted(
+        (kind for kind in kinds().values() if kind.phrase),
+        key=lambda kind: (-_motions(kind), kind.oscillates == (_motions(kind) == 1)),
     )
-)
+    return tuple((kind.name, re.compile(kind.phrase)) for kind in ordered)
+
+
+def _motions(kind: TestKind) -> int:
+    """How many swings and held angles a captive test combines."""
+    angles = [name for name in kind.held if name != "yaw_rate"]
+    return len(kind.swings) + len(angles) if kind.captive else 0
 
 
 def facts_of(name: str) -> Named:
@@ -137,7 +111,7 @@ def facts_of(name: str) -> Named:
     settings: dict[str, tuple[float, str]] = {}
     marks: dict[str, tuple[float, str]] = {}
     for part in parts:
-        for key, item in _zigzag(part) if test == "zigzag" else ():
+        for key, item in _zigzag(part) if test == ZIGZAG.name else ():
             settings.setdefault(key, item)
         for token in _tokens(part):
             for key, value in _values(token):
@@ -180,14 +154,14 @@ def _values(token: str) -> Iterable[tuple[str, float]]:
 def _test_of(part: str) -> str | None:
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", part)
     plain = " ".join(re.findall(r"[A-Za-z]+", words)).lower()
-    for test, pattern in _PHRASES:
+    for test, pattern in _phrases():
         if pattern.search(plain):
             return test
     for token in re.split(r"[_\s-]+", part):
         found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
-        if found and found[1] in _CODES:
-            return _CODES[found[1]]
-    return "zigzag" if _ORDERS.search(part) else None
+        if found and found[1] in _codes():
+            return _codes()[found[1]]
+    return ZIGZAG.name if _ORDERS.search(part) else None
 
 
 _ORDERS: Final = re.compile(
@@ -207,24 +181,27 @@ def _zigzag(part: str) -> Iterable[tuple[str, tuple[float, str]]]:
 
 def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str | None:
     """Yaw with a drift angle in its name is yaw with drift, and so on."""
-    drift, rudder = (settings.get(key, (0.0, ""))[0] for key in ("drift_deg", "rudder_deg"))
-    if test == "pure_yaw":
-        return "yaw_drift" if drift else "yaw_rudder" if rudder else test
-    if test in ("static_drift", "static_rudder") and drift and rudder:
-        return "drift_rudder"
-    return test
+    kind = None if test is None else kind_of(test)
+    if kind is None or kind.free_running or not (kind.pure or kind.held):
+        return test
+    stated = {key.removesuffix("_deg") for key, (value, _) in settings.items() if value}
+    for name in ("drift", "rudder"):
+        if name in stated and stated >= set(kind.held):
+            kind = held_too(kind, name)
+    return kind.name
 
 
 def _kept(
     test: str | None, settings: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """Settings that a test of that kind can have."""
+    kind = None if test is None else kind_of(test)
     dropped: set[str] = set()
-    if test in STATIC_TESTS or test is None:
+    if kind is None or kind.steady:
         dropped |= {"period", "frequency_hz", "yaw_amplitude_deg", "amplitude_m"}
-    if test not in ("pure_sway", "pure_surge", "sway_yaw"):
+    if kind is None or not (kind.surges or kind.sways):
         dropped.add("amplitude_m")
-    if test not in DYNAMIC_TESTS:
+    if kind is None or not kind.oscillates:
         dropped |= {"period", "frequency_hz"}
     return {key: item for key, item in settings.items() if key not in dropped}
 
@@ -233,9 +210,10 @@ def _hints(
     test: str | None, marks: Mapping[str, tuple[float, str]]
 ) -> dict[str, tuple[float, str]]:
     """Letters that may mean several things, as the likeliest of them."""
-    yaw = test in ("pure_yaw", "yaw_drift", "yaw_rudder")
+    swings = () if test is None else kind_of(test).swings
+    yaw = swings == (YAW,)
     likely = {
-        "hint v": ("v_amplitude", "the sway velocity over U", test == "pure_sway"),
+        "hint v": ("v_amplitude", "the sway velocity over U", swings == (SWAY,)),
         "hint r": ("r_amplitude", "the yaw rate times L/U", yaw),
         "hint p": ("yaw_amplitude_deg", "the amplitude of the heading", yaw),
     }

@@ -7,26 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.campaigns.run import FREE_TESTS
+from pmmkit.campaigns.settings import setting_key
+from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.inspection.drafts.motion import Moved
 from pmmkit.inspection.drafts.names import Named
 
-NEEDED: Final[dict[str, tuple[str, ...]]] = {
-    "static_drift": ("drift_deg",),
-    "static_heel": ("heel_deg",),
-    "static_rudder": ("rudder_deg",),
-    "drift_rudder": ("drift_deg", "rudder_deg"),
-    "circular_motion": ("drift_deg", "yaw_rate"),
-    "pure_surge": ("period", "amplitude_m"),
-    "pure_sway": ("period", "amplitude_m"),
-    "pure_yaw": ("period", "yaw_amplitude_deg"),
-    "yaw_drift": ("period", "yaw_amplitude_deg", "drift_deg"),
-    "yaw_rudder": ("period", "yaw_amplitude_deg", "rudder_deg"),
-    "sway_yaw": ("period", "amplitude_m", "yaw_amplitude_deg"),
-    "turning": ("rudder_deg",),
-    "zigzag": ("rudder_deg", "switch_deg"),
-}
-"""Settings of each test, in the order in which they are written."""
 _ALSO: Final = ("drift_deg", "rudder_deg", "heel_deg", "phase_deg", "propeller_rps")
 WORDS: Final[dict[str, str]] = {
     "speed": "speed of the carriage, or of the approach [m/s]",
@@ -68,6 +53,22 @@ class Setting:
     active: bool = True
 
 
+def asked_of(test: str | None) -> tuple[str, ...]:
+    """Keys of a campaign file that describe a test, in the order in which they are written.
+
+    Examples
+    --------
+    >>> asked_of("yaw_drift"), asked_of("circular_motion"), asked_of(None)
+    (('period', 'yaw_amplitude_deg', 'drift_deg'), ('drift_deg', 'yaw_rate'), ())
+    """
+    if test is None:
+        return ()
+    kind = kind_of(test)
+    # A free-running record tells by itself what it may take besides.
+    names = (*(kind.takes if kind.captive else ()), *kind.needs)
+    return tuple(setting_key(name) for name in names)
+
+
 def settled(
     test: str | None, named: Named, moved: Moved, *, length: float | None, g: float = 9.81
 ) -> tuple[Setting, ...]:
@@ -85,8 +86,8 @@ def settled(
         Gravity [m/s²].
     """
     said = _with_speed(named.settings, length, g)
-    wanted = ("speed", *NEEDED.get(test or "", ()))
-    free = test in FREE_TESTS
+    wanted = ("speed", *asked_of(test))
+    free = test is not None and kind_of(test).free_running
     out = [
         _one(key, said, moved.settings, named, said.get("froude"), unsure=free) for key in wanted
     ]

@@ -8,12 +8,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Final
 
-from pmmkit.campaigns.run import FREE_TESTS, TESTS, Campaign, Run
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.column_mapping import required_channels
+from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import split_unit
 from pmmkit.inspection import ColumnLook, FileLook
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
-from pmmkit.inspection.drafts.settle import NEEDED, WORDS, Setting
+from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import Options, reader_of
 from pmmkit.readers.saved import SavedCampaign
@@ -305,8 +306,9 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
         identity = f"{plain}_{{{_id_column(entry.look)}}}"
     lines += [f"id = {toml(identity)}"]
     if entry.test is None:
-        usual = FREE_TESTS if kind == "free-running" else TESTS[: -len(FREE_TESTS)]
-        lines.append(f"# test = ...   # TODO one of {', '.join(usual)}")
+        free = kind == "free-running"
+        usual = ", ".join(name for name, item in kinds().items() if item.free_running == free)
+        lines.append(f"# test = ...   # TODO one of {usual}")
         todo.of_run("test", entry.id)
     else:
         lines.append(f"test = {toml(entry.test)}")
@@ -401,7 +403,7 @@ def _saved_run(file: str, run: Run) -> list[str]:
     values = {"speed": found.speed}
     values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
     values |= {key: value for key, value in plain.items() if value is not None}
-    for key in NEEDED.get(run.test, ()):
+    for key in asked_of(run.test):
         if key.endswith("_deg"):
             values.setdefault(key, 0.0)
     lines = ["[[runs]]", f"id = {toml(run.id)}", f"test = {toml(run.test)}", f"file = {toml(file)}"]

@@ -96,7 +96,7 @@ def _workbook(request: Request) -> Any:
     try:
         check_workbook(request)
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
     try:
         return calamine.CalamineWorkbook.from_path(str(request.path))
     except BaseException as error:

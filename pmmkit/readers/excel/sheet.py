@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import DataError
+from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Request, to_number
 from pmmkit.readers.vectors import with_unit
 
@@ -123,23 +122,13 @@ def _numbers(row: Row) -> int:
 def _units(row: Row) -> list[str] | None:
     """The units in a row, None if it is not one of units."""
     found = [text(cell).strip("[]() ") for cell in row]
-    known = [_is_unit(unit) for unit in found]
+    known = [unit in _NO_UNIT or is_unit(unit) for unit in found]
     if not all(len(unit) <= 12 for unit in found) or _numbers(row):
         return None
     stated = sum(unit != "" for unit in found)
     good = sum(fits for fits, unit in zip(known, found, strict=True) if unit)
     real = sum(unit not in _NO_UNIT for unit in found)
     return found if real and 2 * good > stated else None
-
-
-def _is_unit(text: str) -> bool:
-    if text in _NO_UNIT:
-        return True
-    try:
-        unit_factor(text)
-    except DataError:
-        return False
-    return True
 
 
 def text(cell: Cell) -> str:

@@ -15,6 +15,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.readers.bounds import Damaged
+
 _TYPES: Final = {
     1: "i1",
     2: "S1",
@@ -32,10 +34,6 @@ _DIMENSIONS, _VARIABLES, _ATTRIBUTES = 10, 11, 12
 _LARGE: Final = 1 << 31
 """From this size on the header need not state the true one."""
 _STREAMING: Final = (0xFFFFFFFF, 0xFFFFFFFFFFFFFFFF)
-
-
-class Damaged(ValueError):
-    """A file is not as its own sizes say; never leaves the reader."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,9 +20,10 @@ import numpy as np
 
 from pmmkit.channels import did_you_mean
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Cells, Choose, Columns, Request
+from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
+from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import members, new_to, number_of, numbers, opened, text_of
-from pmmkit.readers.hdf5.netcdf3 import Classic, Damaged, is_netcdf3, netcdf3_variables
+from pmmkit.readers.hdf5.netcdf3 import Classic, is_netcdf3, netcdf3_variables
 from pmmkit.readers.vectors import (
     WIDEST,
     Vector,
@@ -121,9 +122,9 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
     """What the file offers as columns, and what else it holds; open as long as it is used."""
     try:
         with request.path.open("rb") as stream:
-            head = stream.read(1 << 16)
+            head = stream.read(HEAD)
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
     if not head:
         raise request.error(request.problem("the file is empty (0 bytes)."))
     if is_netcdf3(head):

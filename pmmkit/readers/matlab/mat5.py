@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.readers.base import Request
-from pmmkit.readers.bounds import limit_of, too_large
-from pmmkit.readers.matlab.variable import Damaged, Variable
+from pmmkit.readers.bounds import Damaged, limit_of, too_large
+from pmmkit.readers.matlab.variable import Variable
 
 Raw = NDArray[Any]
 

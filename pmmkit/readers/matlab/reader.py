@@ -16,12 +16,13 @@ from typing import Final
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import CampaignError
 from pmmkit.numerics import Array
-from pmmkit.readers.base import Cells, Choose, Columns, Request
+from pmmkit.readers.base import HEAD, Cells, Choose, Columns, Request
+from pmmkit.readers.bounds import Damaged
 from pmmkit.readers.hdf5.datasets import opened
 from pmmkit.readers.hdf5.guard import is_hdf5
 from pmmkit.readers.matlab.mat5 import is_v4, is_v5, read_v4, read_v5
 from pmmkit.readers.matlab.mat73 import read_v73
-from pmmkit.readers.matlab.variable import Damaged, Variable
+from pmmkit.readers.matlab.variable import Variable
 from pmmkit.readers.vectors import (
     WIDEST,
     Vector,
@@ -87,9 +88,9 @@ def _contents(request: Request) -> Iterator[tuple[list[Vector], list[str]]]:
 def _variables(request: Request) -> Iterator[list[Variable]]:
     try:
         with request.path.open("rb") as stream:
-            head = stream.read(1 << 16)
+            head = stream.read(HEAD)
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
     if is_hdf5(head):
         with opened(request) as file:
             yield read_v73(file, request)

@@ -12,10 +12,6 @@ from numpy.typing import NDArray
 from pmmkit.numerics import Array
 
 
-class Damaged(ValueError):
-    """A file of MATLAB is not as its own sizes say; never leaves the reader."""
-
-
 def _nothing() -> Array:
     return np.empty((0, 0))
 

@@ -111,7 +111,7 @@ def _blocks(request: Request, layout: Layout, notes: list[str]) -> Iterator[byte
                 if len(rest) > BLOCK:
                     raise request.error(request.problem("a line has no end: the file is damaged."))
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
     last = rest.rstrip(_ENDS)
     if not last:
         return

@@ -112,7 +112,7 @@ def series_of(request: Request) -> Series:
         starts = [folder for folder in _folders(path) if _time(folder.name) is not None]
         return _of_folders(request, starts or [path])
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
 
 
 def _of_file(request: Request) -> Series:
@@ -236,7 +236,7 @@ def read_layout(request: Request) -> Layout | None:
         with request.path.open("rb") as stream:
             return layout_of(stream.read(LONGEST))
     except OSError as error:
-        raise request.error(request.problem(f"cannot be read: {error.strerror}.")) from error
+        raise request.unreadable(error) from error
 
 
 def _part(request: Request, layout: Layout) -> Part:

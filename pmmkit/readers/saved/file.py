@@ -13,6 +13,7 @@ import numpy as np
 
 from pmmkit.errors import CampaignError, PmmkitError, Problem
 from pmmkit.json_text import from_json
+from pmmkit.readers.hdf5.guard import LIBRARY_FAULTS
 from pmmkit.readers.saved.group import read_group, safe_names, text_of
 from pmmkit.version import __version__
 
@@ -22,19 +23,6 @@ if TYPE_CHECKING:
 SCHEMA: Final = 1
 """Version of the layout; a file with a higher one is refused."""
 FORMAT: Final = "pmmkit campaign"
-
-
-LIBRARY_FAULTS: Final = (
-    OSError,
-    RuntimeError,
-    LookupError,
-    ValueError,
-    TypeError,
-    AttributeError,
-    ArithmeticError,
-    MemoryError,
-    AssertionError,
-)
 
 
 def read_run(path: str | Path, run_id: str) -> xr.Dataset:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.channels import split_unit
-from pmmkit.conventions import unit_factor
+from pmmkit.conventions import is_unit, unit_factor
 from pmmkit.errors import DataError, Problem
 from pmmkit.readers.base import Choose, Columns, Request
 from pmmkit.readers.starccm.exports import files
@@ -190,11 +190,8 @@ def _unit(unit: str | None) -> str:
     if unit is None or not unit.strip():
         return "-"
     spelt = _UNITS.get(unit, unit)
-    try:
-        unit_factor(spaced := spelt.replace("-", " "))
-    except DataError:
-        return spelt
-    return spaced
+    spaced = spelt.replace("-", " ")
+    return spaced if is_unit(spaced) else spelt
 
 
 def _opened(request: Request) -> list[_Export]:
@@ -269,10 +266,7 @@ def _key(headers: Sequence[str]) -> tuple[int, bool]:
 
 
 def _measures_time(unit: str | None) -> bool:
-    try:
-        return unit in (None, "-") or unit_factor(unit)[0] == "s"
-    except DataError:
-        return False
+    return unit in (None, "-") or (is_unit(unit) and unit_factor(unit)[0] == "s")
 
 
 def _listed(exports: Sequence[_Export]) -> tuple[str, ...]:

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from pmmkit.channels import split_unit
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import DataError
+from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Request, to_number
 from pmmkit.readers.text.decoding import CUT
 
@@ -399,12 +398,7 @@ def _is_units(line: _Line, width: int, delimiter: str, decimal: str, request: Re
     cells = _units(line, delimiter)
     if len(cells) != width or not any(cells) or _count(cells, decimal):
         return False
-    try:
-        for cell in cells:
-            unit_factor(cell)
-    except DataError:
-        return False
-    return True
+    return all(map(is_unit, cells))
 
 
 def _with_units(

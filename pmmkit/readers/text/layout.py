@@ -12,8 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import DataError
+from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Options, to_number
 from pmmkit.readers.text.splitting import BLANKS, CANDIDATES, fields_of, headers_of
 
@@ -211,10 +210,4 @@ def _names(
 def _is_unit(text: str) -> bool:
     bare = text.strip()
     inside = bare.strip("[]() ")
-    if bare != inside:
-        return True
-    try:
-        unit_factor(inside)
-    except DataError:
-        return False
-    return True
+    return bare != inside or is_unit(inside)

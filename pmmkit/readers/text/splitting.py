@@ -9,7 +9,6 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from pmmkit.errors import CampaignError
 from pmmkit.readers.base import Request
 from pmmkit.readers.text.decoding import cut_apart, decoded, keeps_line_ends, marked, unix_ends
 from pmmkit.readers.text.heading import (
@@ -112,7 +111,7 @@ def take_apart(request: Request) -> Text:
     try:
         data = request.path.read_bytes()
     except OSError as error:
-        raise _unreadable(error, request) from error
+        raise request.unreadable(error) from error
     return _taken_apart(data, request)[0]
 
 
@@ -136,7 +135,7 @@ def blocks(request: Request) -> Iterator[Text]:
         with request.path.open("rb") as stream:
             yield from _pieces(stream, request)
     except OSError as error:
-        raise _unreadable(error, request) from error
+        raise request.unreadable(error) from error
 
 
 def _pieces(stream: BinaryIO, request: Request) -> Iterator[Text]:
@@ -220,10 +219,6 @@ def _taken_apart(data: bytes, request: Request) -> tuple[Text, Heading]:
 def comments_left_out(count: int) -> tuple[str, ...]:
     """The note on comments among the rows, if there are any."""
     return (f"comments among the rows left out: {count} lines",) if count else ()
-
-
-def _unreadable(error: OSError, request: Request) -> CampaignError:
-    return request.error(request.problem(f"cannot be read: {error.strerror}."))
 
 
 def _without_comments(

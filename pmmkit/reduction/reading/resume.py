@@ -18,8 +18,9 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Run, Settings
+from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.samples.loading import data_files
+from pmmkit.campaigns.settings import Settings
 from pmmkit.checks import Summary
 from pmmkit.errors import PmmkitError
 from pmmkit.files import sha256

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Final
 
@@ -15,7 +15,7 @@ from pmmkit.tables.io.netcdf import read_netcdf, write_netcdf
 from pmmkit.tables.io.text import read_csv, sidecar_of, write_csv
 from pmmkit.tables.table import DerivativeTable
 
-__all__ = ["read_table", "sidecar_of", "to_latex", "write_table"]
+__all__ = ["is_table", "read_table", "sidecar_of", "to_latex", "write_table"]
 
 _WRITERS: Final[dict[str, Callable[[DerivativeTable, Path], None]]] = {
     ".csv": write_csv,
@@ -24,6 +24,23 @@ _WRITERS: Final[dict[str, Callable[[DerivativeTable, Path], None]]] = {
     ".xlsx": write_excel,
     ".tex": write_latex,
 }
+_READERS: Final[dict[str, Callable[..., DerivativeTable]]] = {
+    ".csv": read_csv,
+    ".nc": read_netcdf,
+    ".h5": read_netcdf,
+    ".xlsx": read_excel,
+}
+
+
+def is_table(path: str | Path) -> bool:
+    """Whether a path has the ending of a table that can be read; other words name a model.
+
+    Examples
+    --------
+    >>> is_table("out/derivatives.csv"), is_table("kvlcc2")
+    (True, False)
+    """
+    return Path(path).suffix.lower() in _READERS
 
 
 def write_table(table: DerivativeTable, path: str | Path) -> Path:
@@ -97,26 +114,24 @@ def read_table(
         file, row and column.
     """
     source = Path(path)
-    suffix = source.suffix.lower()
-    readers = {".nc": read_netcdf, ".h5": read_netcdf, ".xlsx": read_excel}
-    if suffix not in {".csv", *readers}:
-        raise TableError(_unknown(source, [".csv", *readers]))
+    if not is_table(source):
+        raise TableError(_unknown(source, _READERS))
     if not source.is_file():
         raise TableError(
             Problem(message="there is no such file.", file=str(source), remedy="Check the path.")
         )
     try:
-        if suffix == ".csv":
+        reader = _READERS[source.suffix.lower()]
+        if reader is read_csv:
             return read_csv(source, convention=convention, ship=ship, water=water)
-        return readers[suffix](source)
+        return reader(source)
     except OSError as error:
         raise TableError(
             Problem(message=f"cannot be read: {error.strerror or error}.", file=str(source))
         ) from error
 
 
-def _unknown(path: Path, known: object) -> Problem:
-    assert isinstance(known, dict | list)
+def _unknown(path: Path, known: Iterable[str]) -> Problem:
     return Problem(
         message=f"the suffix {path.suffix!r} is not that of a derivative table.",
         file=str(path),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from pmmkit.campaigns.run import Settings
+from pmmkit.campaigns.settings import Settings
 from pmmkit.test_planning.options import Limits, Option, timed
 
 from .sizes import FIGURES, MIDDLE_SPEED, SHIP

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run, Settings, TypeB
+from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.settings import Settings
 
 from . import catalogue, outside, sources
 from .gauges import GAUGE_EFFECTS, inertia, read

@@ -1,0 +1,84 @@
+"""What one test was set to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+SETTING_KEYS: Final = {
+    "drift": "drift_deg",
+    "heel": "heel_deg",
+    "rudder": "rudder_deg",
+    "switch": "switch_deg",
+    "yaw_amplitude": "yaw_amplitude_deg",
+    "amplitude": "amplitude_m",
+    "phase": "phase_deg",
+}
+"""Keys of a campaign file that differ from the names in `Settings`, which are SI."""
+
+
+def setting_key(name: str) -> str:
+    """Key of a campaign file that states a setting.
+
+    Examples
+    --------
+    >>> setting_key("drift"), setting_key("period")
+    ('drift_deg', 'period')
+    """
+    return SETTING_KEYS.get(name, name)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What the test was set to, SI and radians, our signs.
+
+    Parameters
+    ----------
+    speed : float
+        Carriage speed, or approach speed of a free-running test [m/s].
+    drift, heel, rudder : float
+        Drift angle beta, heel and rudder angle [rad].
+    propeller_rps : float or None
+        Propeller revolutions per second; None where unknown.
+    period : float, optional
+        Period of the oscillation [s].
+    amplitude : float, optional
+        Amplitude of the sway (surge) displacement [m].
+    yaw_amplitude : float, optional
+        Amplitude of the heading [rad].
+    phase : float
+        Phase of the displacement at t = 0: y = a sin(ωt + phase) [rad].
+    yaw_rate, radius : float, optional
+        Circular motion: yaw rate [rad/s] or radius [m].
+    switch : float, optional
+        Heading at which a zigzag switches [rad].
+    repeat_of : str, optional
+        The run that this one repeats.
+    """
+
+    speed: float
+    drift: float = 0.0
+    heel: float = 0.0
+    rudder: float = 0.0
+    propeller_rps: float | None = None
+    period: float | None = None
+    amplitude: float | None = None
+    yaw_amplitude: float | None = None
+    phase: float = 0.0
+    yaw_rate: float | None = None
+    radius: float | None = None
+    switch: float | None = None
+    repeat_of: str | None = None
+
+    @property
+    def turn_rate(self) -> float:
+        """Yaw rate of a steady turn [rad/s]: the stated one before speed/radius; else zero."""
+        if self.yaw_rate is not None:
+            return self.yaw_rate
+        return self.speed / (self.radius or math.inf)
+
+    @property
+    def omega(self) -> float | None:
+        """Angular frequency 2π/period [rad/s]."""
+        return None if self.period is None else 2 * math.pi / (self.period or math.inf)

@@ -1,0 +1,346 @@
+"""What a kind of test is: its settings, what moves in it, and how its nominal motion goes.
+
+The tank axes are x along the rails and y to starboard; the carriage runs at Uc; heading ψ to
+starboard. Oscillations go with the phase θ = ωt + phase of the displacement.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Final, Literal
+
+import numpy as np
+
+from pmmkit.campaigns.settings import Settings
+from pmmkit.numerics import Array
+
+Family = Literal["steady", "oscillating", "free-running"]
+MAY_BE_ZERO: Final = ("v", "r", "udot", "vdot", "rdot", "phi", "delta")
+"""Variables of the motion that some kinds of test keep at zero."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TankMotion:
+    """Velocities [m/s] and accelerations [m/s²] in tank axes, heading [rad] and its derivatives."""
+
+    xdot: Array
+    ydot: Array
+    xddot: Array
+    yddot: Array
+    psi: Array
+    r: Array
+    rdot: Array
+
+
+ShipMotion = Mapping[str, float | Array]
+"""Of ``u, v, r, udot, vdot, rdot``; those that are absent are zero."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swing:
+    """A motion that oscillates.
+
+    Parameters
+    ----------
+    displacement, velocity : str
+        Channels of the displacement (``x``, ``y``, ``psi``) and of its rate (``u``, ``v``, ``r``).
+    amplitude : str
+        The setting that is the amplitude of the displacement.
+    """
+
+    displacement: str
+    velocity: str
+    amplitude: str
+
+
+SURGE: Final = Swing(displacement="x", velocity="u", amplitude="amplitude")
+SWAY: Final = Swing(displacement="y", velocity="v", amplitude="amplitude")
+YAW: Final = Swing(displacement="psi", velocity="r", amplitude="yaw_amplitude")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PhaseChannel:
+    """A channel that tells the phase θ of an oscillating test.
+
+    Parameters
+    ----------
+    channel : str
+        Its name.
+    with_cosine : bool
+        Whether it goes with cos θ, as velocities do; else with sin θ.
+    amplitude : str
+        The setting whose sign it has.
+    """
+
+    channel: str
+    with_cosine: bool
+    amplitude: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class NominalMotion:
+    """How the model goes in a captive test, from the settings and the phases θ (n,) [rad].
+
+    Parameters
+    ----------
+    tank : callable, optional
+        Motion in tank axes. Amplitudes that are not stated count as zero.
+    ship : callable, optional
+        The same in ship axes where it is known in closed form; else it follows from `tank`.
+    place : callable, optional
+        Where the hull is, x and y from where it lies at rest [m], in axes that move with the
+        carriage. Absent where settings and phase do not tell it.
+    """
+
+    tank: Callable[[Settings, Array], TankMotion] | None = None
+    ship: Callable[[Settings, Array], ShipMotion] | None = None
+    place: Callable[[Settings, Array], tuple[Array, Array]] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """The fit of derivatives to tests of one kind alone.
+
+    Parameters
+    ----------
+    factors : tuple of str
+        Variables that may stand in the derivatives.
+    beside : tuple of str
+        Kinds of test that take part as well.
+    """
+
+    factors: tuple[str, ...]
+    beside: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class TestKind:
+    """A kind of test.
+
+    Parameters
+    ----------
+    name, title : str
+        Name in files, and name for people.
+    family : {"steady", "oscillating", "free-running"}
+        Captive with the motion held, captive with the model swung, or free running.
+    needs, takes : tuple of str
+        Settings (names of `Settings`) without which such a test is not described; those that it
+        may well have besides. Speed, revolutions and phase go without saying, and ``yaw_rate``
+        stands for the radius too.
+    varies : tuple of str
+        What changes within a test or from one to the next: ``u, v, r, udot, vdot, rdot, phi,
+        delta, rps``. Of a captive test all others but u and the revolutions are zero.
+    swings : tuple of Swing
+        What oscillates; the displacement of the first goes with sin θ.
+    motion : NominalMotion
+        How a captive test goes.
+    told_by : tuple of PhaseChannel
+        Channels that tell the phase, the best first; by default displacement and velocity of the
+        first swing.
+    fit : Fit, optional
+        Which derivatives tests of this kind tell by themselves; absent where they tell too little.
+    quasi_steady : float
+        ω' = ωL/U up to which the test counts as quasi-steady [-].
+    propeller_stops : bool
+        Whether a propeller at rest belongs to the test.
+    codes : tuple of str
+        Usual abbreviations in names of runs and files, ours first.
+    phrase : str
+        Regular expression for what people call the test, in small letters.
+    shares : mapping of str to tuple of float, optional
+        Settings at which a plan offers the test, as shares of the largest that the rig allows;
+        absent where no plan offers it.
+    usual : bool
+        Whether every planar motion mechanism can make it.
+
+    Examples
+    --------
+    >>> from pmmkit.campaigns.test_kinds.registry import kind_of
+    >>> kind = kind_of("yaw_drift")
+    >>> kind.title, kind.family, kind.needs
+    ('yaw with drift', 'oscillating', ('period', 'yaw_amplitude', 'drift'))
+    >>> kind.yaws, kind.sways, kind.drifts, kind_of("pure_yaw").zero
+    (True, False, True, ('v', 'vdot', 'phi', 'delta'))
+    """
+
+    __test__: ClassVar[bool] = False  # the name begins with Test, and pytest would collect it
+
+    name: str
+    title: str
+    family: Family
+    needs: tuple[str, ...] = ()
+    takes: tuple[str, ...] = ()
+    varies: tuple[str, ...] = ()
+    swings: tuple[Swing, ...] = ()
+    motion: NominalMotion = NominalMotion()
+    told_by: tuple[PhaseChannel, ...] = ()
+    fit: Fit | None = None
+    quasi_steady: float = math.inf
+    propeller_stops: bool = False
+    codes: tuple[str, ...] = ()
+    phrase: str = ""
+    shares: Mapping[str, tuple[float, ...]] | None = None
+    usual: bool = False
+
+    @property
+    def captive(self) -> bool:
+        """Whether the carriage prescribes the motion."""
+        return self.family != "free-running"
+
+    @property
+    def free_running(self) -> bool:
+        """Whether the motion is a result and not a setting."""
+        return self.family == "free-running"
+
+    @property
+    def steady(self) -> bool:
+        """Whether the model is held in a steady motion."""
+        return self.family == "steady"
+
+    @property
+    def oscillates(self) -> bool:
+        """Whether the model is swung."""
+        return self.family == "oscillating"
+
+    @property
+    def surges(self) -> bool:
+        """Whether the surge motion oscillates by itself."""
+        return SURGE in self.swings
+
+    @property
+    def sways(self) -> bool:
+        """Whether the sway motion oscillates by itself."""
+        return SWAY in self.swings
+
+    @property
+    def yaws(self) -> bool:
+        """Whether the heading oscillates."""
+        return YAW in self.swings
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the test is one with a drift angle."""
+        return "drift" in self.needs
+
+    @property
+    def heels(self) -> bool:
+        """Whether the test is one with heel."""
+        return "heel" in self.needs
+
+    @property
+    def turns_rudder(self) -> bool:
+        """Whether the test is one with a rudder angle."""
+        return "rudder" in self.needs
+
+    @property
+    def switches(self) -> bool:
+        """Whether the heading decides when the rudder is put over."""
+        return "switch" in self.needs
+
+    @property
+    def circles(self) -> bool:
+        """Whether the model is held in a steady turn."""
+        return "yaw_rate" in self.needs
+
+    @property
+    def straight(self) -> bool:
+        """Whether the model is held on a straight course."""
+        return self.steady and not self.circles
+
+    @property
+    def upright(self) -> bool:
+        """Whether the model is held on a straight course without heel."""
+        return self.straight and not self.heels
+
+    @property
+    def straight_ahead(self) -> bool:
+        """Whether only speed and revolutions vary, so that nothing manoeuvres."""
+        return self.steady and {"u", "rps"} >= set(self.varies)
+
+    @property
+    def measures_resistance(self) -> bool:
+        """Whether nothing but the speed varies."""
+        return self.steady and self.varies == ("u",)
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """Settings that it needs besides those of an oscillation."""
+        swung = {"period", *(swing.amplitude for swing in self.swings)}
+        return tuple(name for name in self.needs if name not in swung)
+
+    @property
+    def zero(self) -> tuple[str, ...]:
+        """Variables of the motion that are zero in it; of free-running tests none is."""
+        return tuple(x for x in MAY_BE_ZERO if self.captive and x not in self.varies)
+
+    @property
+    def pure(self) -> str:
+        """The velocity that oscillates, where it is alone and no angle is held; else empty."""
+        return self.swings[0].velocity if len(self.swings) == 1 and not self.held else ""
+
+    @property
+    def leading(self) -> Swing | None:
+        """The oscillation whose displacement goes with sin θ."""
+        return self.swings[0] if self.swings else None
+
+    @property
+    def places(self) -> frozenset[str]:
+        """Positions and heading that say what an oscillating test did, no setting needed."""
+        return frozenset({"y", "psi", *(swing.displacement for swing in self.swings)})
+
+    @property
+    def phase_channels(self) -> tuple[PhaseChannel, ...]:
+        """Channels that tell the phase, the best first."""
+        if self.told_by or self.leading is None:
+            return self.told_by
+        return tuple(
+            PhaseChannel(channel=name, with_cosine=rate, amplitude=self.leading.amplitude)
+            for name, rate in ((self.leading.displacement, False), (self.leading.velocity, True))
+        )
+
+    @property
+    def code(self) -> str:
+        """Abbreviation in the names of planned runs."""
+        return self.codes[0] if self.codes else self.name
+
+    def nominal(self, settings: Settings, theta: Array) -> ShipMotion:
+        """Motion in ship axes that a captive test is set to.
+
+        Parameters
+        ----------
+        settings : Settings
+            What it is set to.
+        theta : array (n,)
+            Phases θ [rad]; any for a steady test.
+
+        Raises
+        ------
+        NotImplementedError
+            If the kind has no nominal motion.
+        """
+        if self.motion.ship is not None:
+            return self.motion.ship(settings, theta)
+        return ship_axes(self.in_tank(settings, theta))
+
+    def in_tank(self, settings: Settings, theta: Array) -> TankMotion:
+        """Motion in tank axes that a captive test is set to, see `nominal`."""
+        if self.motion.tank is None:
+            raise NotImplementedError(f"{self.title} has no nominal motion in tank axes")
+        return self.motion.tank(settings, theta)
+
+
+def ship_axes(tank: TankMotion) -> dict[str, Array]:
+    """Ship-axes components and their own time derivatives."""
+    cosine, sine = np.cos(tank.psi), np.sin(tank.psi)
+    u = tank.xdot * cosine + tank.ydot * sine
+    v = -tank.xdot * sine + tank.ydot * cosine
+    return {
+        "u": u,
+        "v": v,
+        "r": tank.r,
+        "udot": tank.xddot * cosine + tank.yddot * sine + tank.r * v,
+        "vdot": -tank.xddot * sine + tank.yddot * cosine - tank.r * u,
+        "rdot": tank.rdot,
+    }

@@ -1,0 +1,1 @@
+"""The commands, one a file: a file ``name.py`` with a function ``name`` is the command."""

@@ -1,0 +1,170 @@
+"""``pmmkit add``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.loop.session import ErrorFall
+    from pmmkit.models import Model
+
+METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
+
+
+def add(
+    model: Annotated[str, typer.Argument(help="Library ship or model file.")],
+    effects: Annotated[
+        list[str] | None, typer.Argument(help="Effects to add, one after another.")
+    ] = None,
+    *,
+    fit: Annotated[
+        Path, typer.Option("--fit", help="Campaign to which the model is fitted with them.")
+    ],
+    target: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Model file to write.")
+    ] = None,
+    undo: Annotated[
+        bool, typer.Option("--undo", help="Take the effect that was added last out again.")
+    ] = False,
+    why: Annotated[str, typer.Option(help="A remark for the model's history.")] = "",
+    floor: Floor = None,
+    noise: Noise = None,
+    own: Own = None,
+    figures: DrawFigures = True,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """Add effects to a model, fit them together with it, and show how the error falls."""
+    from pmmkit.effects.grammar import own_effects
+    from pmmkit.files import check_folder, write_results
+    from pmmkit.loop.session import begin, undone
+    from pmmkit.models import load_model, save_model
+
+    if undo == bool(effects):
+        raise typer.BadParameter("Name an effect to add, or say --undo.")
+    if out is not None:
+        check_folder(out)
+    written = target or Path(f"{Path(model).stem}-extended.toml")
+    before = load_model(model)
+    effects_of_user = own_effects(own) if own else ()
+    taken = ""
+    if undo:
+        before, taken = undone(before, effects_of_user)
+    opened, _ = sound_campaign(fit, data)
+    session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
+    for effect in effects or ():
+        session = session.add(effect, why)
+    after = session.model()
+    fall = session.fall()
+    save_model(after, written)
+    turns = _turns(replace(session, steps=()).model(), after, opened)
+    content = {
+        "model": str(written),
+        "added": effects or [],
+        "taken_out": taken,
+        "errors": fall.to_pandas().to_dict("records"),
+        "useless": list(fall.useless),
+        "turning": turns,
+        "notes": list(after.notes),
+        "history": list(after.history),
+    }
+    files = write_results(out, _files(fall, figures)) if out is not None else []
+    lines = _words(fall, taken, turns)
+    lines += [f"note: {text}" for text in after.notes if text not in before.notes]
+    lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
+    return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+
+
+def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
+    from pmmkit.figures.diagnosis import error_fall
+    from pmmkit.plotting.style import save
+
+    figure = [("error_fall.svg", partial(save, error_fall(fall)))] if drawn else []
+    return [("error_fall.csv", fall.to_pandas()), *figure]
+
+
+def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[str, float]]:
+    """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
+    from pmmkit.errors import PmmkitError
+    from pmmkit.metrics import HARD_OVER
+    from pmmkit.simulation.simulate import simulate
+
+    speeds = sorted({run.settings.speed for run in campaign.runs})
+    ship = campaign.ship
+    Fn = ship.froude(speeds[len(speeds) // 2], campaign.water.g)
+    found = {}
+    for name, model in (("before", before), ("after", after)):
+        try:
+            track = simulate(
+                model,
+                "turning",
+                rudder_deg=HARD_OVER,
+                speed=model.ship.speed(Fn, model.water.g),
+                compiled=False,
+            )
+        except PmmkitError:
+            return {}
+        found[name] = {key: track.metrics[key] for key in METRICS if key in track.metrics}
+    return found
+
+
+def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
+    from pmmkit.channels import CHANNEL_UNITS
+    from pmmkit.metrics import HARD_OVER
+
+    lines = [f"Taken out: {taken}."] if taken else []
+    lines.append("Error of conditions left out of the fit, in per cent of the rms force:")
+    frame = fall.to_pandas()
+    channels = fall.errors[0].channels
+    tests = list(dict.fromkeys(frame["test"]))
+    rows = []
+    for step, item in zip(fall.steps, fall.errors, strict=True):
+        own = frame[frame["step"] == step]
+        errors = own[own["test"] == "all"].set_index("channel")["error"]
+        rows.append(
+            [
+                step if step == fall.steps[0] else f"+ {step}",
+                f"{100 * item.share():.2f}",
+                *(f"{float(errors[name]):.3g}" for name in channels),
+                *(_per_test(own, test) for test in tests if test != "all"),
+            ]
+        )
+    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
+    lines.append(
+        aligned(["step", "all", *units, *(t.replace("_", " ") for t in tests if t != "all")], rows)
+    )
+    for number, step in enumerate(fall.steps[1:], start=1):
+        better = fall.errors[number].better_than(fall.errors[number - 1])
+        lines.append(
+            f"{step}: better in {100 * better:.0f} % of the conditions and channels it changes."
+        )
+    lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
+    if turns:
+        lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
+        names = list(turns["after"])
+        lines.append(
+            aligned(
+                ["", *(name.removesuffix("_L").replace("_", " ") for name in names)],
+                [
+                    [key, *(f"{values[name]:.3f}" for name in names)]
+                    for key, values in turns.items()
+                ],
+            )
+        )
+    return lines
+
+
+def _per_test(own: Any, test: str) -> str:
+    shares = own[own["test"] == test]["share"].dropna()
+    return f"{100 * float((shares**2).mean() ** 0.5):.2f}" if len(shares) else "-"

@@ -1,0 +1,51 @@
+"""``pmmkit check``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from pmmkit.cli.options import Campaign, Data, Out
+from pmmkit.cli.output import Outcome
+
+if TYPE_CHECKING:
+    from pmmkit.checks import CheckFinding
+
+
+def check(campaign: Campaign, data: Data = None, out: Out = None) -> Outcome:
+    """Look for data that contradict themselves; exit status 1 if some do."""
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.checks import examine
+    from pmmkit.files import check_folder, write_results
+
+    if out:
+        check_folder(out)
+    opened = open_campaign(campaign, data=data)
+    found = examine(opened)
+    errors = sum(item.severity == "error" for item in found)
+    findings = [item.to_dict() for item in found]
+    content = {
+        "campaign": opened.title,
+        "runs": len(opened),
+        "errors": errors,
+        "findings": findings,
+    }
+    if out:
+        write_results(out, [("findings.json", findings)])
+    return Outcome(content=content, lines=[_text(found)], status=1 if errors else 0)
+
+
+def _text(findings: Sequence[CheckFinding]) -> str:
+    """Findings of the checks for people."""
+    from pmmkit.checks.finding import name_runs
+
+    if not findings:
+        return "The checks found nothing to say."
+    blocks = []
+    for item in findings:
+        where = f" ({name_runs(item.runs)})" if item.runs else ""
+        lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
+        if item.remedy:
+            lines.append(f"  {item.remedy}")
+        blocks.append("\n".join(lines))
+    return "\n".join(blocks)

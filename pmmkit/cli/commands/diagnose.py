@@ -1,0 +1,386 @@
+"""``pmmkit diagnose``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from pmmkit.cli.options import (
+    Campaign,
+    Data,
+    DrawFigures,
+    Floor,
+    Given,
+    Noise,
+    Out,
+    Own,
+    numbers,
+    patterns,
+    results_folder,
+    sensors_of,
+    sound_campaign,
+    stated,
+    stem,
+    words,
+)
+from pmmkit.cli.output import Outcome, say, warned
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign as Tests
+    from pmmkit.diagnosis.findings import Diagnosis, Finding
+
+Base = Annotated[
+    str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
+]
+WINDOW: Final = 60.0
+LARGE: Final = 3.0
+
+
+def diagnose(
+    model: Base,
+    campaign: Campaign,
+    floor: Floor = None,
+    noise: Noise = None,
+    given: Given = None,
+    own: Own = None,
+    runs: Annotated[
+        list[str] | None,
+        typer.Option(help="Free-running runs to diagnose, such as 'turn_*'; may be repeated."),
+    ] = None,
+    test_runs: Annotated[
+        list[str] | None,
+        typer.Option("--test-runs", help="Free-running runs held out, to be predicted."),
+    ] = None,
+    channels: Annotated[
+        str | None,
+        typer.Option(
+            help="Channels of free-running records to use, such as x,y,psi,r where the checks "
+            "find fault with the velocities; all if absent."
+        ),
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(
+            min=1e-6,
+            help="Relative standard deviation of the model's values before free-running records "
+            "are looked at; its covariance and 0.05 beside it if absent.",
+        ),
+    ] = None,
+    shortest: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1,
+            help="Leave out free-running segments shorter than this, in s; ten ship "
+            "lengths if absent.",
+        ),
+    ] = None,
+    sensors: Annotated[
+        str | None,
+        typer.Option(
+            help="Standard deviations of channels of free-running records, such as "
+            "x=0.03,y=0.03,psi_deg=0.1; told from their noise if absent."
+        ),
+    ] = None,
+    windage: Annotated[
+        str | None,
+        typer.Option(help="Frontal and lateral area above water in m2, such as 0.135,0.52."),
+    ] = None,
+    judged: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1,
+            help="Length in s of the windows by which effects are judged; five ship "
+            "lengths if absent.",
+        ),
+    ] = None,
+    window: Annotated[
+        float, typer.Option(min=0.1, help="Length in s of the windows of runs held out.")
+    ] = WINDOW,
+    figures: DrawFigures = True,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """Name the effect, or the fault of the measurement, that the model lacks."""
+    from pmmkit.errors import DataError
+    from pmmkit.files import write_results
+
+    free: dict[str, Any] = {
+        "runs": patterns(runs),
+        "test_runs": patterns(test_runs),
+        "channels": None if channels is None else words(channels),
+        "sensors": sensors_of(sensors),
+        "spread": spread,
+        "shortest": shortest,
+        "windage": _areas(windage),
+        "judged": judged,
+    }
+    folder = results_folder(out, f"{stem(campaign)}-diagnosed")
+    opened, checked = sound_campaign(campaign, data)
+    if opened.kind == "free-running":
+        if words(given) or noise is not None or own is not None:
+            raise DataError(
+                "--given, --noise and --own belong to captive tests; these runs run free."
+            )
+        answer = _of_records(model, opened, floor=floor, window=window, drawn=figures, **free)
+    elif stated(**free) or window != WINDOW:
+        raise DataError("Options of free-running records are of no use for captive tests.")
+    else:
+        answer = _of_captive_tests(
+            model, opened, floor=floor, noise=noise, own=own, given=words(given), drawn=figures
+        )
+    found = answer.found
+    content = {
+        **found.to_dict(),
+        "campaign": opened.title,
+        **answer.content,
+        "checks": [item.to_dict() for item in checked],
+    }
+    results = [("diagnosis.json", content), ("effects.csv", found.to_pandas()), *answer.files]
+    files = write_results(folder, results)
+    lines = [
+        *answer.head,
+        *warned(checked),
+        *_words(found),
+        "",
+        *answer.tail,
+        f"Results: {folder}",
+        *(_next(model, campaign, found) if opened.kind != "free-running" else []),
+    ]
+    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Answer:
+    """A diagnosis with what is said of it, and written, beside it."""
+
+    found: Diagnosis
+    content: Mapping[str, Any]
+    files: Sequence[tuple[str, Any]]
+    head: Sequence[str]
+    tail: Sequence[str] = ()
+
+
+def _of_captive_tests(
+    model: str,
+    campaign: Tests,
+    *,
+    floor: float | None,
+    noise: float | None,
+    own: Path | None,
+    given: Sequence[str],
+    drawn: bool,
+) -> _Answer:
+    from pmmkit.effects.grammar import own_effects
+    from pmmkit.loop.session import begin
+    from pmmkit.report.loop import loop_of, write_diagnosis
+
+    session = begin(model, campaign, floor=floor, noise=noise, own=own_effects(own) if own else ())
+    for effect in given:
+        session = session.add(effect, "known to be there")
+    loop = loop_of(session, model)
+    count = len(campaign.runs)
+    page = partial(write_diagnosis, loop, title=campaign.title, runs=count)
+    return _Answer(
+        found=loop.diagnosis,
+        content={"model": model},
+        files=[
+            ("error_fall.csv", loop.fall.to_pandas()),
+            *([("report.html", page)] if drawn else []),
+        ],
+        head=[f"{campaign.title}: {count} runs against {model}"],
+    )
+
+
+def _of_records(
+    name: str,
+    campaign: Tests,
+    *,
+    floor: float | None,
+    window: float,
+    drawn: bool,
+    spread: float | None,
+    sensors: Mapping[str, float] | None,
+    windage: tuple[float, float] | None,
+    judged: float | None,
+    **chosen: Any,
+) -> _Answer:
+    from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+    from pmmkit.identification.chosen import chosen_records
+    from pmmkit.models import load_model
+
+    model = load_model(name)
+    settings = stated(floor=floor)
+    used, kept = chosen_records(campaign, model, rudder="auto", wind=True, **chosen)
+    if spread is not None:
+        settings |= {"spread": 0.0 if model.covariance is None else spread, "loose": spread}
+    found = diagnose_free(
+        model,
+        used.records,
+        windage=windage,
+        sensors=sensors,
+        window=judged,
+        held_out=kept.records if kept else (),
+        held_out_window=window if kept else None,
+        progress=say,
+        **settings,
+    )
+    errors = {name: dict(row) for name, row in found.errors.items()}
+    return _Answer(
+        found=found,
+        content={
+            "model": model.name,
+            "errors": errors,
+            "used": used.content(),
+            "held_out": kept.content() if kept else None,
+        },
+        files=list(_record_files(found, drawn)),
+        head=[
+            f"{campaign.title}: {len(used.records)} records against {model.name}",
+            *used.words("Used"),
+            *(kept.words("Held out") if kept else []),
+        ],
+        tail=[
+            "Root mean square errors over windows with the measured rudder:",
+            _errors(errors),
+            *found.notes,
+            "",
+        ],
+    )
+
+
+def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures.diagnosis import coverage, evidence
+    from pmmkit.models import save_model
+    from pmmkit.plotting.style import save
+
+    for name, made in (("model", found.model), ("model_refitted", found.refitted)):
+        if made is not None:
+            yield f"{name}.toml", partial(save_model, made)
+    if drawn:
+        yield "evidence.svg", partial(save, evidence(found))
+        yield "coverage.svg", partial(save, coverage(found))
+
+
+def _areas(text: str | None) -> tuple[float, float] | None:
+    found = numbers(text)
+    if found is None:
+        return None
+    if len(found) != 2 or min(found) <= 0.0:
+        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
+    return found[0], found[1]
+
+
+def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
+    """The command that puts the findings into the model."""
+    from pmmkit.structures import structures
+
+    if not found.findings:
+        return []
+    names = " ".join(item.effect for item in found.findings)
+    if model in structures():
+        reduced = f"{stem(campaign)}-reduced"
+        return [
+            f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
+            f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o model2.toml",
+        ]
+    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o model2.toml"]
+
+
+def _words(found: Diagnosis) -> list[str]:
+    """A diagnosis in sentences."""
+    from pmmkit.report.loop import VERDICTS
+
+    lines = [
+        f"What is smooth and below {100 * found.floor:g} % of a channel's rms force is left alone.",
+        f"Verdict: {VERDICTS[found.verdict]}",
+    ]
+    if found.given:
+        lines.append(f"The base has already: {', '.join(found.given)}.")
+    if found.findings:
+        lines.append(f"Family: {', '.join(found.families)}.")
+    for item in found.findings:
+        lines += ["", *_finding(item)]
+    if found.flags and found.findings:
+        lines += [
+            "",
+            "It is not the whole story: something is left that no named effect explains. "
+            "Take it as the nearest relative.",
+        ]
+    lines += [f"  {reason}" for reason in found.flags[1:]]
+    rivals = found.group[1:]
+    if rivals:
+        lines += ["", "These runs cannot tell it from:"]
+        lines += [f"  {' and '.join(names)} ({_against(odds)})" for names, odds in rivals]
+    hidden = found.not_testable
+    if hidden:
+        lines += ["", "These runs could not show:"]
+        lines += [f"  {item.name}: {item.why}{_hides(item.hides)}" for item in hidden]
+    return lines
+
+
+def _finding(item: Finding) -> list[str]:
+    """One effect: evidence, sizes, how the error of left-out conditions falls."""
+    from pmmkit.diagnosis.findings import UNITS
+
+    lines = [f"{item.effect}: {item.summary} Evidence {item.evidence}."]
+    for name, value in item.coefficients.items():
+        lines.append(f"  {_size(name, value, item.std[name], item.typical[name])}")
+    if item.parameter:
+        lines.append(f"  {item.parameter}: about {item.value:g}")
+    if math.isfinite(item.error_before):
+        falls = [
+            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
+            for name, (before, after) in item.errors.items()
+            if name in item.channels
+        ]
+        shares = (
+            f" {100 * item.error_before:.2f} % to {100 * item.error_after:.2f} % of the rms forces"
+            if "heading" not in item.errors
+            else ""
+        )
+        how = f" ({', '.join(falls)})." if shares and falls else f" {', '.join(falls)}."
+        lines.append(
+            f"  Error of what was left out:{shares}{how if falls else ' it does not fall.'}"
+        )
+    if item.rivals:
+        lines.append(f"  On such runs it resembles: {', '.join(item.rivals)}.")
+    if item.separating_test:
+        lines.append(f"  To be sure: {item.separating_test}.")
+    return lines
+
+
+def _size(name: str, value: float, std: float, typical: float) -> str:
+    """A coefficient with its uncertainty beside its usual size; a warning where it is far off."""
+    text = f"{name} {value:.3g} ± {1.96 * std:.2g}, usual size {typical:.2g}"
+    if abs(value) - 1.96 * std > LARGE * abs(typical):
+        text += " - far more than usual"
+    elif abs(value) > 1.96 * std and value * typical < 0.0 and "[" not in name:
+        text += " - of the other sign than usual"
+    return text
+
+
+def _against(odds: float) -> str:
+    return f"about {1.0 / odds:.0f} to 1 against it" if odds < 0.7 else "as likely"
+
+
+def _hides(share: float) -> str:
+    return f"; up to {share:.2g} of its usual size could hide" if math.isfinite(share) else ""
+
+
+def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:
+    from pmmkit.identification.comparing import UNITS
+
+    names = [name for name in UNITS if any(name in row for row in errors.values())]
+    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+    rows = [
+        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
+        for what, row in errors.items()
+    ]
+    return aligned(["", *head], rows)

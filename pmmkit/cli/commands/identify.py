@@ -1,0 +1,394 @@
+"""``pmmkit identify``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from pmmkit.cli.options import (
+    Campaign,
+    Data,
+    Out,
+    patterns,
+    results_folder,
+    sensors_of,
+    sound_campaign,
+    stem,
+    words,
+)
+from pmmkit.cli.output import Outcome, warned
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.checks import CheckFinding
+    from pmmkit.identification.chosen import Chosen
+    from pmmkit.identification.comparing import MethodComparison
+    from pmmkit.identification.consistency import Consistency
+    from pmmkit.identification.methods import Identified
+    from pmmkit.identification.smoother import Smoothed
+
+WIDE: Final = 1.96
+FAR: Final = 3.0
+"""Values so many standard deviations of the prior away from it are named."""
+
+
+class Method(StrEnum):
+    """A method of identification, or all of them."""
+
+    ekf = "ekf"
+    ukf = "ukf"
+    trajectory = "trajectory"
+    regression = "regression"
+    sindy = "sindy"
+    all = "all"
+
+
+class Rudder(StrEnum):
+    """What the rudder column is."""
+
+    auto = "auto"
+    measured = "measured"
+    ordered = "ordered"
+
+
+def identify(
+    campaign: Campaign,
+    model: Annotated[
+        str,
+        typer.Option(
+            help="Library ship or model file of the ship, at its scale: what is not identified "
+            "keeps its values."
+        ),
+    ],
+    method: Annotated[Method, typer.Option(help="all compares the methods.")] = Method.ekf,
+    derivatives: Annotated[
+        str | None,
+        typer.Option(
+            help="What to identify, such as 'Yv Yr Nv Nr rudder_mmg.aH current_x'; all derivatives "
+            "of the hull if absent."
+        ),
+    ] = None,
+    prior: Annotated[
+        str | None,
+        typer.Option(
+            help="Library ship, model file or derivative table with what was known before; the "
+            "model itself if absent."
+        ),
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(
+            help="Relative standard deviation before, in place of any covariance; 0.3 where "
+            "nothing is known."
+        ),
+    ] = None,
+    runs: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Runs to identify from, such as 'turn_*,ZZ10'; may be repeated. All but those "
+            "held out if absent."
+        ),
+    ] = None,
+    test_runs: Annotated[
+        list[str] | None,
+        typer.Option("--test-runs", help="Runs held out, which the result has to predict."),
+    ] = None,
+    channels: Annotated[
+        str | None, typer.Option(help="Measurements to use, such as x,y,psi,r; all if absent.")
+    ] = None,
+    sensors: Annotated[
+        str | None,
+        typer.Option(
+            help="Standard deviations of channels, SI or with _deg, such as x=0.03,y=0.03,"
+            "psi_deg=0.1; told from the noise of the records if absent."
+        ),
+    ] = None,
+    rudder: Annotated[
+        Rudder,
+        typer.Option(
+            help="Whether the column delta is the angle, or the order that the gear follows."
+        ),
+    ] = Rudder.auto,
+    wind: Annotated[bool, typer.Option(help="Use the measured wind.")] = True,
+    shortest: Annotated[
+        float | None,
+        typer.Option(
+            min=0.1, help="Leave out segments shorter than this, in s; ten ship lengths if absent."
+        ),
+    ] = None,
+    window: Annotated[
+        float, typer.Option(min=0.1, help="Length in s of the windows that are predicted.")
+    ] = 60.0,
+    extrapolate: Annotated[
+        bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
+    ] = False,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """Identify derivatives from free-running records, and predict runs that were held out."""
+    from pmmkit.errors import UnknownNameError
+    from pmmkit.files import write_results
+    from pmmkit.identification.chosen import chosen_records
+    from pmmkit.identification.comparing import compare_methods
+    from pmmkit.identification.consistency import consistency
+    from pmmkit.identification.filters import Filtered
+    from pmmkit.identification.known import known_before, parameters_of
+    from pmmkit.identification.methods import METHODS
+    from pmmkit.identification.predict import reference
+    from pmmkit.identification.record import CHANNELS
+    from pmmkit.models import load_model
+    from pmmkit.progress import shown
+
+    if spread is not None and spread <= 0.0:
+        raise typer.BadParameter(f"--spread {spread:g}: it is a positive share, such as 0.3.")
+    stds = sensors_of(sensors)
+    folder = results_folder(out, f"{stem(campaign)}-identified")
+    base = load_model(model)
+    if lost := [name for name in stds or {} if name not in CHANNELS]:
+        raise UnknownNameError(f"There is no channel {', '.join(lost)}: {', '.join(CHANNELS)}.")
+    opened, findings = sound_campaign(campaign, data)
+    used, held_out = chosen_records(
+        opened,
+        base,
+        runs=patterns(runs),
+        test_runs=patterns(test_runs),
+        channels=None if channels is None else words(channels),
+        rudder=rudder.value,
+        wind=wind,
+        shortest=shortest,
+    )
+    names = parameters_of(base, None if derivatives is None else words(derivatives))
+    before = known_before(
+        base, names, used.records[0].speed, prior=prior, spread=spread, extrapolate=extrapolate
+    )
+    judged = (held_out or used).long_enough(window)
+    references = reference(base, judged, sensors=stds, extrapolate=extrapolate)
+    with shown() as progress:
+        found = compare_methods(
+            base,
+            used.records,
+            names,
+            methods=METHODS if method is Method.all else (method.value,),
+            references=references,
+            window=window,
+            prior=before,
+            sensors=stds,
+            extrapolate=extrapolate,
+            progress=progress,
+        )
+    tests = {
+        name: consistency(item.detail)
+        for name, item in found.found.items()
+        if isinstance(item.detail, Filtered)
+    }
+    work = _Work(
+        title=opened.title,
+        used=used,
+        held_out=held_out,
+        found=found,
+        references=references,
+        tests=tests,
+        findings=findings,
+    )
+    content = _content(work)
+    files = write_results(folder, _files(work, content, extrapolate))
+    lines = [*_words(work), "", f"Results: {folder}"]
+    return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Work:
+    """All that one call of the command found."""
+
+    title: str
+    used: Chosen
+    held_out: Chosen | None
+    found: MethodComparison
+    references: tuple[Smoothed, ...]
+    tests: Mapping[str, Consistency]
+    findings: Sequence[CheckFinding]
+
+
+def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.figures import identification as figures
+    from pmmkit.identification.comparing import BEFORE, predicted_window
+    from pmmkit.models import save_model
+    from pmmkit.plotting.style import save
+
+    found, records = work.found, work.used.records
+    yield "identified.csv", found.parameters()
+    errors = found.errors()
+    errors.insert(2, "held_out", work.held_out is not None)
+    yield "predictions.csv", errors
+    yield "identified.json", content
+    for name, item in found.found.items():
+        ending = "" if len(found.found) + len(found.failed) == 1 else f"_{name}"
+        yield f"model{ending}.toml", partial(save_model, item.model)
+    drawn = figures.identified_parameters(list(found.found.values()))
+    yield "parameters.svg", partial(save, drawn)
+    for name in work.tests:
+        detail = found.found[name].detail
+        drawn = figures.parameter_histories(detail, records, found.model.convention)
+        yield f"history_{name}.svg", partial(save, drawn)
+        drawn = figures.innovation_figure(detail, records)
+        yield f"innovations_{name}.svg", partial(save, drawn)
+    models = {BEFORE: found.model, **{name: x.model for name, x in found.found.items()}}
+    sailed = predicted_window(models, work.references, window=found.window, extrapolate=extrapolate)
+    yield "prediction.svg", partial(save, figures.window_figure(sailed))
+
+
+def _content(work: _Work) -> dict[str, Any]:
+    from pmmkit.identification.comparing import BEFORE, UNITS
+
+    found = work.found
+    predictions = {
+        name: {**item.errors, "all": item.pooled()} for name, item in found.predictions.items()
+    }
+    return {
+        "campaign": work.title,
+        "model": found.model.name,
+        "used": work.used.content(),
+        "held_out": work.held_out.content() if work.held_out else None,
+        "prior": found.prior.origin,
+        "window": found.window,
+        "units": dict(UNITS),
+        "methods": {
+            name: {
+                "parameters": item.to_pandas().reset_index().to_dict("records"),
+                "unseen": list(item.unseen),
+                "left_out": _left_out(item),
+                "seconds": item.seconds,
+                "notes": list(item.notes),
+                "errors": predictions.get(name, {}),
+                "consistency": work.tests[name].to_pandas().to_dict("records")
+                if name in work.tests
+                else None,
+                "judgement": list(work.tests[name].words()) if name in work.tests else [],
+            }
+            for name, item in found.found.items()
+        },
+        "failed": dict(found.failed),
+        "errors_before": predictions.get(BEFORE, {}),
+        "findings": [item.to_dict() for item in work.findings],
+    }
+
+
+def _words(work: _Work) -> list[str]:
+    """What the command prints."""
+    from pmmkit.identification.binding import AROUND
+
+    found = work.found
+    lines = [f"{work.title}: identified with {found.model.name}", *work.used.words("Used")]
+    if work.held_out is not None:
+        lines += work.held_out.words("Held out")
+    lines += warned(work.findings)
+    lines += ["", f"Prior: {found.prior.origin}. Values with half of the 95 % interval:"]
+    lines.append(_table(found))
+    for name, item in found.found.items():
+        if item.unseen:
+            lines.append(
+                f"{name}: the records do not determine {', '.join(item.unseen)}; the model keeps "
+                f"what was known before."
+            )
+        if far := _far(item):
+            lines.append(
+                f"{name}: more than {FAR:g} standard deviations from what was known before: "
+                f"{', '.join(far)}. Either the prior is wrong, or these take up what the model "
+                f"lacks."
+            )
+        if left := _left_out(item):
+            lines.append(f"{name}: left out, since the records do not need them: {', '.join(left)}")
+    if set(found.prior.names) & set(AROUND):
+        lines.append("The current is no part of a model: predictions sail without it.")
+    lines += [f"{name} FAILED: {why}" for name, why in found.failed.items()]
+    lines += ["", _judged(work), _errors(found)]
+    lines.append("")
+    for name, item in found.found.items():
+        lines += [f"{name}: {text}" for text in item.notes]
+        if name in work.tests:
+            lines += [f"{name}: {text}" for text in work.tests[name].words()]
+    return lines
+
+
+def _table(found: MethodComparison) -> str:
+    """Prior and results side by side."""
+    rows = [
+        [name, _cell(mean, std), *(_found(item, name) for item in found.found.values())]
+        for name, mean, std in zip(
+            found.prior.names, found.prior.mean.tolist(), found.prior.std.tolist(), strict=True
+        )
+    ]
+    return aligned(["parameter", "prior", *found.found], rows)
+
+
+def _found(item: Identified, name: str) -> str:
+    if name not in item.names:
+        return "held"
+    if name in _left_out(item):
+        return "left out"
+    if name in item.unseen:
+        return "not determined"
+    i = item.names.index(name)
+    return _cell(float(item.values[i]), float(item.std[i]))
+
+
+def _cell(value: float, std: float) -> str:
+    """A value and half of its interval, to two digits of the latter."""
+    half = WIDE * std
+    if not math.isfinite(half) or half <= 0.0:
+        return f"{value:.4g}"
+    digits = min(max(1 - math.floor(math.log10(half)), 0), 9)
+    return f"{value:.{digits}f} ± {half:.{digits}f}"
+
+
+def _left_out(item: Identified) -> list[str]:
+    """Terms that a sparse regression found absent."""
+    return [name for name in getattr(item.detail, "left_out", ()) if name in item.names]
+
+
+def _far(item: Identified) -> list[str]:
+    """Parameters that ended far from their prior."""
+    import numpy as np
+
+    away = np.abs(item.values - item.prior.mean) / item.prior.std
+    gone = {*_left_out(item), *item.unseen}
+    return [
+        name
+        for name, far in zip(item.names, away.tolist(), strict=True)
+        if far > FAR and name not in gone
+    ]
+
+
+def _judged(work: _Work) -> str:
+    windows = next(iter(work.found.predictions.values())).pooled()["windows"]
+    what = (
+        "the runs held out"
+        if work.held_out is not None
+        else "the very runs that were used, which is no test: hold some out with --test-runs"
+    )
+    return (
+        f"Root mean square errors over {windows:.0f} windows of {work.found.window:g} s with the "
+        f"measured rudder, of {what}:"
+    )
+
+
+def _errors(found: MethodComparison) -> str:
+    from pmmkit.identification.comparing import UNITS
+
+    rows = []
+    for name, item in found.predictions.items():
+        pooled = item.pooled()
+        time = f"{found.found[name].seconds:.2f} s" if name in found.found else ""
+        rows.append([name, *(_number(pooled[error]) for error in UNITS), time])
+    head = [f"{error.replace('_', ' ')} [{unit}]" for error, unit in UNITS.items()]
+    return aligned(["model", *head, "time"], rows)
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "-"

@@ -1,0 +1,45 @@
+"""``pmmkit imo``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, Spread, results_folder, stem
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import text_of
+
+
+def imo(
+    model: Model,
+    speed: Speed,
+    ships: Annotated[int, typer.Option(help="Ships drawn for the probability of passing.")] = 2000,
+    spread: Spread = None,
+    depth: Depth = None,
+    extrapolate: Extrapolate = False,
+    out: Out = None,
+) -> Outcome:
+    """Judge a ship by every criterion of IMO MSC.137(76), to both sides."""
+    import pandas as pd
+
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model
+    from pmmkit.simulation.imo import imo_verdicts, verdict_sections
+
+    folder = results_folder(out, f"{stem(model)}-imo")
+    loaded = load_model(model)
+    found = imo_verdicts(
+        loaded, speed, n=ships, spread=spread, depth=depth, extrapolate=extrapolate
+    )
+    rows = [asdict(item) for item in found]
+    table = pd.DataFrame([{**row, "conditions": " ".join(row["conditions"])} for row in rows])
+    files = write_results(folder, [("imo.json", rows), ("imo.csv", table)])
+    lines = [
+        f"{loaded.name}, {speed:g} m/s (Fn {loaded.ship.froude(speed, loaded.water.g):.3f})",
+        text_of(verdict_sections(found)),
+        "",
+        f"Results: {folder}",
+    ]
+    return Outcome(content={"out": str(folder), "files": files, "verdicts": rows}, lines=lines)

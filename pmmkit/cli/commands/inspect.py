@@ -1,0 +1,51 @@
+"""``pmmkit inspect``."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pmmkit.cli.options import Out
+from pmmkit.cli.output import Outcome, quoted
+
+if TYPE_CHECKING:
+    from pmmkit.inspection import Look
+
+
+def inspect(
+    path: Annotated[Path, typer.Argument(help="File of measurements, or a folder with many.")],
+    out: Out = None,
+) -> Outcome:
+    """Say what a file or a folder holds: format, columns, units, and what they probably are."""
+    from pmmkit.files import check_folder
+    from pmmkit.inspection import look
+    from pmmkit.inspection.content import look_content
+    from pmmkit.inspection.words import look_lines
+
+    if out:
+        check_folder(out)
+    found = look(path)
+    lines = look_lines(found)
+    files = [str(out / name) for name in _write(found, out)] if out else []
+    lines += [f"Written: {file}" for file in files]
+    if found.groups and not any(item.file == "campaign.toml" for item in found.campaigns):
+        folder = path if path.is_dir() else path.parent
+        lines += ["", f"Next: pmmkit new-campaign {quoted(folder)}"]
+    return Outcome(content={"path": str(path), **look_content(found), "files": files}, lines=lines)
+
+
+def _write(found: Look, out: Path) -> list[str]:
+    from pmmkit.figures.inspecting import first_look
+    from pmmkit.files import write_results
+    from pmmkit.inspection.content import columns_csv
+    from pmmkit.plotting.style import save
+
+    results: list[tuple[str, Any]] = []
+    if found.groups:
+        results.append(("inspect.csv", columns_csv(found)))
+    if figure := first_look(found):
+        results.append(("inspect.png", partial(save, figure)))
+    return write_results(out, results)

@@ -1,0 +1,196 @@
+"""``pmmkit plan``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from pmmkit.cli.options import Data, Given, Out, numbers, results_folder, stem, words
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.test_planning.next_run import Advice
+    from pmmkit.test_planning.options import Limits, Option
+    from pmmkit.test_planning.programme import Plan
+
+
+def plan(
+    model: Annotated[
+        str,
+        typer.Argument(
+            help="Model file, library ship, or a structure such as cubic; a model with values "
+            "before any test."
+        ),
+    ],
+    campaign: Annotated[
+        Path | None,
+        typer.Argument(help="Tests that are made; one without runs gives ship and water."),
+    ] = None,
+    effects: Annotated[
+        str | None,
+        typer.Option(
+            "--for", help="Effects to tell apart, or one to show, such as memory,current."
+        ),
+    ] = None,
+    runs: Annotated[int | None, typer.Option(help="A programme of so many runs.")] = None,
+    hours: Annotated[float | None, typer.Option(help="A programme of so many hours.")] = None,
+    speeds: Annotated[str | None, typer.Option(help="Speeds in m/s, such as 1.0,1.5.")] = None,
+    limits: Annotated[
+        Path | None,
+        typer.Option(help="TOML file with [limits] of tank and rig, or [[runs]] to choose from."),
+    ] = None,
+    noise: Annotated[
+        float | None,
+        typer.Option(
+            help="Uncertainty of means and harmonics over the rms force, of tests that state none."
+        ),
+    ] = None,
+    record_noise: Annotated[
+        float, typer.Option(help="Before any test: noise of a record over the rms force.")
+    ] = 0.015,
+    floor: Annotated[
+        float, typer.Option(help="What is too small to matter, over the rms force.")
+    ] = 0.005,
+    given: Given = None,
+    before: Annotated[
+        bool, typer.Option("--before", help="As if no test of the campaign were made.")
+    ] = False,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """The run to make next, or a whole programme, before any test is made as well."""
+    from pmmkit.test_planning import programme
+    from pmmkit.test_planning.next_run import next_runs
+
+    listed = numbers(speeds)
+    folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
+    opened = None if campaign is None else _opened(campaign, data, before)
+    allowed, options = _limits(opened, model, limits, listed)
+    asked: dict[str, Any] = {
+        "effects": tuple(words(effects)),
+        "limits": allowed,
+        "options": options,
+        "floor": floor,
+        "given": words(given),
+        "noise": noise,
+    }
+    if opened is not None and opened.runs and runs is None and hours is None:
+        advice = next_runs(model, opened, **asked)
+        return _written(advice, _advice_lines(advice), folder)
+    made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
+    return _written(made, _plan_lines(made), folder)
+
+
+def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.errors import CampaignError
+
+    if before:
+        return open_campaign(campaign, data=data, runs=False)
+    try:
+        return open_campaign(campaign, data=data)
+    except CampaignError as error:
+        if all("there are no runs" in item.message for item in error.problems):
+            return open_campaign(campaign, data=data, runs=False)
+        raise
+
+
+def _limits(
+    campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[float] | None
+) -> tuple[Limits | None, tuple[Option, ...] | None]:
+    from pmmkit.errors import DataError
+    from pmmkit.models import load_model
+    from pmmkit.test_planning.options import Limits, limits_of
+    from pmmkit.test_planning.plan_file import read_plan_file
+
+    found = limits_of(campaign) if campaign is not None and campaign.runs else None
+    if speeds is not None:
+        found = (found or Limits(speeds=(1.0,))).with_(speeds=tuple(speeds))
+    if file is None:
+        if found is None:
+            raise DataError("Before any test a plan needs speeds: --speeds 1.0,1.5, or --limits.")
+        return found, None
+    ship = campaign.ship if campaign is not None else load_model(model).ship
+    return read_plan_file(file, ship, found)
+
+
+def _written(found: Advice | Plan, lines: Sequence[str], folder: Path) -> Outcome:
+    from pmmkit.files import write_results
+    from pmmkit.test_planning.plan_file import entries_text
+
+    results = [("plan.csv", found.to_pandas()), ("plan.toml", entries_text(found.options))]
+    files = write_results(folder, results)
+    return Outcome(
+        content={"out": str(folder), "files": files, **found.to_dict()},
+        lines=[*lines, f"Results: {folder}"],
+    )
+
+
+def _advice_lines(advice: Advice) -> list[str]:
+    lines = [advice.words]
+    if advice.runs and advice.rivals:
+        lines.append(
+            aligned(
+                ["run", "repeats", "gain in ln odds", "resolves", "hours"],
+                [
+                    [
+                        item.option.words,
+                        f"{item.repeats}",
+                        f"{item.gain:.1f}",
+                        f"{100 * item.resolves:.0f} %",
+                        f"{item.hours:.2f}",
+                    ]
+                    for item in advice.runs
+                ],
+            )
+        )
+    elif advice.runs:
+        lines.append(
+            aligned(
+                ["run", "shows", "hours"],
+                [
+                    [item.option.words, " ".join(item.gains), f"{item.hours:.2f}"]
+                    for item in advice.runs
+                ],
+            )
+        )
+    return lines
+
+
+def _plan_lines(made: Plan) -> list[str]:
+    head = (
+        f"{made.made} tests are made and show {len(made.before)} of {len(made.sights)} effects. "
+        if made.made
+        else ""
+    )
+    last = made.steps[-1] if made.steps else None
+    told = (
+        f"{len(made.steps)} runs in {made.hours:.1f} h show {last.visible} of {len(made.sights)} "
+        f"effects at usual size and tell {100 * last.separated:.0f} % of their pairs apart."
+        if last
+        else "No further run is worth its time."
+    )
+    return [
+        head + told,
+        aligned(
+            ["run", "min", "hours", "visible", "apart", "becomes visible"],
+            [
+                [
+                    step.option.words,
+                    f"{60 * step.option.hours:.0f}",
+                    f"{step.hours:.2f}",
+                    f"{step.visible}",
+                    f"{100 * step.separated:.0f} %",
+                    ", ".join(step.shown),
+                ]
+                for step in made.steps
+            ],
+        ),
+        "Stays invisible:" if made.invisible else "Nothing stays invisible.",
+        *(f"  {item.name}: {item.why}." for item in made.invisible),
+    ]

@@ -1,0 +1,303 @@
+"""``pmmkit reduce``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final, Literal
+
+import typer
+
+from pmmkit.cli.options import Campaign, Data, Out, stem
+from pmmkit.cli.output import Outcome, say
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    from pmmkit.models import Model
+    from pmmkit.observations.prepare import CycleChoice
+    from pmmkit.reduction import Reduction
+    from pmmkit.report import Loop, Reference, Turns
+    from pmmkit.tables import DerivativeTable
+
+ROUNDS: Final = 3
+"""Rounds of naming and adding in a demo."""
+PARTS: Final = ("propeller", "rudder_mmg")
+
+
+class Fn(StrEnum):
+    """A set of derivatives per Froude number, or one over all speeds."""
+
+    each = "each"
+    pooled = "pooled"
+
+
+def reduce(
+    campaign: Campaign,
+    structure: Annotated[
+        str, typer.Option(help="Name of a structure, or derivatives such as 'Yv Yv|v| Nv'.")
+    ] = "abkowitz3",
+    fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
+    cycles: Annotated[
+        str | None, typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent.")
+    ] = None,
+    parts: Annotated[
+        str | None, typer.Option(help="Library ship or model file that gives propeller and rudder.")
+    ] = None,
+    reference: Annotated[
+        str | None, typer.Option(help="Library ship, model file or table to compare with.")
+    ] = None,
+    data: Data = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that read runs; the number of processors if absent."),
+    ] = None,
+    memory: Annotated[
+        float, typer.Option(min=1, help="Memory that they may take together in MB.")
+    ] = 1000.0,
+    out: Out = None,
+) -> Outcome:
+    """Reduce captive tests to a table of derivatives, a model and a report.
+
+    Typed again after an interruption it goes on with the runs that were not yet read.
+    """
+    return reduced(
+        campaign,
+        out or Path(f"{stem(campaign)}-reduced"),
+        structure=structure,
+        fn=fn.value,
+        cycles=_cycles(cycles),
+        data=data,
+        parts=parts,
+        reference=reference,
+        jobs=jobs,
+        memory=memory,
+    )
+
+
+def _cycles(text: str | None) -> int | tuple[int, int] | None:
+    if text is None:
+        return None
+    first, dash, last = text.partition("-")
+    try:
+        return (int(first), int(last)) if dash else int(first)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r}: write one cycle (3) or a range (3-6).") from None
+
+
+def reduced(
+    campaign: Path,
+    out: Path,
+    *,
+    structure: str = "abkowitz3",
+    fn: Literal["each", "pooled"] = "each",
+    cycles: CycleChoice = None,
+    data: Path | None = None,
+    parts: str | None = None,
+    reference: str | None = None,
+    reference_name: str = "",
+    asked: str | None = None,
+    jobs: int | None = None,
+    memory: float = 1000.0,
+) -> Outcome:
+    """Reduce a campaign and write everything.
+
+    What was read of a large campaign is kept beside `out` until everything is written, so that
+    the same call goes on after an interruption.
+
+    Parameters
+    ----------
+    campaign, data : Path
+        As for `open_campaign`.
+    out : Path
+        The folder of the results.
+    structure, fn, cycles
+        As for `reduce_campaign`.
+    parts : str, optional
+        Library ship or model file whose propeller and rudder the model gets.
+    reference : str, optional
+        Library ship, model file or derivative table to compare with.
+    reference_name : str
+        Its name in the report.
+    asked : str, optional
+        A simpler structure: the report ends with what it lacks.
+    jobs, memory
+        As for `reduce_campaign`.
+
+    Returns
+    -------
+    Outcome
+        Files, table, findings, notes, the model or why there is none.
+    """
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.files import check_folder
+    from pmmkit.loop.session import begin
+    from pmmkit.models import load_model
+    from pmmkit.progress import shown
+    from pmmkit.reduction import reduce_campaign
+    from pmmkit.reduction.reading.resume import forget, resume_folder
+    from pmmkit.report import changes, loop_of, reference_of
+    from pmmkit.report.results import write_reduction
+
+    check_folder(out)
+    donor = load_model(parts) if parts else None
+    beside = reference_of(reference, reference_name) if reference else None
+    opened = open_campaign(campaign, data=data)
+    kept = resume_folder(out)
+    with shown() as progress:
+        found = reduce_campaign(
+            opened,
+            structure=structure,
+            fn=fn,
+            cycles=cycles,
+            progress=progress,
+            jobs=jobs,
+            memory=memory,
+            resume=kept,
+        )
+    model, why = _model(found, donor)
+    turns, why_not = _turns(found, model, beside)
+    why += why_not
+    loop = None
+    if asked:
+        say(f"Diagnosing what the structure {asked} lacks ...")
+        base = f"one set of derivatives ({asked}) over all speeds"
+        loop = loop_of(begin(asked, opened), base, rounds=ROUNDS)
+    say("Writing tables, figures and the report ...")
+    files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
+    forget(kept)
+    content = {
+        "campaign": opened.title,
+        "out": str(out),
+        "files": files,
+        "structure": structure,
+        "fn": fn,
+        "runs": len(found.runs),
+        "excluded": {run.id: reason for run, reason in opened.excluded},
+        "findings": [item.to_dict() for item in found.findings],
+        "notes": list(found.notes),
+        "table": found.table.to_pandas().to_dict("records"),
+        "model": "model.toml" if model else None,
+        "model_lacks": why,
+        "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
+        "changes": changes(turns.tracks) if turns else {},
+        "diagnosis": loop.diagnosis.to_dict() if loop else None,
+    }
+    lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
+    return Outcome(content=content, lines=[*lines, f"Report:  {out.resolve() / 'report.html'}"])
+
+
+def _missing(loop: Loop | None) -> list[str]:
+    """What a simpler structure lacks, and how the error falls with it."""
+    if loop is None:
+        return []
+    from pmmkit.report.loop import VERDICTS
+
+    steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
+    shares = [f"{name} {100 * item.share():.1f}" for name, item in steps]
+    end = loop.end or loop.diagnosis
+    return [
+        "",
+        f"What {loop.base} lacks, step by step, with the error of left-out conditions in per cent "
+        f"of the rms force: {', '.join(shares)}. {VERDICTS[end.verdict]}",
+    ]
+
+
+def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[str]]:
+    """The model, and in words what it lacks."""
+    from pmmkit.api import model_of
+    from pmmkit.errors import MissingPartError, ModelError
+
+    try:
+        model = model_of(found, donor)
+    except (MissingPartError, ModelError) as error:
+        return None, [f"No model.toml: {error}"]
+    lacks = [name for name in PARTS if name not in model.parts]
+    if not lacks:
+        return model, []
+    return model, [
+        f"model.toml holds the hull without {' and '.join(lacks)}: {' '.join(model.notes[:2])} "
+        f"With --parts a library ship (pmmkit ships) or a model file gives them."
+    ]
+
+
+def _turns(
+    found: Reduction, model: Model | None, beside: Reference | None
+) -> tuple[Turns | None, list[str]]:
+    """Turning circles, or why there are none."""
+    from pmmkit.errors import SimulationError
+    from pmmkit.report import turns_of
+
+    if model is None or any(name not in model.parts for name in PARTS):
+        return None, []
+    tested = sorted({round(item.froude, 4) for item in found.runs})
+    try:
+        return turns_of(model, tested, beside), []
+    except SimulationError as error:
+        return None, [f"No turning circle: {error}"]
+
+
+def _words(
+    found: Reduction, beside: Reference | None, turns: Turns | None, why: Sequence[str]
+) -> list[str]:
+    from pmmkit.metrics import HARD_OVER
+
+    lines = [headline(found.table, beside), ""]
+    counts = {
+        severity: sum(item.severity == severity for item in found.findings)
+        for severity in ("warning", "info")
+    }
+    lines.append(
+        f"Checks: {counts['warning']} warnings, {counts['info']} remarks; "
+        f"{len(found.notes)} notes on what the runs do not tell (see the report)."
+    )
+    lines += why
+    if turns:
+        lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
+        lines.append(turn_table(turns))
+    return lines
+
+
+def headline(table: DerivativeTable, beside: Reference | None) -> str:
+    """The table in plain text: a row per derivative, a column per Froude number.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        Our values.
+    beside : Reference or None
+        Values to compare with.
+    """
+    from pmmkit.conventions import CHANNELS
+    from pmmkit.report import tables
+
+    grid = tables.derivatives(table, beside)
+    names = [name for channel in CHANNELS for name in table.names if name[0] == channel]
+    cells = [row[1:] for group in grid.groups for row in group.rows]
+    rows = [[name, *(cell or "–" for cell in row)] for name, row in zip(names, cells, strict=True)]
+    return f"{grid.caption}\n\n{aligned(list(grid.head), rows)}"
+
+
+def turn_table(turns: Turns) -> str:
+    """The measures of the turning circle in plain text.
+
+    Parameters
+    ----------
+    turns : Turns
+        Turns at several speeds.
+    """
+    from pmmkit.presentation import percent
+    from pmmkit.report import changes
+
+    names = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
+    moved = changes(turns.tracks)
+    rows = [
+        [
+            name.replace("_L", " / L").replace("_", " "),
+            *(f"{track.metrics[name]:.3f}" for track in turns.tracks),
+            *([percent(moved[name])] if moved else []),
+        ]
+        for name in names
+    ]
+    head = ["", *(f"Fn {track.Fn:.3f}" for track in turns.tracks)]
+    return aligned([*head, "change"] if moved else head, rows)

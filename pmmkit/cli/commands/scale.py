@@ -1,0 +1,49 @@
+"""``pmmkit scale``."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated
+
+import typer
+
+from pmmkit.cli.options import Model, Out, results_folder, stem
+from pmmkit.cli.output import Outcome
+
+
+def scale(
+    model: Model,
+    length: Annotated[float, typer.Option("--length", help="Of the ship, m.")],
+    speed: Annotated[
+        float | None,
+        typer.Option(help="Of the ship in m/s, where the model has one set for all speeds."),
+    ] = None,
+    form: Annotated[float | None, typer.Option(help="Form factor k; estimated if absent.")] = None,
+    wetted: Annotated[
+        float | None, typer.Option(help="Wetted surface of the ship in m²; estimated if absent.")
+    ] = None,
+    rho: Annotated[float | None, typer.Option(help="Density of the ship's water in kg/m³.")] = None,
+    froude_only: Annotated[
+        bool, typer.Option("--froude-only", help="Correct neither friction nor wake.")
+    ] = False,
+    out: Out = None,
+) -> Outcome:
+    """Carry a model over to ship scale: Froude's law, friction and wake."""
+    from pmmkit.files import write_results
+    from pmmkit.models import full_scale, load_model, save_model, scaled
+    from pmmkit.ship import Water
+
+    folder = results_folder(out, f"{stem(model)}-ship")
+    loaded = load_model(model)
+    if froude_only:
+        made = scaled(loaded, length)
+    else:
+        water = None if rho is None else Water(rho=rho, g=loaded.water.g)
+        made = full_scale(loaded, length, speed=speed, form=form, wetted=wetted, water=water)
+    write_results(folder, [("model.toml", partial(save_model, made))])
+    steps = list(made.history[len(loaded.history) :])
+    path = str(folder / "model.toml")
+    return Outcome(
+        content={"out": str(folder), "model": path, "scale": made.scale, "steps": steps},
+        lines=[*steps, f"Scale: {made.scale}", f"Model: {path}"],
+    )

@@ -1,0 +1,97 @@
+"""``pmmkit simulate``."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from pmmkit.cli.options import (
+    Depth,
+    Extrapolate,
+    Figures,
+    Manoeuvre,
+    Model,
+    Out,
+    RudderDeg,
+    Speed,
+    SwitchDeg,
+    results_folder,
+    stated,
+    stem,
+)
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import text_of
+
+
+def simulate(
+    model: Model,
+    speed: Speed,
+    manoeuvre: Manoeuvre = "turning",
+    rudder_deg: RudderDeg = None,
+    switch_deg: SwitchDeg = None,
+    heading_deg: Annotated[
+        float | None, typer.Option(help="Change of heading of a course change or initial turn.")
+    ] = None,
+    step_deg: Annotated[float | None, typer.Option(help="Rudder step of a spiral.")] = None,
+    turns: Annotated[
+        float | None,
+        typer.Option(help="Revolutions over those of the approach: stopping, accelerating."),
+    ] = None,
+    duration: Annotated[
+        float | None, typer.Option(help="Seconds of a turn; until it is steady if absent.")
+    ] = None,
+    rudder_rate_deg: Annotated[
+        float | None, typer.Option(help="Rate of the steering gear in deg/s; the ship's if absent.")
+    ] = None,
+    wind_speed: Annotated[float, typer.Option(help="True wind in m/s.")] = 0.0,
+    wind_direction_deg: Annotated[
+        float, typer.Option(help="Where it comes from, from the bow of the approach.")
+    ] = 0.0,
+    current_speed: Annotated[float, typer.Option(help="Current in m/s.")] = 0.0,
+    current_direction_deg: Annotated[
+        float, typer.Option(help="Where it flows to, from the bow of the approach.")
+    ] = 0.0,
+    depth: Depth = None,
+    extrapolate: Extrapolate = False,
+    figures: Figures = True,
+    out: Out = None,
+) -> Outcome:
+    """Simulate a manoeuvre: track, metrics and figures."""
+    from pmmkit.files import write_results
+    from pmmkit.simulation.imo import imo_turning, verdict_sections
+    from pmmkit.simulation.results import metrics_of, track_files
+    from pmmkit.simulation.simulate import simulate
+
+    folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
+    track = simulate(
+        model,
+        manoeuvre,
+        speed=speed,
+        compiled=False,
+        rudder_rate_deg=rudder_rate_deg,
+        wind_speed=wind_speed,
+        wind_direction_deg=wind_direction_deg,
+        current_speed=current_speed,
+        current_direction_deg=current_direction_deg,
+        depth=depth,
+        extrapolate=extrapolate,
+        **stated(
+            rudder_deg=rudder_deg,
+            switch_deg=switch_deg,
+            heading_deg=heading_deg,
+            step_deg=step_deg,
+            turns=turns,
+            duration=duration,
+        ),
+    )
+    results = list(track_files(track))
+    if figures:
+        from pmmkit.plotting.style import figure_files
+
+        results += figure_files(track.figures(), "svg")
+    files = write_results(folder, results)
+    verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
+    judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
+    lines = [str(track), "", *judged, f"Results: {folder}"]
+    return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)

@@ -1,0 +1,50 @@
+"""``pmmkit stability``."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, results_folder, stem
+from pmmkit.cli.output import Outcome
+
+
+def stability(
+    model: Model,
+    speed: Speed,
+    depth: Depth = None,
+    extrapolate: Extrapolate = False,
+    out: Out = None,
+) -> Outcome:
+    """Straight-line stability, Nomoto's constants and the curve of steady turns."""
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model
+    from pmmkit.plotting.style import save
+    from pmmkit.simulation import linear
+    from pmmkit.simulation.spiral import spiral_curve
+
+    folder = results_folder(out, f"{stem(model)}-stability")
+    loaded = load_model(model)
+    found = linear.stability(loaded, speed, depth=depth, extrapolate=extrapolate)
+    curve = spiral_curve(loaded, speed, depth=depth, extrapolate=extrapolate)
+    numbers = {
+        "name": found.name,
+        "speed": speed,
+        "stable": found.stable,
+        "side": found.side,
+        **found.constants(),
+        "eigenvalues": [[x.real, x.imag] for x in found.eigenvalues.tolist()],
+        "loop_width_deg": curve.loop_width_deg,
+        "loop_height_deg_s": curve.loop_height_deg_s,
+        "neutral_deg": curve.neutral_deg,
+        "scale": loaded.scale,
+    }
+    files = write_results(
+        folder,
+        [
+            ("stability.json", numbers),
+            ("spiral.csv", curve.to_pandas()),
+            ("spiral.svg", partial(save, curve.plot())),
+        ],
+    )
+    lines = [str(found), "", curve.sentence(), f"Results: {folder}"]
+    return Outcome(content={"out": str(folder), "files": files, **numbers}, lines=lines)

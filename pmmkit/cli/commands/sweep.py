@@ -1,0 +1,110 @@
+"""``pmmkit sweep``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from pmmkit.cli.options import (
+    Depth,
+    Extrapolate,
+    Manoeuvre,
+    Model,
+    Out,
+    RudderDeg,
+    Spread,
+    SwitchDeg,
+    numbers,
+    results_folder,
+    stated,
+    stem,
+)
+from pmmkit.cli.output import Outcome
+from pmmkit.metrics import in_lengths
+from pmmkit.presentation import aligned
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST: Final = 5
+"""Metrics in a table for the screen."""
+
+
+def sweep(
+    model: Model,
+    speeds: Annotated[
+        str | None,
+        typer.Option(help="Approach speeds in m/s, such as 6,9,12; those of the tests if absent."),
+    ] = None,
+    over: Annotated[
+        str | None,
+        typer.Option(help="What to vary in place of the speed: rudder_deg, depth, wind_speed …"),
+    ] = None,
+    values: Annotated[str | None, typer.Option(help="Its values, such as 10,20,35.")] = None,
+    manoeuvre: Manoeuvre = "turning",
+    rudder_deg: RudderDeg = None,
+    switch_deg: SwitchDeg = None,
+    depth: Depth = None,
+    ships: Annotated[int, typer.Option(help="Ships drawn per value for 95 % intervals.")] = 0,
+    spread: Spread = None,
+    extrapolate: Extrapolate = False,
+    out: Out = None,
+) -> Outcome:
+    """Metrics of a manoeuvre over the approach speed, or over --over."""
+    from pmmkit.figures import metrics_over
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model
+    from pmmkit.plotting.style import save
+    from pmmkit.simulation import sweeps
+    from pmmkit.simulation.results import sweep_frame
+
+    asked = numbers(speeds)
+    settings = {
+        "n": ships,
+        "spread": spread,
+        "extrapolate": extrapolate,
+        "compiled": ships > 0,
+        **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
+    }
+    if over is not None and (values is None or asked is None or len(asked) != 1):
+        raise typer.BadParameter("--over needs --values and one approach speed, --speeds 8.")
+    folder = results_folder(out, f"{stem(model)}-sweep")
+    loaded = load_model(model)
+    if over is None or asked is None:
+        found = sweeps.froude_sweep(loaded, asked, manoeuvre, **settings)
+    else:
+        found = sweeps.sweep(loaded, over, numbers(values), manoeuvre, speed=asked[0], **settings)
+    metrics = _told(found)
+    table = sweep_frame(found)
+    rows: list[dict[str, Any]] = [
+        {str(name): value for name, value in row.items()} for row in table.to_dict("records")
+    ]
+    figure = metrics_over(found, metrics[:4])
+    files = write_results(folder, [("sweep.csv", table), ("sweep.svg", partial(save, figure))])
+    coordinates = [str(name) for name in found.coords]
+    cells = [
+        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in metrics]
+        for row in rows
+    ]
+    lines = [
+        f"Scale: {loaded.scale}",
+        aligned([*coordinates, *metrics], cells),
+        f"Results: {folder}",
+    ]
+    return Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines)
+
+
+def _told(found: xr.Dataset) -> list[str]:
+    """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
+    names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
+    return [name for name in in_lengths(names) if found[name].notnull().any()][:MOST]
+
+
+def _cell(row: Mapping[str, Any], name: str) -> str:
+    text = f"{row[name]:.4g}"
+    if f"{name}_low" not in row:
+        return text
+    return f"{text} ({row[f'{name}_low']:.4g} to {row[f'{name}_high']:.4g})"

@@ -1,0 +1,96 @@
+"""``pmmkit uncertainty``."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Annotated
+
+import typer
+
+from pmmkit.cli.options import (
+    Depth,
+    Extrapolate,
+    Manoeuvre,
+    Model,
+    Out,
+    RudderDeg,
+    Speed,
+    Spread,
+    SwitchDeg,
+    results_folder,
+    stated,
+    stem,
+)
+from pmmkit.cli.output import Outcome
+from pmmkit.presentation import text_of
+
+
+def uncertainty(
+    model: Model,
+    speed: Speed,
+    manoeuvre: Manoeuvre = "turning",
+    rudder_deg: RudderDeg = None,
+    switch_deg: SwitchDeg = None,
+    depth: Depth = None,
+    metric: Annotated[
+        str | None, typer.Option(help="Whose causes are listed, such as advance_L.")
+    ] = None,
+    ships: Annotated[int, typer.Option(help="Number of ships drawn.")] = 10_000,
+    spread: Spread = None,
+    seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
+    extrapolate: Extrapolate = False,
+    out: Out = None,
+) -> Outcome:
+    """How sure a manoeuvre is, and which derivatives decide it."""
+    from pmmkit.errors import UnknownNameError
+    from pmmkit.files import write_results
+    from pmmkit.metrics import main_of
+    from pmmkit.models import load_model
+    from pmmkit.plotting.style import save
+    from pmmkit.progress import shown
+    from pmmkit.simulation.ensemble import SHOWN, monte_carlo
+    from pmmkit.simulation.sensitivity import sensitivities
+
+    folder = results_folder(out, f"{stem(model)}-uncertainty")
+    loaded = load_model(model)
+    settings = {
+        "speed": speed,
+        "spread": spread,
+        "extrapolate": extrapolate,
+        **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
+    }
+    with shown() as progress:
+        many = monte_carlo(loaded, manoeuvre, n=ships, seed=seed, progress=progress, **settings)
+    chosen = metric or main_of(many.metrics)
+    if chosen not in many.metrics:
+        raise UnknownNameError(
+            f"{manoeuvre} has no metric {chosen!r}; it has {', '.join(many.metrics)}."
+        )
+    found = sensitivities(loaded, manoeuvre, **settings)
+    summary, causes = many.summary(), found.table(chosen)
+    drawn = [chosen, *(name for name in many.varying() if name != chosen)]
+    files = write_results(
+        folder,
+        [
+            ("metrics.csv", summary.to_csv),
+            ("causes.csv", causes.to_csv),
+            ("distributions.svg", partial(save, many.plot(drawn[:SHOWN]))),
+            ("causes.svg", partial(save, found.plot(chosen))),
+        ],
+    )
+    lines = [str(many), "", text_of([found.describe(chosen)]), "", f"Results: {folder}"]
+    content = {
+        "out": str(folder),
+        "files": files,
+        "name": many.name,
+        "manoeuvre": manoeuvre,
+        "speed": speed,
+        "ships": ships,
+        "failed": many.failed,
+        "origin": many.origin,
+        "scale": many.scale,
+        "metric": chosen,
+        "metrics": summary.to_dict("index"),
+        "causes": causes.to_dict("index"),
+    }
+    return Outcome(content=content, lines=lines)

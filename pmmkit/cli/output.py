@@ -1,0 +1,79 @@
+"""What a command says: text for people, one JSON object for programs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.errors import DataError
+
+if TYPE_CHECKING:
+    from pmmkit.checks import CheckFinding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What a command did: as JSON for programs, in lines for people, as the status of its end."""
+
+    content: Mapping[str, Any]
+    lines: Sequence[str]
+    status: int = 0
+
+
+def tell(outcome: Outcome, *, as_json: bool) -> None:
+    """The outcome on standard output: words, or JSON with the words on standard error."""
+    for line in outcome.lines:
+        print(line, file=sys.stderr if as_json else sys.stdout)
+    if as_json:
+        emit(outcome.content)
+
+
+def say(text: str = "") -> None:
+    """A line for the person at the keyboard, on standard error."""
+    print(text, file=sys.stderr)
+
+
+def emit(content: Mapping[str, Any]) -> None:
+    """One JSON object on standard output."""
+    from pmmkit.json_text import readable
+
+    print(readable(content))
+
+
+def tell_error(error: Exception, *, as_json: bool) -> None:
+    """An error in words on standard error, and as JSON on standard output if asked for.
+
+    Parameters
+    ----------
+    error : Exception
+        What went wrong.
+    as_json : bool
+        Whether the command was asked for JSON.
+    """
+    text = str(error)
+    if as_json:
+        problems = error.problems if isinstance(error, DataError) else ()
+        emit(
+            {
+                "error": {
+                    "type": type(error).__name__,
+                    "message": text or type(error).__name__,
+                    "problems": [asdict(problem) for problem in problems],
+                }
+            }
+        )
+    say(f"pmmkit: {text or type(error).__name__}")
+
+
+def warned(findings: Iterable[CheckFinding]) -> list[str]:
+    """What the checks said, each once."""
+    return list(dict.fromkeys(f"{item.severity}: {item.message}" for item in findings))
+
+
+def quoted(path: Path) -> str:
+    """A path as it is typed."""
+    text = str(path)
+    return f'"{text}"' if " " in text else text

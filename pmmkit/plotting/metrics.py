@@ -1,0 +1,204 @@
+"""Metrics of manoeuvres: over a sweep, over the Froude number, of many ships, and their causes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.metrics import limits_in_lengths, metrics_named
+from pmmkit.numerics import Array
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+_LIMITS: Final = limits_in_lengths()
+MEASURES: Final = {
+    f"{metric.name}_L": f"{metric.title} / L [-]"
+    for metric in metrics_named("advance", "transfer", "tactical_diameter", "steady_diameter")
+}
+
+
+def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
+    """Metrics over whatever a sweep varies, with their intervals where it has them.
+
+    Parameters
+    ----------
+    sweep : Dataset
+        From `sweep` or `froude_sweep`.
+    metrics : sequence of str
+        Names of metrics.
+
+    Returns
+    -------
+    Figure
+        A panel a metric.
+    """
+    over = str(next(iter(sweep.dims)))
+    values, unit = sweep[over].values, sweep[over].attrs.get("units", "-")
+    with style.styled():
+        figure = style.canvas(3.2)
+        axes = np.atleast_1d(figure.subplots(1, len(metrics)))
+        for axis, metric in zip(axes, metrics, strict=True):
+            axis.plot(
+                values,
+                sweep[metric].values,
+                color=style.colour(0),
+                marker="o",
+                ms=4,
+                label="as it is",
+            )
+            if f"{metric}_low" in sweep:
+                axis.fill_between(
+                    values,
+                    sweep[f"{metric}_low"].values,
+                    sweep[f"{metric}_high"].values,
+                    color=style.colour(0),
+                    alpha=0.2,
+                    lw=0,
+                    label="95 % of the ships",
+                )
+            if metric in _LIMITS:
+                axis.axhline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
+            axis.set_title(_titled(metric, sweep[metric].attrs.get("units", "-")))
+            axis.set_xlabel(
+                "Froude number [-]"
+                if over == "Fn"
+                else f"{over.removesuffix('_deg')} [{unit}]".replace("_", " ")
+            )
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
+    """Measures of the turning circle over the Froude number, with the IMO limits.
+
+    Parameters
+    ----------
+    sweeps : mapping of str to Dataset
+        Sweeps as `froude_sweep` gives them, by their name in the legend; the first is ours, the
+        others are drawn to compare with.
+
+    Returns
+    -------
+    Figure
+        A matplotlib figure, a panel a measure.
+    """
+    with style.styled():
+        figure = style.canvas(3.2)
+        axes = figure.subplots(1, len(MEASURES))
+        for axis, (measure, title) in zip(axes, MEASURES.items(), strict=True):
+            for number, (name, sweep) in enumerate(sweeps.items()):
+                axis.plot(
+                    sweep["Fn"].values,
+                    sweep[measure].values,
+                    ms=4,
+                    label=name,
+                    color=style.ORDERED[0] if number == 0 else style.REFERENCE,
+                    marker=style.marker(number),
+                    ls="-" if number == 0 else "--",
+                )
+            if measure in _LIMITS:
+                axis.axhline(_LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
+            axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
+            axis.set_title(title)
+            axis.set_xlabel("Froude number [-]")
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def distributions(
+    ships: Mapping[str, Array],
+    nominal: Mapping[str, float],
+    intervals: Mapping[str, tuple[float, float]],
+    units: Mapping[str, str],
+) -> Figure:
+    """How the metrics of many ships are distributed, with the nominal ship and near IMO limits.
+
+    Parameters
+    ----------
+    ships : mapping of str to array
+        Numbers of all ships by metric; what is not finite is left out.
+    nominal : mapping of str to float
+        Of the ship as it is.
+    intervals : mapping of str to (float, float)
+        Central intervals.
+    units : mapping of str to str
+        Of the metrics.
+
+    Returns
+    -------
+    Figure
+        A panel a metric, the central 95 % shaded.
+    """
+    with style.styled():
+        figure = style.canvas(3.0)
+        axes = np.atleast_1d(figure.subplots(1, len(ships)))
+        for axis, (metric, values) in zip(axes, ships.items(), strict=True):
+            low, high = intervals[metric]
+            axis.hist(
+                values[np.isfinite(values)],
+                bins=60,
+                color=style.colour(0),
+                alpha=0.6,
+                label="ships",
+            )
+            axis.axvspan(low, high, color=style.colour(0), alpha=0.15, lw=0, label="central 95 %")
+            axis.axvline(nominal[metric], color=style.REFERENCE, lw=1.4, label="as it is")
+            left, right = axis.get_xlim()
+            if metric in _LIMITS and abs(_LIMITS[metric] - (left + right) / 2) < right - left:
+                axis.axvline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
+            axis.set_title(_titled(metric, units.get(metric, "-")))
+            axis.set_yticks([])
+        axes[0].set_ylabel("number of ships")
+        style.legend_below(figure, list(axes))
+    return figure
+
+
+def importance(
+    names: Sequence[str], values: Array, metric: str, *, shares: bool, most: int = 12
+) -> Figure:
+    """Which derivatives decide a metric.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Derivatives, the most important first.
+    values : array
+        Shares of the variance, or per cent per per cent.
+    metric : str
+        Name of the metric.
+    shares : bool
+        Which of both.
+    most : int
+        Number of derivatives shown.
+
+    Returns
+    -------
+    Figure
+        A bar a derivative.
+    """
+    shown = list(names[:most])[::-1]
+    lengths = (100.0 if shares else 1.0) * values[:most][::-1]
+    with style.styled():
+        figure = style.canvas(0.6 + 0.28 * len(shown), 5.6)
+        axis = figure.subplots()
+        axis.barh(range(len(shown)), lengths, color=style.colour(0))
+        axis.set_yticks(range(len(shown)), shown)
+        axis.axvline(0.0, color=style.REFERENCE, lw=0.6)
+        words = metric.removesuffix("_L").replace("_", " ")
+        axis.set_xlabel(
+            f"share of the variance of the {words} [%]"
+            if shares
+            else f"change of the {words} per 1 % of the derivative [%]"
+        )
+    return figure
+
+
+def _titled(metric: str, unit: str) -> str:
+    """A metric and its unit for people."""
+    name = metric.removesuffix("_L").removesuffix("_deg").replace("_deg_s", "").replace("_", " ")
+    return f"{name} / L [-]" if metric.endswith("_L") else f"{name} [{unit}]"

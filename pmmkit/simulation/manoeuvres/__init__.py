@@ -1,0 +1,1 @@
+"""Manoeuvres: one file a family, each entry declared once; `catalogue` finds them."""

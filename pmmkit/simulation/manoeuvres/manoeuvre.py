@@ -1,0 +1,171 @@
+"""A manoeuvre as an entry: its settings, the function that makes its plan, its metrics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, Final, Literal
+
+from pmmkit.metrics import Metric
+from pmmkit.plotting.manoeuvres import Drawn
+from pmmkit.simulation.plan import Plan
+
+STEEPEST: Final = 90.0
+"""Largest angle of a rudder that is taken [deg]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setting:
+    """A setting of a manoeuvre.
+
+    Parameters
+    ----------
+    name : str
+        As `simulate` and the command line take it.
+    text : str
+        What it is.
+    unit : str
+        ``deg``, ``s`` or ``-``.
+    default : float, optional
+        Value where none is given; None leaves it to the manoeuvre.
+    required : bool
+        Whether it must be given.
+    takes : {"positive", "side", "angle", "any"}
+        Positive numbers; angles up to 90° to either side but 0; the same with 0; any number.
+    below : float
+        What it must stay below.
+    whole : bool
+        Whether it is a whole number.
+
+    Examples
+    --------
+    >>> heading = Setting(name="heading_deg", text="heading", unit="deg", default=10.0)
+    >>> heading.problem(-3.0), heading.problem(20)
+    ('heading_deg = -3.0 must be positive.', None)
+    """
+
+    name: str
+    text: str
+    unit: str
+    default: float | None = None
+    required: bool = False
+    takes: Literal["positive", "side", "angle", "any"] = "positive"
+    below: float = math.inf
+    whole: bool = False
+
+    def problem(self, value: Any) -> str | None:
+        """What is wrong with a value; None where nothing is."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return f"{self.name} = {value!r} must be a number."
+        if self.takes in ("side", "angle"):
+            good = abs(value) <= STEEPEST and (value != 0 or self.takes == "angle")
+            but = ", not 0" if self.takes == "side" else ""
+            wants = f"an angle up to {STEEPEST:g}° to either side{but}"
+        elif self.takes == "any":
+            good, wants = math.isfinite(value), "a finite number"
+        elif not (math.isfinite(value) and value > 0):
+            good, wants = False, "positive"
+        elif value >= self.below:
+            good, wants = False, f"below {self.below:g}"
+        else:
+            good, wants = not self.whole or value == int(value), "a whole number"
+        return None if good else f"{self.name} = {value} must be {wants}."
+
+
+def rudder_setting(default: float) -> Setting:
+    """The rudder angle of the first order, with its usual value [deg]."""
+    return Setting(
+        name="rudder_deg",
+        text="rudder, positive to starboard",
+        unit="deg",
+        default=default,
+        takes="side",
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Manoeuvre:
+    """A manoeuvre.
+
+    Parameters
+    ----------
+    name : str
+        As `simulate` and the command line take it.
+    title : str
+        The long name.
+    settings : tuple of Setting
+        What can be set.
+    orders : callable
+        From the approach speed over the ship length [1/s] and each setting, as a keyword, to the
+        `Plan`.
+    metrics : tuple of Metric
+        What it gives.
+    drawn : {"turning circle", "zigzag", "spiral", "path"}
+        The figure that shows it.
+    asks_for_wind : bool
+        Whether `orders` takes the keyword ``wind`` too: whether there is wind.
+    """
+
+    name: str
+    title: str
+    settings: tuple[Setting, ...]
+    orders: Callable[..., Plan]
+    metrics: tuple[Metric, ...]
+    drawn: Drawn = "path"
+    asks_for_wind: bool = False
+
+    def problems(self, given: Mapping[str, Any]) -> list[str]:
+        """What is wrong with settings, all of it."""
+        known = {setting.name: setting for setting in self.settings}
+        found = [
+            f"{self.name} needs {name}: {setting.text} [{setting.unit}]."
+            for name, setting in known.items()
+            if setting.required and given.get(name) is None
+        ]
+        for name, value in given.items():
+            if name not in known:
+                found.append(f"{self.name} has no {name}; it has {', '.join(known)}.")
+            elif value is not None and (wrong := known[name].problem(value)):
+                found.append(wrong)
+        return found
+
+    def plan(self, pace: float, *, wind: bool = False, **settings: Any) -> Plan:
+        """The plan for a ship.
+
+        Parameters
+        ----------
+        pace : float
+            Approach speed over the ship length [1/s].
+        wind : bool
+            Whether there is wind.
+        **settings
+            Of the manoeuvre; the others have their defaults.
+
+        Raises
+        ------
+        DataError
+            If settings do not go together.
+        """
+        return _planned(self, pace, wind and self.asks_for_wind, tuple(settings.items()))
+
+    def filled(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """All settings, those that are not given with their defaults."""
+        found: dict[str, Any] = {}
+        for setting in self.settings:
+            value = given.get(setting.name)
+            value = setting.default if value is None else value
+            found[setting.name] = int(value) if setting.whole and value is not None else value
+        return found
+
+
+@lru_cache(maxsize=256)
+def _planned(
+    manoeuvre: Manoeuvre, pace: float, wind: bool, given: tuple[tuple[str, Any], ...]
+) -> Plan:
+    settings = manoeuvre.filled(dict(given))
+    if manoeuvre.asks_for_wind:
+        settings["wind"] = wind
+    plan = manoeuvre.orders(pace, **settings)
+    return replace(plan, name=manoeuvre.name, metrics=manoeuvre.metrics)

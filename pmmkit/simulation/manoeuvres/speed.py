@@ -1,0 +1,86 @@
+"""Stopping and accelerating."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any, Final
+
+from pmmkit.metrics import metrics_named
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
+from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
+from pmmkit.simulation.scalars import chosen, degrees
+
+TURNS: Final = Setting(
+    name="turns",
+    text="revolutions over those of the approach, negative astern",
+    unit="-",
+    takes="any",
+)
+
+
+def stopping(pace: float, *, turns: float, rudder_deg: float) -> Plan:
+    """Crash stop: revolutions astern (and the bucket of a waterjet down) until the ship stops."""
+    phases = (
+        Phase(
+            revolutions=turns,
+            bucket=1.0,
+            rudder=math.radians(rudder_deg),
+            until="surge",
+            level=0.0,
+            side=-1.0,
+            longest=500.0 / pace,
+        ),
+    )
+    probes = {"stop": Probe(ask="reached"), "path": Probe(ask="path")}
+
+    def measure(a: ProbeResults) -> dict[str, Any]:
+        stopped = a.t("stop") > 0.0
+        return {
+            "head_reach": a.at("stop", "x"),
+            "track_reach": chosen(stopped, a.t("path"), math.nan),
+            "lateral_deviation": a.at("stop", "y"),
+            "time_to_stop": a.t("stop"),
+            "heading_at_stop_deg": degrees(a.at("stop", "psi")),
+        }
+
+    return Plan(phases=phases, probes=probes, measure=measure)
+
+
+def accelerating(pace: float, *, turns: float) -> Plan:
+    """Accelerating: more revolutions straight ahead until the speed stays."""
+    phases = (
+        Phase(
+            revolutions=turns, until="steady", level=1e-5, shortest=2.0 / pace, longest=500.0 / pace
+        ),
+    )
+
+    def measure(a: ProbeResults) -> dict[str, Any]:
+        return {
+            "final_speed": a.at("end", "u"),
+            "speed_ratio": a.at("end", "u") / a.speed,
+            "time": a.t("end"),
+            "distance": a.at("end", "x"),
+        }
+
+    return Plan(phases=phases, probes={"end": Probe(ask="end")}, measure=measure)
+
+
+MANOEUVRES: Final = (
+    Manoeuvre(
+        name="stopping",
+        title="crash stop",
+        settings=(replace(TURNS, default=-0.7), replace(rudder_setting(0.0), takes="angle")),
+        orders=stopping,
+        metrics=metrics_named(
+            "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"
+        ),
+    ),
+    Manoeuvre(
+        name="accelerating",
+        title="accelerating straight ahead",
+        settings=(replace(TURNS, default=1.5),),
+        orders=accelerating,
+        metrics=metrics_named("final_speed", "speed_ratio", "time", "distance"),
+    ),
+)

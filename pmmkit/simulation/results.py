@@ -1,0 +1,49 @@
+"""What is kept of simulated manoeuvres: tables and numbers for files and programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.simulation.imo import imo_turning
+from pmmkit.simulation.track import Track
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+def track_files(track: Track, ending: str = "") -> Iterator[tuple[str, Any]]:
+    """Samples and metrics of a track with the names of their files."""
+    yield f"track{ending}.csv", track.to_csv()
+    yield f"metrics{ending}.json", metrics_of(track)
+
+
+def metrics_of(track: Track) -> dict[str, Any]:
+    """The numbers of a manoeuvre, what they belong to, and the IMO limits beside them.
+
+    Parameters
+    ----------
+    track : Track
+        The manoeuvre.
+    """
+    return {
+        **track.metrics,
+        "name": track.name,
+        "manoeuvre": track.manoeuvre,
+        "rudder_deg": track.rudder_deg,
+        "speed": track.speed,
+        "Fn": track.Fn,
+        "L": track.L,
+        "scale": track.scale,
+        "notes": list(track.notes),
+        "imo": [asdict(verdict) for verdict in imo_turning(track)]
+        if track.manoeuvre == "turning"
+        else [],
+    }
+
+
+def sweep_frame(sweep: xr.Dataset) -> pd.DataFrame:
+    """A sweep as a table, a row per case."""
+    return sweep.to_dataframe().reset_index()

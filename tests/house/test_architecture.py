@@ -1,0 +1,55 @@
+"""The plan of the house on paper is the house as it stands."""
+
+from __future__ import annotations
+
+import pkgutil
+import re
+from pathlib import Path
+
+import pmmkit
+from scripts.documentation import rooms
+
+ROOT = Path(__file__).parents[2]
+PLAN = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+ROWS = re.findall(r"^\| (\d+) \| `(\w+)` \| (.+) \|$", PLAN, re.M)
+STANDING = {module.name for module in pkgutil.iter_modules(pmmkit.__path__)}
+
+
+def test_every_room_stands_in_the_plan_once():
+    names = [room for _, room, _ in ROWS]
+    assert len(names) == len(set(names))
+    assert set(names) == STANDING
+
+
+def test_rows_are_those_that_imports_are_held_to():
+    heights = {room: int(height) for height, room, _ in ROWS}
+    rows = rooms.layers()
+    assert [[heights[room] for room in row] for row in rows] == [
+        [len(rows) - number] * len(row) for number, row in enumerate(rows)
+    ]
+
+
+def test_rooms_are_described_in_their_own_words():
+    for _, room, told in ROWS:
+        assert told == rooms.words(room)
+
+
+def test_tests_stand_in_folders_of_rooms():
+    """What tests one room stands in its folder; `house` holds what tests the whole."""
+    folders = {item.name for item in (ROOT / "tests").iterdir() if item.is_dir()}
+    others = {"data", "house", "support", "__pycache__"}
+    assert folders - others <= STANDING
+
+
+def test_files_are_short():
+    long = {
+        str(path.relative_to(ROOT)): lines
+        for path in (ROOT / "pmmkit").rglob("*.py")
+        if (lines := len(path.read_text(encoding="utf-8").splitlines())) > 600
+    }
+    assert long == {}
+
+
+def test_the_plan_names_no_file_that_is_not_there():
+    for name in re.findall(r"`((?:pmmkit|tests|scripts|docs)/[\w./]*)`", PLAN):
+        assert (ROOT / name).exists(), name

@@ -1,0 +1,139 @@
+"""Objects tell their own state: a line, a report, HTML that is escaped, figures."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from xml.etree import ElementTree
+
+import pytest
+from matplotlib.figure import Figure
+
+import pmmkit as pk
+from pmmkit.presentation import Described
+
+EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
+SHIP = "s175-3dof"
+
+
+@cache
+def track():
+    return replace(pk.simulate(SHIP, speed=9.0), notes=("mind the gap",))
+
+
+@cache
+def ensemble():
+    return pk.monte_carlo(SHIP, speed=9.0, n=20, spread=0.05)
+
+
+MADE = {
+    "Track": track,
+    "Ensemble": ensemble,
+    "Sensitivities": cache(lambda: pk.sensitivities(SHIP, speed=9.0, spread=0.05)),
+    "SobolIndices": cache(lambda: pk.sobol(SHIP, speed=9.0, spread=0.05, n=4)),
+    "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
+    "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
+    "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+}
+SAID = {
+    "Track": ("35.0°", "601.9", "3.439 L", "mind the gap", "rad/s", "self-propulsion"),
+    "Ensemble": ("20 ships", "5 %", "seed 0", "tactical_diameter_L", "97.5 %"),
+    "Sensitivities": ("tactical_diameter_L", "Nr", "share of the variance", "first 10 of 21"),
+    "SobolIndices": ("Nr", "alone", "with all others"),
+    "Stability": ("stable", "lever_yaw", "Eigenvalues"),
+    "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
+    "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+}
+DRAWN = ("Track", "Ensemble", "Sensitivities", "SpiralCurve")
+
+
+def spoiled(thing):
+    """The same with a hostile text in each of its texts."""
+    assert is_dataclass(thing)
+    texts = {
+        field.name: EVIL
+        for field in fields(thing)
+        if field.name in ("name", "title", "scale", "origin", "campaign")
+        and isinstance(getattr(thing, field.name), str)
+    }
+    notes = {"notes": (EVIL,)} if hasattr(thing, "notes") else {}
+    return replace(thing, **texts, **notes)
+
+
+def every_class(kind=Described):
+    for below in kind.__subclasses__():
+        yield below
+        yield from every_class(below)
+
+
+def test_every_public_object_that_tells_its_state_is_tried_here():
+    for name in pk.__all__:
+        getattr(pk, name)
+    named = {kind.__name__ for kind in every_class() if kind.__module__.startswith("pmmkit.")}
+    assert named == set(MADE) == set(SAID)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_repr_is_one_short_line(name):
+    for thing in (MADE[name](), spoiled(MADE[name]())):
+        text = repr(thing)
+        assert text.startswith(f"<{name} ")
+        assert text.endswith(">")
+        assert text.isprintable()
+        assert len(text) < 120
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_str_says_what_a_reader_must_know(name):
+    text = str(MADE[name]())
+    assert [word for word in SAID[name] if word not in text] == []
+    assert len(text.splitlines()) < 120
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_html_is_well_formed_and_escaped(name):
+    """It holds what the text holds, and nothing of a name from a file becomes an element."""
+    thing = spoiled(MADE[name]())
+    tree = ElementTree.fromstring(thing._repr_html_())
+    known = {"div", "p", "strong", "ul", "li", "table", "caption"}
+    known |= {"thead", "tbody", "tr", "th", "td"}
+    assert {element.tag for element in tree.iter()} <= known
+    told = " ".join("".join(tree.itertext()).split())
+    for words in str(thing).split():
+        assert words in told or words == "-"
+    assert "\x1b" not in str(thing)
+
+
+def test_a_track_of_ones_own_is_told_as_well():
+    own = replace(track(), manoeuvre="my own", metrics={"swing": 3.0})
+    assert "swing" in str(own)
+    assert set(own.figures()) == {"path", "histories"}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_plot_gives_a_figure(name):
+    figure = MADE[name]().plot()
+    assert isinstance(figure, Figure)
+    assert figure.axes
+
+
+def test_plots_leave_pyplot_alone():
+    code = f"""
+import sys, matplotlib, pmmkit
+def looks():
+    return {{name: matplotlib.rcParams[name] for name in matplotlib.rcParams if name != "backend"}}
+before = looks()
+pmmkit.simulate({SHIP!r}, speed=9.0).plot()
+assert looks() == before
+assert "matplotlib.pyplot" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("manoeuvre", ["turning", "zigzag", "spiral", "stopping", "pull_out"])
+def test_every_manoeuvre_has_its_figures(manoeuvre):
+    found = pk.simulate(SHIP, manoeuvre, speed=9.0).figures()
+    assert found
+    assert all(isinstance(figure, Figure) for figure in found.values())
