@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.models import Model, Part, to_model
 from pmmkit.models.build import NEEDED
 from pmmkit.reduction import Reduction, reduce_campaign

@@ -20,6 +20,7 @@ from pmmkit.errors import ModelError, UnknownNameError
 GROUP: Final = "pmmkit.effects"
 """Entry points under which installed packages offer an effect, or a sequence of them."""
 _registered: Final[dict[str, Effect]] = {}
+_editions: Final[dict[str, int]] = {}
 
 
 def catalogue() -> Mapping[str, Effect]:
@@ -80,8 +81,15 @@ def register_effect(effect: Effect) -> Effect:
         raise ModelError(f"There is an effect {effect.name!r} already: choose another name.")
     if not effect.name.isidentifier():
         raise ModelError(f"{effect.name!r} is no name: take letters, digits and _.")
+    if _registered.get(effect.name) is not effect:
+        _editions[effect.name] = edition_of(effect.name) + 1
     _registered[effect.name] = effect
     return effect
+
+
+def edition_of(name: str) -> int:
+    """How often an effect of a name was registered in this session; 0 for those of pmmkit."""
+    return _editions.get(name, 0)
 
 
 def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from pmmkit.effects import primitives
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.grammar import source_of
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations.constants import FIRST, PLACE, STATES
@@ -103,9 +104,10 @@ def _taken_in(item: Used) -> list[str]:
         words = ", ".join(primitives.__all__)
         source = source_of(item.effect, item.text).replace("def force(", f"def {name}(", 1)
         return [f"from {primitives.__name__} import {words}", source]
-    function = item.known.force
-    assert function is not None
-    return [f"from {function.__module__} import {function.__name__} as {name}"]
+    return [
+        f"from {effect_of.__module__} import effect_of",
+        f"{name} = effect_of({item.effect!r}).force",
+    ]
 
 
 def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:

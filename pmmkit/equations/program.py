@@ -14,7 +14,7 @@ import numpy as np
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import added_mass
 from pmmkit.effects.added_mass import INERTIA
-from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.catalogue import edition_of, effect_of
 from pmmkit.effects.hull import HULL, Monomial, polynomial
 from pmmkit.effects.shallow_water import SHALLOW_WATER, apply, factors
 from pmmkit.equations.code_generation import GIVEN
@@ -400,6 +400,7 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
                 for name in sorted(known.tables)
             ),
             text=part.text,
+            edition=edition_of(effect),
         )
     products = None
     if monomials is not None:

@@ -36,13 +36,15 @@ Products = tuple[tuple[tuple[int, ...], tuple[str, ...]], ...]
 class Used:
     """One effect as a model uses it: its options as (name, index), its tables as (name, length).
 
-    Where a user's text makes the effect, `text` holds it.
+    Where a user's text makes the effect, `text` holds it; `edition` tells effects that were
+    registered one after another under one name.
     """
 
     effect: str
     options: tuple[tuple[str, int], ...] = ()
     tables: tuple[tuple[str, int], ...] = ()
     text: str = ""
+    edition: int = 0
 
     @property
     def known(self) -> Effect:

@@ -188,8 +188,8 @@ def test_an_effect_taken_out_leaves_the_model_as_it_was(candidate, tmp_path):
 def test_a_name_alone_enters_with_zeros_and_changes_nothing():
     model = bare("s175-3dof")
     better = model
-    for candidate in PHYSICS:
-        if candidate.name != "heel_coupling":
+    for candidate in sorted(PHYSICS, key=lambda item: "several speeds" in item.excites):
+        if "roll" not in candidate.excites and "sinkage" not in candidate.excites:
             better = pk.with_effect(better, candidate.name, Fn=(0.1, 0.2, 0.3))
     motion = {"u": 8.0, "v": 1.0, "r": 0.01, "delta": 0.2, "n": 1.4}
     one, other = (prepare(x, 9.0).accelerations(**motion) for x in (model, better))
@@ -315,7 +315,7 @@ def test_what_cannot_be_added_is_refused_with_the_reason():
     hull = {name: part for name, part in model.parts.items() if name != "hull_polynomial"}
     with pytest.raises(MissingPartError, match="hull_polynomial"):
         pk.with_effect(model.with_(parts=hull), "asymmetry")
-    with pytest.raises(ModelError, match="give Yv\\|v\\|, Nv\\|v\\| to hull_polynomial"):
+    with pytest.raises(ModelError, match="give Yv\\|v\\|, Nv\\|v\\| to the polynomial of the hull"):
         model.with_(
             parts={
                 **model.parts,
