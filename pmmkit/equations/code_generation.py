@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from enum import EnumType, IntEnum
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -11,7 +12,8 @@ from pmmkit.effects import primitives
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.grammar import source_of
 from pmmkit.effects.hull import FACTOR_PLACES
-from pmmkit.equations.constants import FIRST, PLACE, STATES
+from pmmkit.equations import layouts
+from pmmkit.equations.layouts import POLYNOMIAL, ROLLING, STATES, Constant, State, StepField
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
@@ -84,10 +86,10 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
     lines += [
         f"NS = {len(states)}",
         f"N_AT = {states.index('n') if 'n' in states else -1}",
-        f"TURNS = {int(structure.turns)}",
+        f"REVOLUTIONS = {int(structure.revolutions)}",
         f"FREE = {free}",
         f"BALANCE = {balance}",
-        "STRIDE = 2 + 5 * NS",
+        f"STRIDE = {len(StepField) + 5 * len(states)}",
         "TWICE = 2.0 * math.pi",
         "",
         *_rates(structure),
@@ -112,26 +114,27 @@ def _taken_in(item: Used) -> list[str]:
 
 def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """States of a steady turn, and the rates that vanish in it."""
-    extra = tuple(i for i, name in enumerate(structure.states) if name not in (*STATES, "p", "phi"))
-    if structure.rolls:
-        return (3, 4, 5, 7, *extra), (3, 4, 5, 6, *extra)
-    return (3, 4, 5, *extra), (3, 4, 5, *extra)
+    extra = [i for i, name in enumerate(structure.states) if name not in (*STATES, *ROLLING)]
+    moving: list[int] = [State.u, State.v, State.r]
+    free = [*moving, State.phi] if structure.rolls else moving
+    balance = [*moving, State.p] if structure.rolls else moving
+    return tuple(map(int, [*free, *extra])), tuple(map(int, [*balance, *extra]))
 
 
 def _rates(structure: Structure) -> list[str]:
     states = structure.states
     own = structure.brought
-    body = ["u, v, r, psi = y[3], y[4], y[5], y[2]"]
-    body += ["p, phi = y[6], y[7]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
+    body = [f"u, v, r, psi = y[{State.u}], y[{State.v}], y[{State.r}], y[{State.psi}]"]
+    body += [f"p, phi = y[{State.p}], y[{State.phi}]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
-    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = turn")
-    body += ["n_order = turn", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
+    body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
     lines, extra_mass, rates_of = summed(structure)
     body += [*lines, *_motion(structure, extra_mass)]
     body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
     return [
         "@entry",
-        "def rates(y, delta, turn, bucket, k, out):",
+        "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
 
@@ -148,12 +151,12 @@ def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[
     dict of str to str
         Variables with the rates of the states that effects bring.
     """
-    body = [f"{name} = k[{PLACE[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
+    body = [f"{name} = k[{Constant[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     if any("beta" in item.arguments for item in structure.used):
         body.append("beta = atan2(-v, u)")
     if any("Fn" in item.arguments for item in structure.used):
         body.append("Fn = U / sqrt(g * L)")
-    body.append("X, Y, N, K = " + ", ".join(f"k[{PLACE[f'more_{x}']}]" for x in FORCES))
+    body.append("X, Y, N, K = " + ", ".join(f"k[{Constant[f'more_{x}']}]" for x in FORCES))
     body += _polynomial(structure)
     places = structure.places()
     extra_mass: dict[str, list[str]] = {}
@@ -175,10 +178,10 @@ def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[
 
 def _polynomial(structure: Structure) -> list[str]:
     lines = [
-        "reference = k[36] if k[36] > 0.0 else U",
-        "square = k[37] if k[37] > 0.0 else reference * reference",
+        f"reference = k[{Constant.reference}] if k[{Constant.reference}] > 0.0 else U",
+        f"square = k[{Constant.square}] if k[{Constant.square}] > 0.0 else reference * reference",
         "inverse = 1.0 / reference",
-        "surge, sway = (u - k[38]) * inverse, v * inverse",
+        f"surge, sway = (u - k[{Constant.loss_from}]) * inverse, v * inverse",
         "yaw, roll = r * L * inverse, p * L * inverse",
     ]
     if structure.products is None:
@@ -186,7 +189,7 @@ def _polynomial(structure: Structure) -> list[str]:
         return [
             *lines,
             f"factors = ({factors})",
-            "at = int(k[-1])",
+            f"at = int(k[{POLYNOMIAL}])",
             "for _ in range(int(k[at])):",
             "    product = square",
             "    for _ in range(int(k[at + 1])):",
@@ -200,7 +203,7 @@ def _polynomial(structure: Structure) -> list[str]:
         ]
     known: dict[tuple[int, ...], str] = {(): "square"}
     sums: dict[str, list[str]] = {channel: [] for channel in FORCES}
-    place = FIRST
+    place = len(Constant)
     for factors_of, channels in structure.products:
         for length in range(1, len(factors_of) + 1):
             prefix = factors_of[:length]
@@ -233,36 +236,33 @@ def _call(item: Used, places: dict[tuple[str, str], slice]) -> tuple[str, list[t
 
 def _motion(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
     lines = [
-        "mass_xG = mass * k[8]",
-        "X += (mass + k[23]) * v * r + mass_xG * r * r",
-        "Y += (k[24] - mass) * u * r",
+        f"mass_xG = mass * k[{Constant.xG}]",
+        f"X += (mass + k[{Constant.coriolis_x}]) * v * r + mass_xG * r * r",
+        f"Y += (k[{Constant.coriolis_y}] - mass) * u * r",
         "N -= mass_xG * u * r",
         "ahead, aside = cos(psi), sin(psi)",
     ]
     if structure.rolls:
-        lines += ["K += (k[25] + mass * k[9]) * u * r", "upright = cos(phi)", "level = v * upright"]
+        lines += [
+            f"K += (k[{Constant.coriolis_k}] + mass * k[{Constant.zG}]) * u * r",
+            "upright = cos(phi)",
+            "level = v * upright",
+        ]
     across = "level" if structure.rolls else "v"
     lines += [
-        f"out[0] = u * ahead - {across} * aside + k[42]",
-        f"out[1] = u * aside + {across} * ahead + k[43]",
-        "out[2] = r * upright" if structure.rolls else "out[2] = r",
+        f"out[{State.x}] = u * ahead - {across} * aside + k[{Constant.current_x}]",
+        f"out[{State.y}] = u * aside + {across} * ahead + k[{Constant.current_y}]",
+        f"out[{State.psi}] = r * upright" if structure.rolls else f"out[{State.psi}] = r",
     ]
     if extra:
         lines += _extra_mass(structure, extra)
-    elif structure.rolls:
-        lines += [
-            "out[3] = X / k[26]",
-            "out[4] = k[27] * Y + k[28] * N + k[29] * K",
-            "out[5] = k[30] * Y + k[31] * N + k[32] * K",
-            "out[6] = k[33] * Y + k[34] * N + k[35] * K",
-        ]
     else:
-        lines += [
-            "out[3] = X / k[26]",
-            "out[4] = k[27] * Y + k[28] * N",
-            "out[5] = k[30] * Y + k[31] * N",
-        ]
-    return [*lines, "out[7] = p"] if structure.rolls else lines
+        lines.append(f"out[{State.u}] = X / k[{Constant.surge_mass}]")
+        turning = {"Y": State.v, "N": State.r} | ({"K": State.p} if structure.rolls else {})
+        for row, state in enumerate(turning.values(), start=1):
+            shares = [f"k[{Constant[f'i{row}{i}']}] * {x}" for i, x in enumerate(turning, start=1)]
+            lines.append(f"out[{state}] = {' + '.join(shares)}")
+    return [*lines, f"out[{State.phi}] = p"] if structure.rolls else lines
 
 
 def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
@@ -270,20 +270,20 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
 
     def entry(constant: str, derivative: str) -> str:
         more = "".join(f" - {variable}" for variable in extra.get(derivative, ()))
-        return f"{constant} - k[{PLACE[derivative]}]{more}"
+        return f"{constant} - k[{Constant[derivative]}]{more}"
 
     matrix = {
         (1, 1): ("mass", "Yvdot"),
         (1, 2): ("mass_xG", "Yrdot"),
-        (1, 3): ("-mass * k[9]", "Ypdot"),
+        (1, 3): (f"-mass * k[{Constant.zG}]", "Ypdot"),
         (2, 1): ("mass_xG", "Nvdot"),
-        (2, 2): ("k[10]", "Nrdot"),
+        (2, 2): (f"k[{Constant.Izz}]", "Nrdot"),
         (2, 3): ("0.0", "Npdot"),
-        (3, 1): ("-mass * k[9]", "Kvdot"),
+        (3, 1): (f"-mass * k[{Constant.zG}]", "Kvdot"),
         (3, 2): ("0.0", "Krdot"),
-        (3, 3): ("k[11]", "Kpdot"),
+        (3, 3): (f"k[{Constant.Ixx}]", "Kpdot"),
     }
-    lines = [f"out[3] = X / ({entry('mass', 'Xudot')})"]
+    lines = [f"out[{State.u}] = X / ({entry('mass', 'Xudot')})"]
     for (i, j), (constant, derivative) in matrix.items():
         if structure.rolls or (i < 3 and j < 3):
             lines.append(f"a{i}{j} = {entry(constant, derivative)}")
@@ -291,26 +291,58 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         return [
             *lines,
             "det = a11 * a22 - a12 * a21",
-            "out[4] = (a22 * Y - a12 * N) / det",
-            "out[5] = (a11 * N - a21 * Y) / det",
+            f"out[{State.v}] = (a22 * Y - a12 * N) / det",
+            f"out[{State.r}] = (a11 * N - a21 * Y) / det",
         ]
     return [
         *lines,
         "c11, c12, c13 = a22*a33 - a23*a32, a13*a32 - a12*a33, a12*a23 - a13*a22",
         "det = a11 * c11 + a21 * c12 + a31 * c13",
-        "out[4] = (c11 * Y + c12 * N + c13 * K) / det",
-        "out[5] = ((a23*a31 - a21*a33) * Y + (a11*a33 - a13*a31) * N + (a13*a21 - a11*a23) * K)"
-        " / det",
-        "out[6] = ((a21*a32 - a22*a31) * Y + (a12*a31 - a11*a32) * N + (a11*a22 - a12*a21) * K)"
-        " / det",
+        f"out[{State.v}] = (c11 * Y + c12 * N + c13 * K) / det",
+        f"out[{State.r}] = ("
+        "(a23*a31 - a21*a33) * Y + (a11*a33 - a13*a31) * N + (a13*a21 - a11*a23) * K) / det",
+        f"out[{State.p}] = ("
+        "(a21*a32 - a22*a31) * Y + (a12*a31 - a11*a32) * N + (a11*a22 - a12*a21) * K) / det",
     ]
+
+
+_LAYOUTS: Final = {
+    name: layout
+    for name, layout in vars(layouts).items()
+    if isinstance(layout, EnumType) and layout is not IntEnum
+}
+
+
+class _Numbers(ast.NodeTransformer):
+    """Writes the numbers of members and the lengths of layouts for their names."""
+
+    def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
+        self.generic_visit(node)
+        if isinstance(node.value, ast.Name) and node.value.id in _LAYOUTS:
+            return ast.Constant(int(_LAYOUTS[node.value.id][node.attr]))
+        return node
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        self.generic_visit(node)
+        match node:
+            case ast.Call(func=ast.Name(id="len"), args=[ast.Name(id=name)]) if name in _LAYOUTS:
+                return ast.Constant(len(_LAYOUTS[name]))
+        return node
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        """Where one of the terms is a number that is nothing, the other is left."""
+        self.generic_visit(node)
+        match node:
+            case ast.BinOp(left=term, op=ast.Add(), right=ast.Constant(value=int(0))):
+                return term
+        return node
 
 
 @cache
 def _functions(files: tuple[str, ...]) -> str:
-    """The functions of files, decorated."""
+    """The functions of files, decorated, the names of layouts written out as numbers."""
     nodes = [
-        node
+        _Numbers().visit(node)
         for name in files
         for node in ast.parse(Path(__file__).with_name(name).read_text(encoding="utf-8")).body
         if not (isinstance(node, ast.FunctionDef) and _stands_for_another(node))

@@ -102,7 +102,7 @@ import numba
 import numpy
 import numpy as np
 
-from pmmkit.equations.numba_mode import use
+from pmmkit.equations.compiled_effects import use
 
 
 def entry(function):

@@ -5,10 +5,9 @@ structure; it takes arrays and runs compiled.
 
 The state of a filter is ``z``: the NS states of the ship, then `m` parameters, which may wander.
 Parameters act through the constants ``k``: ``k = base + Σ slope (θ - θ0)`` in the few places that
-each touches (`starts`, `places`, `slopes`, as a sparse matrix by rows). `inputs` holds a row per
-instant: rudder, revolutions, bucket, speed and direction of the true wind; controls are straight
-lines between instants. `kinds` says what each column of `measured` is: the number of a state, 100
-and 101 the velocity over ground to north and east, 102 its size.
+each touches (`starts`, `places`, `slopes`, as a sparse matrix by rows). `inputs` holds a row of
+`InputField` per instant; controls are straight lines between instants. `kinds` says what each
+column of `measured` is: the place of a state, or one of `OverGround`.
 """
 
 from __future__ import annotations
@@ -19,12 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations.integrator import NS
+from pmmkit.equations.layouts import Constant, InputField, OverGround, State, Status
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 
-def rates(y: Array, delta: float, turn: float, bucket: float, k: Array, out: Array) -> None:
+def rates(y: Array, delta: float, revolutions: float, bucket: float, k: Array, out: Array) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
     raise NotImplementedError
 
@@ -48,11 +48,14 @@ def constants(
 
 def blown(speed: float, direction: float, k: Array) -> None:
     """Set the wind that the drifting water feels from that over ground."""
-    k[39], k[40] = speed, direction
-    if k[42] != 0.0 or k[43] != 0.0:
-        north = -speed * math.cos(direction) - k[42]
-        east = -speed * math.sin(direction) - k[43]
-        k[39], k[40] = math.sqrt(north * north + east * east), math.atan2(-east, -north)
+    k[Constant.wind_speed], k[Constant.wind_direction] = speed, direction
+    if k[Constant.current_x] != 0.0 or k[Constant.current_y] != 0.0:
+        north = -speed * math.cos(direction) - k[Constant.current_x]
+        east = -speed * math.sin(direction) - k[Constant.current_y]
+        k[Constant.wind_speed], k[Constant.wind_direction] = (
+            math.sqrt(north * north + east * east),
+            math.atan2(-east, -north),
+        )
 
 
 def advance(
@@ -62,13 +65,16 @@ def advance(
     count = max(math.ceil(time / longest - 1e-9), 1)
     h = time / count
     z, k1, k2, k3, k4 = work[0], work[1], work[2], work[3], work[4]
-    blown(start[3], start[4], k)
+    blown(start[InputField.wind_speed], start[InputField.wind_direction], k)
     for i in range(count):
         a, c = i / count, (i + 1.0) / count
         b = 0.5 * (a + c)
-        d0, d1 = start[0], stop[0] - start[0]
-        n0, n1 = start[1], stop[1] - start[1]
-        b0, b1 = start[2], stop[2] - start[2]
+        d0 = start[InputField.rudder]
+        n0 = start[InputField.revolutions]
+        b0 = start[InputField.bucket]
+        d1 = stop[InputField.rudder] - d0
+        n1 = stop[InputField.revolutions] - n0
+        b1 = stop[InputField.bucket] - b0
         rates(y, d0 + a * d1, n0 + a * n1, b0 + a * b1, k, k1)
         for j in range(NS):
             z[j] = y[j] + 0.5 * h * k1[j]
@@ -87,36 +93,38 @@ def expected(kind: int, z: Array, k: Array, h: Array) -> float:
     """What a channel should show, and its slopes over the states."""
     for i in range(len(h)):
         h[i] = 0.0
-    if kind < 100:
+    if kind < NS:
         h[kind] = 1.0
         return float(z[kind])
-    ahead, aside = math.cos(z[2]), math.sin(z[2])
-    north = z[3] * ahead - z[4] * aside + k[42]
-    east = z[3] * aside + z[4] * ahead + k[43]
-    if kind == 100:
-        h[2], h[3], h[4] = k[43] - east, ahead, -aside
+    ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
+    north = z[State.u] * ahead - z[State.v] * aside + k[Constant.current_x]
+    east = z[State.u] * aside + z[State.v] * ahead + k[Constant.current_y]
+    if kind == OverGround.north:
+        h[State.psi], h[State.u], h[State.v] = k[Constant.current_y] - east, ahead, -aside
         return float(north)
-    if kind == 101:
-        h[2], h[3], h[4] = north - k[42], aside, ahead
+    if kind == OverGround.east:
+        h[State.psi], h[State.u], h[State.v] = north - k[Constant.current_x], aside, ahead
         return float(east)
     size = max(math.sqrt(north * north + east * east), 1e-9)
-    h[3] = (north * ahead + east * aside) / size
-    h[4] = (east * ahead - north * aside) / size
-    h[2] = (north * (k[43] - east) + east * (north - k[42])) / size
+    h[State.u] = (north * ahead + east * aside) / size
+    h[State.v] = (east * ahead - north * aside) / size
+    h[State.psi] = (
+        north * (k[Constant.current_y] - east) + east * (north - k[Constant.current_x])
+    ) / size
     return size
 
 
 def drifted(kind: int, z: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
     """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
-    if kind < 100:
+    if kind < NS:
         return
-    ahead, aside = math.cos(z[2]), math.sin(z[2])
-    north, east = h[3] * ahead - h[4] * aside, h[3] * aside + h[4] * ahead
+    ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
+    north, east = h[State.u] * ahead - h[State.v] * aside, h[State.u] * aside + h[State.v] * ahead
     for j in range(len(starts) - 1):
         for s in range(starts[j], starts[j + 1]):
-            if places[s] == 42:
+            if places[s] == Constant.current_x:
                 h[NS + j] += slopes[s] * north
-            elif places[s] == 43:
+            elif places[s] == Constant.current_y:
                 h[NS + j] += slopes[s] * east
 
 
@@ -200,7 +208,7 @@ def linearised(
     advance(y, start, stop, time, longest, k, work)
     moved = work[5]
     for j in range(NS):
-        if j < 2:
+        if j == State.x or j == State.y:
             for i in range(NS):
                 A[i, j] = 1.0 if i == j else 0.0
             continue
@@ -227,7 +235,7 @@ def linearised(
 
 def turned_back(residual: float, kind: int) -> float:
     """A residual of the heading taken the short way round."""
-    if kind != 2:
+    if kind != State.psi:
         return residual
     return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
 
@@ -311,8 +319,7 @@ def extended(
     `fading` are the inverse times in which parameters forget, `diffusion` the growth of the
     variances per second. `about` is the point about which frozen parameters are linearised. Where
     `kept` has room (N rows), filtered and predicted means and covariances and A, B of each
-    interval go there for the smoother. Gives 0; 1 if the mass matrix becomes indefinite, 2 if the
-    motion is lost.
+    interval go there for the smoother. Gives a `Status`.
     """
     N, n = len(times), len(z)
     m = n - NS
@@ -347,13 +354,13 @@ def extended(
                 B,
             )
             if lost != 0:
-                return 1
+                return Status.mass
             for i in range(NS):
                 for j in range(m):
                     if frozen[j] > 0.0:
                         y[i] += B[i, j] * (z[NS + j] - about[j])
                 if not math.fabs(y[i]) < 1e12:
-                    return 2
+                    return Status.unbound
             for i in range(n):
                 noise[i] = grown(diffusion[i], fading[i - NS] if i >= NS else 0.0, time)
             predict(P, A, B, keep, noise)
@@ -404,7 +411,7 @@ def extended(
         for i in range(n):
             means[t, i] = z[i]
             means[t, n + i] = P[i, i]
-    return 0
+    return Status.done
 
 
 def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
@@ -505,13 +512,13 @@ def unscented(
                 for j in range(m):
                     change[j] = points[p, NS + j] - about[j]
                 if constants(base, starts, places, slopes, change, k) != 0:
-                    return 1
+                    return Status.mass
                 for i in range(NS):
                     y[i] = points[p, i]
                 advance(y, inputs[t - 1], inputs[t], time, longest, k, work)
                 for i in range(NS):
                     if not math.fabs(y[i]) < 1e12:
-                        return 2
+                        return Status.unbound
                     points[p, i] = y[i]
                 for j in range(m):
                     points[p, NS + j] *= math.exp(-fading[j] * time)
@@ -551,7 +558,7 @@ def unscented(
         for i in range(n):
             means[t, i] = z[i]
             means[t, n + i] = P[i, i]
-    return 0
+    return Status.done
 
 
 def windows(
@@ -573,11 +580,18 @@ def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> No
     """Rates of the states at every instant, with more forces than those of the effects."""
     y, rate = np.zeros(NS), np.zeros(NS)
     for t in range(len(states)):
-        blown(inputs[t, 3], inputs[t, 4], k)
-        for i in range(4):
-            k[45 + i] = more[t, i]
+        blown(inputs[t, InputField.wind_speed], inputs[t, InputField.wind_direction], k)
+        for i in range(more.shape[1]):
+            k[Constant.more_X + i] = more[t, i]
         for i in range(NS):
             y[i] = states[t, i]
-        rates(y, inputs[t, 0], inputs[t, 1], inputs[t, 2], k, rate)
+        rates(
+            y,
+            inputs[t, InputField.rudder],
+            inputs[t, InputField.revolutions],
+            inputs[t, InputField.bucket],
+            k,
+            rate,
+        )
         for i in range(NS):
             out[t, i] = rate[i]

@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.effects.primitives import over_arrays
 from pmmkit.equations.code_generation import CONTROLS, MOTION, summed
-from pmmkit.equations.constants import PLACE
+from pmmkit.equations.layouts import Constant
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure
 from pmmkit.errors import ModelError
 from pmmkit.numerics import Array
@@ -60,7 +60,7 @@ def water_forces(
     constants = list(k)
     for name in WIND:
         if name in motion:
-            constants[PLACE[name]] = np.asarray(motion[name], float)
+            constants[Constant[name]] = np.asarray(motion[name], float)
     states = [name for name in structure.brought if name != "n"]
     given |= {name: np.asarray(motion[name], float) for name in states if name in motion}
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -247,9 +247,13 @@ def _text(structure: Structure) -> str:
     """Python text of a function of arrays, from the same lines as the equations of motion."""
     lines, extra_mass, rates = summed(structure)
     body = ["U = maximum(sqrt(u * u + v * v), 1e-9)", *lines]
-    body += ["X = X + k[23] * v * r", "Y = Y + k[24] * u * r", "K = K + k[25] * u * r"]
+    body += [
+        f"X = X + k[{Constant.coriolis_x}] * v * r",
+        f"Y = Y + k[{Constant.coriolis_y}] * u * r",
+        f"K = K + k[{Constant.coriolis_k}] * u * r",
+    ]
     for name in ACCELERATIONS:
-        shares = " + ".join([f"k[{PLACE[name]}]", *extra_mass.get(name, ())])
+        shares = " + ".join([f"k[{Constant[name]}]", *extra_mass.get(name, ())])
         body.append(f"{name[0]} = {name[0]} + ({shares}) * {name[1:]}")
     assert set(MOTION) - {"U", "beta", "Fn"} <= set(HISTORY)
     arguments = ", ".join((*HISTORY, *(name for name in structure.brought if name not in HISTORY)))

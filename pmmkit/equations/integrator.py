@@ -8,9 +8,9 @@ Steps are those of Dormand and Prince (1980), order 5 with an error estimate of 
 output of order 4 (Hairer, Nørsett and Wanner 1993, II.6). A kept step is ``t, h``, the states,
 and four coefficients of the dense output for each. Where a control has a corner a step ends.
 
-Flat lists: `k` the constants (`pmmkit.equations.constants`); `gear` five numbers for each of
-rudder, revolutions and bucket: since, start, order, rate, lag; `phases`, `settings`, `probes` as
-`pmmkit.simulation.run` lays them out.
+What stands where in the flat lists (`k` the constants, `gear`, `phases`, `settings`, `steps`,
+`events`, `probes`) is said by `pmmkit.equations.layouts`, whose names are written out as numbers
+there.
 """
 
 from __future__ import annotations
@@ -18,17 +18,35 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from pmmkit.equations.layouts import (
+    Constant,
+    Control,
+    End,
+    EventField,
+    GearField,
+    PhaseField,
+    SettingField,
+    State,
+    Status,
+    StepField,
+)
+
 NS = 6
 N_AT = -1
-TURNS = 1
-FREE: tuple[int, ...] = (3, 4, 5)
-BALANCE: tuple[int, ...] = (3, 4, 5)
-STRIDE: Final = 2 + 5 * NS
+REVOLUTIONS = 1
+FREE: tuple[int, ...] = (State.u, State.v, State.r)
+BALANCE: tuple[int, ...] = (State.u, State.v, State.r)
+STRIDE: Final = len(StepField) + 5 * NS
 TWICE: Final = 2.0 * math.pi
 
 
 def rates(
-    y: list[float], delta: float, turn: float, bucket: float, k: list[float], out: list[float]
+    y: list[float],
+    delta: float,
+    revolutions: float,
+    bucket: float,
+    k: list[float],
+    out: list[float],
 ) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
     raise NotImplementedError
@@ -60,41 +78,78 @@ def control(t: float, since: float, start: float, order: float, rate: float, lag
 
 def controlled(t: float, gear: list[float], which: int) -> float:
     """One of the controls at an instant."""
-    g = 5 * which
-    return control(t, gear[g], gear[g + 1], gear[g + 2], gear[g + 3], gear[g + 4])
+    g = len(GearField) * which
+    return control(
+        t,
+        gear[g + GearField.since],
+        gear[g + GearField.start],
+        gear[g + GearField.order],
+        gear[g + GearField.rate],
+        gear[g + GearField.lag],
+    )
 
 
 def corner(gear: list[float], which: int) -> float:
     """When a control leaves its constant rate; before it began if it has none."""
-    g = 5 * which
-    straight = (math.fabs(gear[g + 2] - gear[g + 1]) - gear[g + 3] * gear[g + 4]) / gear[g + 3]
-    return gear[g] + straight if straight > 0.0 else gear[g] - 1.0
+    g = len(GearField) * which
+    straight = (
+        math.fabs(gear[g + GearField.order] - gear[g + GearField.start])
+        - gear[g + GearField.rate] * gear[g + GearField.lag]
+    ) / gear[g + GearField.rate]
+    return (
+        gear[g + GearField.since] + straight if straight > 0.0 else gear[g + GearField.since] - 1.0
+    )
 
 
 def evaluate(t: float, y: list[float], gear: list[float], k: list[float], out: list[float]) -> None:
     """Rates of the states at an instant, with the controls of that instant."""
-    rates(y, controlled(t, gear, 0), controlled(t, gear, 1), controlled(t, gear, 2), k, out)
+    rates(
+        y,
+        controlled(t, gear, Control.rudder),
+        controlled(t, gear, Control.revolutions),
+        controlled(t, gear, Control.bucket),
+        k,
+        out,
+    )
 
 
 def complete(k: list[float]) -> int:
     """Fill the inverse of the mass matrix into the constants; 1 if it is not positive."""
-    mass, xG, zG, Izz, Ixx, rolls = k[3], k[8], k[9], k[10], k[11], k[12]
-    a11, a12, a13 = mass - k[14], mass * xG - k[15], -mass * zG - k[16]
-    a21, a22, a23 = mass * xG - k[17], Izz - k[18], -k[19]
-    a31, a32, a33 = -mass * zG - k[20], -k[21], Ixx - k[22]
+    mass, xG, zG, Izz, Ixx, rolls = (
+        k[Constant.mass],
+        k[Constant.xG],
+        k[Constant.zG],
+        k[Constant.Izz],
+        k[Constant.Ixx],
+        k[Constant.rolls],
+    )
+    a11, a12, a13 = (
+        mass - k[Constant.Yvdot],
+        mass * xG - k[Constant.Yrdot],
+        -mass * zG - k[Constant.Ypdot],
+    )
+    a21, a22, a23 = mass * xG - k[Constant.Nvdot], Izz - k[Constant.Nrdot], -k[Constant.Npdot]
+    a31, a32, a33 = -mass * zG - k[Constant.Kvdot], -k[Constant.Krdot], Ixx - k[Constant.Kpdot]
     if rolls == 0.0:
         a13, a23, a31, a32, a33 = 0.0, 0.0, 0.0, 0.0, 1.0
-    k[26] = mass - k[13]
+    k[Constant.surge_mass] = mass - k[Constant.Xudot]
     minor = a11 * a22 - a12 * a21
     c11, c12, c13 = a22 * a33 - a23 * a32, a13 * a32 - a12 * a33, a12 * a23 - a13 * a22
     det = a11 * c11 + a21 * c12 + a31 * c13
-    if not (k[26] > 0.0 and a11 > 0.0 and a22 > 0.0 and a33 > 0.0 and minor > 0.0 and det > 0.0):
+    if not (
+        k[Constant.surge_mass] > 0.0
+        and a11 > 0.0
+        and a22 > 0.0
+        and a33 > 0.0
+        and minor > 0.0
+        and det > 0.0
+    ):
         return 1
-    k[27], k[28], k[29] = c11 / det, c12 / det, c13 / det
-    k[30], k[31] = (a23 * a31 - a21 * a33) / det, (a11 * a33 - a13 * a31) / det
-    k[32] = (a13 * a21 - a11 * a23) / det
-    k[33], k[34] = (a21 * a32 - a22 * a31) / det, (a12 * a31 - a11 * a32) / det
-    k[35] = minor / det
+    k[Constant.i11], k[Constant.i12], k[Constant.i13] = c11 / det, c12 / det, c13 / det
+    k[Constant.i21], k[Constant.i22] = (a23 * a31 - a21 * a33) / det, (a11 * a33 - a13 * a31) / det
+    k[Constant.i23] = (a13 * a21 - a11 * a23) / det
+    k[Constant.i31], k[Constant.i32] = (a21 * a32 - a22 * a31) / det, (a12 * a31 - a11 * a32) / det
+    k[Constant.i33] = minor / det
     return 0
 
 
@@ -102,11 +157,11 @@ def surge_rate(n: float, speed: float, k: list[float], y: list[float], out: list
     """Surge acceleration straight ahead, rudder amidships [m/s²]."""
     for i in range(NS):
         y[i] = 0.0
-    y[3] = speed
+    y[State.u] = speed
     if N_AT >= 0:
         y[N_AT] = n
     rates(y, 0.0, n, 0.0, k, out)
-    return out[3]
+    return out[State.u]
 
 
 def self_propulsion(speed: float, k: list[float], y: list[float], out: list[float]) -> float:
@@ -114,9 +169,9 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
 
     Bracketed by growing steps from almost none, then found by the method of Illinois.
     """
-    if TURNS == 0:
+    if REVOLUTIONS == 0:
         return 0.0
-    low = 0.1 * speed / k[0]
+    low = 0.1 * speed / k[Constant.L]
     f_low = surge_rate(low, speed, k, y, out)
     high, f_high = low, f_low
     if not f_low < 0.0:
@@ -151,7 +206,7 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
 
 def dense(steps: list[float], at: int, theta: float, state: int) -> float:
     """One state inside the step that begins at `at`; `theta` runs from 0 to 1."""
-    a = at + 2 + state
+    a = at + len(StepField) + state
     rest = 1.0 - theta
     return steps[a] + theta * (
         steps[a + NS]
@@ -174,10 +229,10 @@ def keep(
     k7: list[float],
 ) -> None:
     """Write a step and the coefficients of its dense output."""
-    steps[at] = t
-    steps[at + 1] = h
+    steps[at + StepField.begin] = t
+    steps[at + StepField.length] = h
     for i in range(NS):
-        a = at + 2 + i
+        a = at + len(StepField) + i
         change = new[i] - y[i]
         bend = h * k1[i] - change
         steps[a] = y[i]
@@ -331,7 +386,7 @@ def solve(a: list[float], b: list[float], m: int) -> int:
 def settle(
     y: list[float],
     delta: float,
-    turn: float,
+    revolutions: float,
     bucket: float,
     speed: float,
     n0: float,
@@ -345,25 +400,25 @@ def settle(
     m = len(FREE)
     size, unit = vector(m), vector(m)
     a, b, above, below = vector(m * m), vector(m), vector(NS), vector(NS)
-    pace = speed / k[0]
+    pace = speed / k[Constant.L]
     for i in range(m):
         at = FREE[i]
-        if at < 5:
+        if at == State.u or at == State.v:
             size[i], unit[i] = speed, speed * pace
-        elif at == 5:
+        elif at == State.r:
             size[i], unit[i] = pace, pace * pace
         elif at == N_AT:
             size[i], unit[i] = max(n0, 1e-9), max(n0, 1e-9) * pace
-        elif at == 7:
+        elif at == State.phi and k[Constant.rolls] > 0.0:
             size[i], unit[i] = 1.0, pace * pace
         else:
             size[i], unit[i] = 1.0, pace
     for i in range(NS):
         found[i] = y[i]
-    if k[12] > 0.0:
-        found[6] = 0.0
+    if k[Constant.rolls] > 0.0:
+        found[State.p] = 0.0
     for _ in range(40):
-        rates(found, delta, turn, bucket, k, above)
+        rates(found, delta, revolutions, bucket, k, above)
         worst = 0.0
         for i in range(m):
             b[i] = above[BALANCE[i]] / unit[i]
@@ -375,9 +430,9 @@ def settle(
         for j in range(m):
             kept = found[FREE[j]]
             found[FREE[j]] = kept + 1e-6 * size[j]
-            rates(found, delta, turn, bucket, k, above)
+            rates(found, delta, revolutions, bucket, k, above)
             found[FREE[j]] = kept - 1e-6 * size[j]
-            rates(found, delta, turn, bucket, k, below)
+            rates(found, delta, revolutions, bucket, k, below)
             found[FREE[j]] = kept
             for i in range(m):
                 a[i * m + j] = (above[BALANCE[i]] - below[BALANCE[i]]) / (2e-6 * unit[i])
@@ -410,52 +465,74 @@ def run(
 ) -> tuple[int, int, float]:
     """Integrate one ship through its phases.
 
-    Gives a status (0 done, 1 mass matrix, 2 motion without bound, 3 steps too small, 4 no more
-    room, 5 no self-propulsion), the number of kept steps and the revolutions of the approach.
+    Gives a `Status`, the number of kept steps and the revolutions of the approach.
     """
     y, z, new = vector(NS), vector(NS), vector(NS)
     k1, k2, k3, k4 = vector(NS), vector(NS), vector(NS), vector(NS)
     k5, k6, k7 = vector(NS), vector(NS), vector(NS)
-    size, gear = vector(NS), vector(15)
+    size, gear = vector(NS), vector(len(Control) * len(GearField))
     if complete(k) == 1:
-        return 1, 0, math.nan
-    rtol, longest, speed = settings[0], settings[1], settings[2]
-    pace = speed / k[0]
-    n0 = settings[9]
+        return Status.mass, 0, math.nan
+    rtol, longest, speed = (
+        settings[SettingField.rtol],
+        settings[SettingField.longest],
+        settings[SettingField.speed],
+    )
+    pace = speed / k[Constant.L]
+    n0 = settings[SettingField.revolutions]
     if not n0 > 0.0:
         n0 = self_propulsion(speed, k, y, z)
         if math.isnan(n0):
-            return 5, 0, n0
+            return Status.no_propulsion, 0, n0
     for i in range(NS):
         y[i], size[i] = 0.0, 1.0
-    size[0], size[1], size[3], size[4], size[5] = k[0], k[0], speed, speed, pace
-    if k[12] > 0.0:
-        size[6] = pace
-    y[3] = speed
+    size[State.x], size[State.y], size[State.u], size[State.v], size[State.r] = (
+        k[Constant.L],
+        k[Constant.L],
+        speed,
+        speed,
+        pace,
+    )
+    if k[Constant.rolls] > 0.0:
+        size[State.p] = pace
+    y[State.u] = speed
     if N_AT >= 0:
         y[N_AT], size[N_AT] = n0, n0
-    for i in range(3):
-        gear[5 * i + 3], gear[5 * i + 4] = settings[3 + 2 * i], settings[4 + 2 * i]
-    gear[6], gear[7], gear[8] = n0, n0, settings[5] * max(n0, 1e-9)
+    for c in range(len(Control)):
+        g = len(GearField) * c
+        gear[g + GearField.rate] = settings[SettingField.rudder_rate + c]
+        gear[g + GearField.lag] = settings[SettingField.rudder_lag + c]
+    g = len(GearField) * Control.revolutions
+    gear[g + GearField.start], gear[g + GearField.order] = n0, n0
+    gear[g + GearField.rate] = settings[SettingField.revolutions_rate] * max(n0, 1e-9)
     t, h, kept = 0.0, 0.05 / pace, 0
     before, lost = 1e-4, 0
     for p in range(count):
-        a, e = 8 * p, 9 * p
-        for c in range(3):
-            order = phases[a + c] * n0 if c == 1 else phases[a + c]
+        a, e = len(PhaseField) * p, len(EventField) * p
+        for c in range(len(Control)):
+            g = len(GearField) * c
+            order = phases[a + PhaseField.rudder + c]
+            if c == Control.revolutions:
+                order *= n0
             now = controlled(t, gear, c)
-            events[e + 1 + c] = now
+            events[e + EventField.rudder + c] = now
             if order == order:
-                gear[5 * c], gear[5 * c + 1], gear[5 * c + 2] = t, now, order
-            events[e + 4 + c] = gear[5 * c + 2]
-        events[e], events[e + 7], events[e + 8] = t, kept, 0.0
-        kind, level, side = int(phases[a + 3]), phases[a + 4], phases[a + 5]
-        since, end, more = t + phases[a + 6], t + phases[a + 7], 6
-        watched = 2
-        if kind == 2:
-            watched = 5
-        elif kind == 3:
-            watched = 3
+                gear[g + GearField.since] = t
+                gear[g + GearField.start], gear[g + GearField.order] = now, order
+            events[e + EventField.rudder_order + c] = gear[g + GearField.order]
+        events[e + EventField.begin], events[e + EventField.step] = t, kept
+        events[e + EventField.finished] = 0.0
+        kind = int(phases[a + PhaseField.until])
+        level, side = phases[a + PhaseField.level], phases[a + PhaseField.side]
+        since, end = t + phases[a + PhaseField.shortest], t + phases[a + PhaseField.longest]
+        more = 6
+        passing = kind == End.heading or kind == End.yaw_rate or kind == End.surge
+        circling = kind == End.steady_turn
+        watched = State.psi
+        if kind == End.yaw_rate:
+            watched = State.r
+        elif kind == End.surge:
+            watched = State.u
         if lost == 1:
             end = t
         evaluate(t, y, gear, k, k1)
@@ -465,13 +542,13 @@ def run(
                 break
             past = t >= since - 1e-12 * (1.0 + since)
             ahead = side * (y[watched] - level)
-            if past and kind > 0 and kind < 4 and ahead >= 0.0:
+            if past and passing and ahead >= 0.0:
                 done = 1
                 break
             stop = end
             if not past and since < stop:
                 stop = since
-            for c in range(3):
+            for c in range(len(Control)):
                 bend = corner(gear, c)
                 if bend > t + 1e-12 * (1.0 + t) and bend < stop:
                     stop = bend
@@ -479,13 +556,13 @@ def run(
             clipped = t + 1.01 * h >= stop
             hh = stop - t if clipped else h
             if STRIDE * (kept + 1) > room:
-                return 4, kept, n0
+                return Status.no_room, kept, n0
             step(t, hh, y, gear, k, z, k1, k2, k3, k4, k5, k6, k7, new)
             wrong = error_of(hh, y, new, rtol, size, k1, k3, k4, k5, k6, k7)
             if not wrong <= 1.0:
                 h = hh * max(0.1, 0.9 * wrong**-0.2) if wrong == wrong else 0.1 * hh
                 if h < 1e-10 / pace:
-                    return 3, kept, n0
+                    return Status.small_steps, kept, n0
                 continue
             at = STRIDE * kept
             keep(steps, at, t, hh, y, new, k1, k3, k4, k5, k6, k7)
@@ -496,19 +573,19 @@ def run(
             before = max(wrong, 1e-4)
             h = max(h, hh * growth) if clipped else hh * growth
             behind = side * (new[watched] - level)
-            if past and ahead < 0.0 and behind >= 0.0 and kind > 0 and kind < 5:
+            if past and ahead < 0.0 and behind >= 0.0 and (passing or circling):
                 place = root(steps, at, watched, level, side, 0.0, 1.0)
                 done = 1
-                if kind == 4 and more > 0:
+                if circling and more > 0:
                     for i in range(NS):
                         z[i] = dense(steps, at, place, i)
                     when = t + place * hh
                     if (
                         settle(
                             z,
-                            controlled(when, gear, 0),
-                            controlled(when, gear, 1),
-                            controlled(when, gear, 2),
+                            controlled(when, gear, Control.rudder),
+                            controlled(when, gear, Control.revolutions),
+                            controlled(when, gear, Control.bucket),
                             speed,
                             n0,
                             k,
@@ -527,20 +604,23 @@ def run(
             for i in range(NS):
                 y[i], k1[i] = new[i], k7[i]
             kept += 1
-            if math.sqrt(y[3] * y[3] + y[4] * y[4]) > settings[10]:
-                return 2, kept, n0
-            if k[12] > 0.0 and math.fabs(y[7]) > 0.5 * math.pi:
-                return 2, kept, n0
-            if kind == 5 and past:
-                quiet = max(math.fabs(k1[3]), math.fabs(k1[4])) / (speed * pace)
-                quiet = max(quiet, math.fabs(k1[5]) / (pace * pace))
+            if (
+                math.sqrt(y[State.u] * y[State.u] + y[State.v] * y[State.v])
+                > settings[SettingField.fastest]
+            ):
+                return Status.unbound, kept, n0
+            if k[Constant.rolls] > 0.0 and math.fabs(y[State.phi]) > 0.5 * math.pi:
+                return Status.unbound, kept, n0
+            if kind == End.steady and past:
+                quiet = max(math.fabs(k1[State.u]), math.fabs(k1[State.v])) / (speed * pace)
+                quiet = max(quiet, math.fabs(k1[State.r]) / (pace * pace))
                 if quiet < level:
                     done = 1
-        events[e + 8] = done
-        if done == 0 and kind > 0 and kind < 5:
+        events[e + EventField.finished] = done
+        if done == 0 and (passing or circling):
             lost = 1
-    e = 9 * count
-    events[e], events[e + 7] = t, kept
-    for c in range(3):
-        events[e + 1 + c] = controlled(t, gear, c)
-    return 0, kept, n0
+    e = len(EventField) * count
+    events[e + EventField.begin], events[e + EventField.step] = t, kept
+    for c in range(len(Control)):
+        events[e + EventField.rudder + c] = controlled(t, gear, c)
+    return Status.done, kept, n0

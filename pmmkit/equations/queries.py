@@ -20,6 +20,17 @@ from pmmkit.equations.integrator import (
     settle,
     vector,
 )
+from pmmkit.equations.layouts import (
+    Ask,
+    Control,
+    EventField,
+    OutcomeField,
+    ProbeField,
+    SettingField,
+    State,
+    Status,
+    StepField,
+)
 
 
 def peak(steps: list[float], at: int, state: int, side: float, low: float, high: float) -> float:
@@ -42,7 +53,7 @@ def peak(steps: list[float], at: int, state: int, side: float, low: float, high:
 def take(steps: list[float], place: int, theta: float, results: list[float], to: int) -> None:
     """Write the instant and the states of a place inside a step."""
     at = STRIDE * place
-    results[to] = steps[at] + theta * steps[at + 1]
+    results[to] = steps[at + StepField.begin] + theta * steps[at + StepField.length]
     for i in range(NS):
         results[to + 1 + i] = dense(steps, at, theta, i)
 
@@ -58,26 +69,27 @@ def probe(
     results: list[float],
 ) -> None:
     """What is asked of a history: (1 + NS) numbers a probe, the instant and the states; or NaN."""
-    y, found = vector(NS), vector(NS)
+    z, found = vector(NS), vector(NS)
     for p in range(count):
-        to, a = (1 + NS) * p, 6 * p
+        to, a = (1 + NS) * p, len(ProbeField) * p
         for i in range(1 + NS):
             results[to + i] = math.nan
-        kind, state, level, side = int(probes[a]), int(probes[a + 1]), probes[a + 2], probes[a + 3]
-        first = int(events[9 * int(probes[a + 4]) + 7])
-        end = 9 * (int(probes[a + 5]) + 1)
-        last = int(events[end + 7])
+        kind, state = int(probes[a + ProbeField.ask]), int(probes[a + ProbeField.state])
+        level, side = probes[a + ProbeField.level], probes[a + ProbeField.side]
+        begin = len(EventField) * int(probes[a + ProbeField.first])
+        end = len(EventField) * (int(probes[a + ProbeField.last]) + 1)
+        first, last = int(events[begin + EventField.step]), int(events[end + EventField.step])
         if last <= first:
             continue
-        if kind == 0:
+        if kind == Ask.crossing:
             for place in range(first, last):
                 at = STRIDE * place
-                here = side * (steps[at + 2 + state] - level)
+                here = side * (steps[at + len(StepField) + state] - level)
                 there = side * (dense(steps, at, 1.0, state) - level)
                 if here < 0.0 and there >= 0.0:
                     take(steps, place, root(steps, at, state, level, side, 0.0, 1.0), results, to)
                     break
-        elif kind == 1:
+        elif kind == Ask.extreme:
             best, where, theta = -1e300, first, 0.0
             for place in range(first, last):
                 for j in range(5):
@@ -99,29 +111,40 @@ def probe(
                     if value > best:
                         best, where, theta = value, middle + beside, inside
             take(steps, where, theta, results, to)
-        elif kind == 2 or (kind == 6 and events[end - 1] > 0.0):
+        elif kind == Ask.end or (
+            kind == Ask.reached and events[end - len(EventField) + EventField.finished] > 0.0
+        ):
             take(steps, last - 1, 1.0, results, to)
-        elif kind == 3:
+        elif kind == Ask.begin:
             take(steps, first, 0.0, results, to)
-        elif kind == 4:
+        elif kind == Ask.path:
             length = 0.0
             for place in range(first, last):
                 at = STRIDE * place
-                x, way = steps[at + 2], steps[at + 3]
+                x = steps[at + len(StepField) + State.x]
+                y = steps[at + len(StepField) + State.y]
                 for j in range(1, 9):
-                    x_next = dense(steps, at, 0.125 * j, 0)
-                    way_next = dense(steps, at, 0.125 * j, 1)
-                    length += math.sqrt((x_next - x) ** 2 + (way_next - way) ** 2)
-                    x, way = x_next, way_next
+                    x_next = dense(steps, at, 0.125 * j, State.x)
+                    y_next = dense(steps, at, 0.125 * j, State.y)
+                    length += math.sqrt((x_next - x) ** 2 + (y_next - y) ** 2)
+                    x, y = x_next, y_next
             results[to] = length
-        elif kind == 5:
+        elif kind == Ask.steady:
+            at = STRIDE * (last - 1)
             for i in range(NS):
-                y[i] = dense(steps, STRIDE * (last - 1), 1.0, i)
+                z[i] = dense(steps, at, 1.0, i)
             lost = settle(
-                y, events[end + 1], events[end + 2], events[end + 3], settings[2], n0, k, found
+                z,
+                events[end + EventField.rudder],
+                events[end + EventField.revolutions],
+                events[end + EventField.bucket],
+                settings[SettingField.speed],
+                n0,
+                k,
+                found,
             )
             if lost == 0:
-                results[to] = steps[STRIDE * (last - 1)] + steps[STRIDE * (last - 1) + 1]
+                results[to] = steps[at + StepField.begin] + steps[at + StepField.length]
                 for i in range(NS):
                     results[to + 1 + i] = found[i]
 
@@ -141,19 +164,22 @@ def sample(
     place, phase = 0, 0
     for j in range(size):
         t = times[j]
-        while place < kept - 1 and steps[STRIDE * (place + 1)] <= t:
+        while place < kept - 1 and steps[STRIDE * (place + 1) + StepField.begin] <= t:
             place += 1
-        while phase < count - 1 and events[9 * (phase + 1)] <= t:
+        while phase < count - 1 and events[len(EventField) * (phase + 1) + EventField.begin] <= t:
             phase += 1
         at = STRIDE * place
-        theta = min(max((t - steps[at]) / steps[at + 1], 0.0), 1.0)
+        theta = min(max((t - steps[at + StepField.begin]) / steps[at + StepField.length], 0.0), 1.0)
         for i in range(NS):
             out[i * size + j] = dense(steps, at, theta, i)
-        begin = events[9 * phase]
-        for c in range(3):
-            start, order = events[9 * phase + 1 + c], events[9 * phase + 4 + c]
-            rate, lag = settings[3 + 2 * c], settings[4 + 2 * c]
-            if c == 1:
+        e = len(EventField) * phase
+        begin = events[e + EventField.begin]
+        for c in range(len(Control)):
+            start = events[e + EventField.rudder + c]
+            order = events[e + EventField.rudder_order + c]
+            rate = settings[SettingField.rudder_rate + c]
+            lag = settings[SettingField.rudder_lag + c]
+            if c == Control.revolutions:
                 rate *= max(n0, 1e-9)
             out[(NS + c) * size + j] = control(t, begin, start, order, rate, lag)
 
@@ -170,27 +196,30 @@ def run_many(
     asked: int,
     room: int,
     results: list[float],
-    states: list[float],
+    outcomes: list[float],
 ) -> None:
     """Ships one after another: their probes, their status and revolutions of the approach."""
-    k, steps, events = vector(width), vector(room), vector(9 * (count + 1))
+    k, steps = vector(width), vector(room)
+    events = vector(len(EventField) * (count + 1))
     found = vector((1 + NS) * asked)
     for ship in range(first, last):
         for i in range(width):
             k[i] = ships[ship * width + i]
         status, _, n0 = run(k, phases, count, settings, steps, room, events)
-        states[2 * ship], states[2 * ship + 1] = status, n0
-        if status == 0:
+        outcome = len(OutcomeField) * ship
+        outcomes[outcome + OutcomeField.status] = status
+        outcomes[outcome + OutcomeField.revolutions] = n0
+        if status == Status.done:
             probe(steps, events, probes, asked, n0, settings, k, found)
         for i in range((1 + NS) * asked):
-            results[ship * (1 + NS) * asked + i] = found[i] if status == 0 else math.nan
+            results[ship * (1 + NS) * asked + i] = found[i] if status == Status.done else math.nan
 
 
 def repeat(y: list[float], k: list[float], times: int, out: list[float]) -> float:
     """Right-hand sides one after another at slightly different states, for timing."""
     total = 0.0
     for i in range(times):
-        y[3] += 1e-9
-        rates(y, 0.3 + 1e-9 * i, y[NS - 1] if N_AT >= 0 else 1.0, 0.0, k, out)
-        total += out[3] + out[4] + out[5]
+        y[State.u] += 1e-9
+        rates(y, 0.3 + 1e-9 * i, y[N_AT] if N_AT >= 0 else 1.0, 0.0, k, out)
+        total += out[State.u] + out[State.v] + out[State.r]
     return total

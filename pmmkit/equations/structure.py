@@ -11,7 +11,7 @@ from pmmkit.effects.catalogue import arguments_of, catalogue, effect_of
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.grammar import written_effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.equations.constants import FIRST, ROLLING, STATES
+from pmmkit.equations.layouts import ROLLING, STATES, Constant
 from pmmkit.errors import MissingPartError, ModelError
 
 POLYNOMIALS: Final = (HULL, RUDDER_POLYNOMIAL)
@@ -94,14 +94,14 @@ class Structure:
         return tuple(name for name in self.states if name not in (*STATES, *ROLLING))
 
     @cached_property
-    def turns(self) -> bool:
+    def revolutions(self) -> bool:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)
 
     def places(self) -> dict[tuple[str, str], slice]:
         """Where each parameter stands in the constants: (effect, name) to a slice."""
         found: dict[tuple[str, str], slice] = {}
-        place = FIRST + (sum(len(channels) for _, channels in self.products or ()))
+        place = len(Constant) + sum(len(channels) for _, channels in self.products or ())
         for item in self.used:
             lengths = dict(item.tables)
             for name in item.own:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations import CALM, Conditions
-from pmmkit.equations.constants import PLACE
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.layouts import Constant
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import Place, places, replaced
@@ -121,7 +121,7 @@ def bound(
         if name in at:
             start, touched, slope = _line(ready, numbers, speed, conditions, at[name], base)
         else:
-            place = PLACE[name]
+            place = Constant[name]
             start, touched, slope = float(base[place]), [place], [1.0]
         mean.append(start)
         places_of += touched

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
+from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.prior import Prior
@@ -351,8 +352,8 @@ def _pass(
                 residuals,
                 spreads,
             )
-        if status:
-            raise SimulationError(LOST[status].format(record.name))
+        if status != Status.done:
+            raise SimulationError(LOST[Status(status)].format(record.name))
         values, covariance = z[size:].copy(), P[size:, size:].copy()
         gated = residuals**2 > setup.gate**2 * spreads
         runs.append(
@@ -366,10 +367,10 @@ def _pass(
 
 
 LOST: Final = {
-    1: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior for the "
-    "added masses, or hold them.",
-    2: "Record {}: the filter loses the motion. Check the signs of rudder and heading, the start "
-    "values, and the sensors' standard deviations.",
+    Status.mass: "Record {}: the filter makes the mass matrix indefinite. Give a narrower prior "
+    "for the added masses, or hold them.",
+    Status.unbound: "Record {}: the filter loses the motion. Check the signs of rudder and "
+    "heading, the start values, and the sensors' standard deviations.",
 }
 
 

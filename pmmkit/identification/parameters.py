@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.equations.program import Numbers
+from pmmkit.equations.prepared import Numbers
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.constants import PLACE
+from pmmkit.equations.layouts import Constant, State
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
 from pmmkit.identification.filters import STEP
@@ -135,7 +135,7 @@ def predict(
         binding = bound(ready, (), record.speed, extrapolate=extrapolate)
         functions = compiled(binding.structure, ESTIMATING)
         k = binding.base.copy()
-        k[PLACE["current_x"]], k[PLACE["current_y"]] = current
+        k[Constant.current_x], k[Constant.current_y] = current
         functions.complete(k)
         states = binding.structure.states
         truth = np.stack([item.motion[name] for name in states], axis=1)
@@ -167,17 +167,20 @@ def predict(
     return Prediction(window=window, errors=errors)
 
 
+POSITION: Final = [State.x, State.y]
 NAMES: Final = ("position", "position_end", "heading", "speed", "yaw_rate")
 
 
 def _squares(out: Array, truth: Array) -> list[float]:
     """Mean squares of the errors of one window, in the order of `NAMES`."""
-    away = np.sum((out[:, :2] - truth[:, :2]) ** 2, axis=1)
-    speed = np.hypot(out[:, 3], out[:, 4]) - np.hypot(truth[:, 3], truth[:, 4])
+    away = np.sum((out[:, POSITION] - truth[:, POSITION]) ** 2, axis=1)
+    speed = np.hypot(out[:, State.u], out[:, State.v]) - np.hypot(
+        truth[:, State.u], truth[:, State.v]
+    )
     return [
         float(np.mean(away)),
         float(away[-1]),
-        float(np.mean(np.degrees(out[:, 2] - truth[:, 2]) ** 2)),
+        float(np.mean(np.degrees(out[:, State.psi] - truth[:, State.psi]) ** 2)),
         float(np.mean(speed**2)),
-        float(np.mean(np.degrees(out[:, 5] - truth[:, 5]) ** 2)),
+        float(np.mean(np.degrees(out[:, State.r] - truth[:, State.r]) ** 2)),
     ]

@@ -9,12 +9,17 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.equations.layouts import InputField, OverGround, State
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 
-KINDS: Final[Mapping[str, int]] = {"xdot": 100, "ydot": 101, "sog": 102}
+KINDS: Final[Mapping[str, OverGround]] = {
+    "xdot": OverGround.north,
+    "ydot": OverGround.east,
+    "sog": OverGround.size,
+}
 """Channels that are no states, by the number the filters know them by."""
-STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
+STATES: Final = (*State.__members__,)
 CHANNELS: Final = (*STATES, *KINDS)
 
 
@@ -74,19 +79,19 @@ class FreeRecord:
 
     @property
     def inputs(self) -> Array:
-        """Rudder, revolutions, bucket, wind speed and direction, a row per instant."""
-        zero = np.zeros(len(self))
-        wind, way = self.wind_speed, self.wind_direction
-        return np.stack(
-            [
-                self.delta,
-                self.turns,
-                zero if self.bucket is None else self.bucket,
-                zero if wind is None else wind,
-                zero if way is None else way,
-            ],
-            axis=1,
-        )
+        """A row of `InputField` per instant."""
+        columns = {
+            InputField.rudder: self.delta,
+            InputField.revolutions: self.turns,
+            InputField.bucket: self.bucket,
+            InputField.wind_speed: self.wind_speed,
+            InputField.wind_direction: self.wind_direction,
+        }
+        found = np.zeros((len(self), len(InputField)))
+        for place, values in columns.items():
+            if values is not None:
+                found[:, place] = values
+        return found
 
     def calm(self) -> FreeRecord:
         """The record as if no wind had been measured."""

@@ -14,6 +14,7 @@ from pmmkit.conventions import force_unit
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.histories import rigid_body
+from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, bound, driven
 from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
@@ -176,8 +177,8 @@ def smooth(
             totals,
             kept,
         )
-        if status:
-            raise SimulationError(LOST[status].format(record.name))
+        if status != Status.done:
+            raise SimulationError(LOST[Status(status)].format(record.name))
         square = residuals**2 / totals
         likelihood = -0.5 * np.nansum(np.minimum(square, gate**2) + np.log(totals))
         return kept, float(likelihood), int(np.sum(square > gate**2))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.constants import PLACE
+from pmmkit.equations.layouts import Constant, OverGround, State
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP, first_state, kind_of
@@ -363,12 +363,16 @@ def _residuals(problem: _Problem, states: Array, values: Array) -> Array:
     """Measured less simulated, over the sensors' standard deviations; NaN where not measured."""
     k = problem.binding.constants(values)
     shown = np.empty((len(states), len(problem.kinds)))
-    ahead, aside = np.cos(states[:, 2]), np.sin(states[:, 2])
-    north = states[:, 3] * ahead - states[:, 4] * aside + k[PLACE["current_x"]]
-    east = states[:, 3] * aside + states[:, 4] * ahead + k[PLACE["current_y"]]
-    other = {100: north, 101: east, 102: np.hypot(north, east)}
+    ahead, aside = np.cos(states[:, State.psi]), np.sin(states[:, State.psi])
+    north = states[:, State.u] * ahead - states[:, State.v] * aside + k[Constant.current_x]
+    east = states[:, State.u] * aside + states[:, State.v] * ahead + k[Constant.current_y]
+    other: dict[int, Array] = {
+        OverGround.north: north,
+        OverGround.east: east,
+        OverGround.size: np.hypot(north, east),
+    }
     for i, kind in enumerate(problem.kinds.tolist()):
-        shown[:, i] = other[kind] if kind >= 100 else states[:, kind]
+        shown[:, i] = other[kind] if kind in other else states[:, kind]
     return (problem.measured - shown) / problem.sensors
 
 

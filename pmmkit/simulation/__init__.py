@@ -1,5 +1,6 @@
 """Simulation: manoeuvres of a model, their numbers, sweeps and criteria."""
 
+from pmmkit.equations.layouts import Ask, End, State
 from pmmkit.simulation.ensemble import Ensemble, monte_carlo
 from pmmkit.simulation.imo import Verdict, imo_turning, imo_verdicts, zigzag_limits
 from pmmkit.simulation.linear import Stability, stability
@@ -13,6 +14,8 @@ from pmmkit.simulation.sweeps import froude_sweep, sweep
 from pmmkit.simulation.track import Track
 
 __all__ = [
+    "Ask",
+    "End",
     "Ensemble",
     "Manoeuvre",
     "Phase",
@@ -24,6 +27,7 @@ __all__ = [
     "SobolIndices",
     "SpiralCurve",
     "Stability",
+    "State",
     "Track",
     "Verdict",
     "froude_sweep",

@@ -12,7 +12,8 @@ import numpy as np
 
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
-from pmmkit.equations.program import packed, stacked, values_at
+from pmmkit.equations.layouts import Status
+from pmmkit.equations.prepared import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
@@ -460,7 +461,7 @@ def monte_carlo(
         metrics, status = batch.run(
             drawn.names, drawn.draw(seed, first, count), jobs=jobs, advance=advance
         )
-        failed += int(np.count_nonzero(status))
+        failed += int(np.count_nonzero(status != Status.done))
         for name, values in metrics.items():
             found[name][first : first + count] = values
     return Ensemble(

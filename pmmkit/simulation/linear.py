@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations import Conditions, Prepared, prepare
+from pmmkit.equations.layouts import Constant
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
@@ -195,12 +196,25 @@ def _eigenvalues(columns: Array, rolls: bool) -> Complex:
 
 def _mass(ready: Prepared) -> Array:
     """Mass matrix of sway and yaw, and roll if the ship rolls, in the prime system."""
-    k, L, rho = ready.k, ready.L, ready.k[6]
+    k, L, rho = ready.k, ready.L, ready.k[Constant.rho]
+    mass, xG, zG = k[Constant.mass], k[Constant.xG], k[Constant.zG]
     matrix = np.array(
         [
-            [k[3] - k[14], k[3] * k[8] - k[15], -k[3] * k[9] - k[16]],
-            [k[3] * k[8] - k[17], k[10] - k[18], -k[19]],
-            [-k[3] * k[9] - k[20], -k[21], k[11] - k[22]],
+            [
+                mass - k[Constant.Yvdot],
+                mass * xG - k[Constant.Yrdot],
+                -mass * zG - k[Constant.Ypdot],
+            ],
+            [
+                mass * xG - k[Constant.Nvdot],
+                k[Constant.Izz] - k[Constant.Nrdot],
+                -k[Constant.Npdot],
+            ],
+            [
+                -mass * zG - k[Constant.Kvdot],
+                -k[Constant.Krdot],
+                k[Constant.Ixx] - k[Constant.Kpdot],
+            ],
         ]
     )
     arm = np.array([1.0, L, L])

@@ -6,22 +6,18 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.equations.layouts import Ask, End, PhaseField, ProbeField, State
 from pmmkit.metrics import METRICS, Metric, in_both
 from pmmkit.numerics import Array
 
-End = Literal["time", "heading", "yaw rate", "surge", "steady turn", "steady"]
-ENDS: Final[tuple[End, ...]] = ("time", "heading", "yaw rate", "surge", "steady turn", "steady")
-Ask = Literal["crossing", "extreme", "end", "begin", "path", "steady", "reached"]
-ASKS: Final[tuple[Ask, ...]] = ("crossing", "extreme", "end", "begin", "path", "steady", "reached")
 LONGEST: Final = 2000.0
 """No phase lasts longer, in ship lengths over the approach speed."""
 STEADY: Final = 2e-5
 """Accelerations over U²/L and (U/L)² below which a motion counts as steady."""
-STATES: Final = ("x", "y", "psi", "u", "v", "r", "p", "phi")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +32,9 @@ class Phase:
         Ordered revolutions over those of the approach; NaN as above.
     bucket : float
         Ordered bucket of a waterjet, 0 ahead to 1 astern; NaN as above.
-    until : str
-        ``time``; ``heading`` [rad], ``yaw rate`` [rad/s] or ``surge`` [m/s] pass `level` in the
-        direction `side`; ``steady turn``: the heading passes `level` and the turn is steady, or
+    until : End
+        ``time``; ``heading`` [rad], ``yaw_rate`` [rad/s] or ``surge`` [m/s] pass `level` in the
+        direction `side`; ``steady_turn``: the heading passes `level` and the turn is steady, or
         will be after more circles; ``steady``: accelerations over U²/L and (U/L)² below `level`.
     level, side : float
         See above.
@@ -49,7 +45,7 @@ class Phase:
     rudder: float = math.nan
     revolutions: float = math.nan
     bucket: float = math.nan
-    until: End = "time"
+    until: End = End.time
     level: float = 0.0
     side: float = 1.0
     shortest: float = 0.0
@@ -58,16 +54,17 @@ class Phase:
     @property
     def numbers(self) -> tuple[float, ...]:
         """As the engine takes it."""
-        return (
-            self.rudder,
-            self.revolutions,
-            self.bucket,
-            float(ENDS.index(self.until)),
-            self.level,
-            self.side,
-            self.shortest,
-            self.longest,
-        )
+        values = {
+            PhaseField.rudder: self.rudder,
+            PhaseField.revolutions: self.revolutions,
+            PhaseField.bucket: self.bucket,
+            PhaseField.until: self.until,
+            PhaseField.level: self.level,
+            PhaseField.side: self.side,
+            PhaseField.shortest: self.shortest,
+            PhaseField.longest: self.longest,
+        }
+        return tuple(float(values[place]) for place in PhaseField)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,14 +73,14 @@ class Probe:
 
     Parameters
     ----------
-    ask : str
+    ask : Ask
         ``crossing``: first passage of a state through `level` in the direction `side`;
         ``extreme``: where a state is largest (`side` 1) or least (-1); ``begin`` and ``end`` of
         the phases; ``reached``: the end of a phase that came to what it waited for; ``path``: its
         length, in place of the instant [m]; ``steady``: the motion
         without accelerations next to the end, NaN if there is none.
-    state : str
-        Of `STATES`.
+    state : State
+        Which.
     level, side : float
         See above.
     first, last : int
@@ -91,7 +88,7 @@ class Probe:
     """
 
     ask: Ask
-    state: str = "x"
+    state: State = State.x
     level: float = 0.0
     side: float = 1.0
     first: int = 0
@@ -100,14 +97,15 @@ class Probe:
     @property
     def numbers(self) -> tuple[float, ...]:
         """As the engine takes it."""
-        return (
-            float(ASKS.index(self.ask)),
-            float(STATES.index(self.state)),
-            self.level,
-            self.side,
-            float(self.first),
-            float(self.last),
-        )
+        values = {
+            ProbeField.ask: self.ask,
+            ProbeField.state: self.state,
+            ProbeField.level: self.level,
+            ProbeField.side: self.side,
+            ProbeField.first: self.first,
+            ProbeField.last: self.last,
+        }
+        return tuple(float(values[place]) for place in ProbeField)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,8 +13,15 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.equations import Prepared
-from pmmkit.equations.constants import PLACE
-from pmmkit.equations.program import mass_problem, propulsion_problem
+from pmmkit.equations.layouts import (
+    Constant,
+    EventField,
+    OutcomeField,
+    SettingField,
+    Status,
+    StepField,
+)
+from pmmkit.equations.prepared import mass_problem, propulsion_problem
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.numerics import Array
@@ -89,17 +96,21 @@ class History:
     @property
     def end(self) -> float:
         """Last instant [s]."""
-        return float(self.events[9 * len(self.plan.phases)])
+        return float(self._table[-1, EventField.begin])
 
     @property
     def begins(self) -> tuple[float, ...]:
         """Instants at which the phases begin [s]."""
-        return tuple(float(self.events[9 * i]) for i in range(len(self.plan.phases)))
+        return tuple(self._table[:-1, EventField.begin].tolist())
 
     @property
     def finished(self) -> tuple[bool, ...]:
         """Whether each phase was ended by what it waited for."""
-        return tuple(bool(self.events[9 * i + 8]) for i in range(len(self.plan.phases)))
+        return tuple(map(bool, self._table[:-1, EventField.finished]))
+
+    @cached_property
+    def _table(self) -> Array:
+        return np.asarray(self.events).reshape(-1, len(EventField))
 
     @cached_property
     def results(self) -> ProbeResults:
@@ -164,21 +175,22 @@ def settings_for(
     rtol: float,
     revolutions: float | None = None,
 ) -> list[float]:
-    """Settings of the engine: tolerance, longest step, speed, gears, revolutions, limit."""
+    """The settings of the integrator, in the order of `SettingField`."""
     shaft = "n" in structure.states
-    return [
-        rtol,
-        LONGEST_STEP * L / speed,
-        speed,
-        gear.rudder_rate,
-        gear.rudder_lag,
-        INSTANT if shaft else gear.revolutions_rate,
-        0.0,
-        gear.bucket_rate,
-        0.0,
-        revolutions or 0.0,
-        FASTEST * speed,
-    ]
+    values = {
+        SettingField.rtol: rtol,
+        SettingField.longest: LONGEST_STEP * L / speed,
+        SettingField.speed: speed,
+        SettingField.rudder_rate: gear.rudder_rate,
+        SettingField.rudder_lag: gear.rudder_lag,
+        SettingField.revolutions_rate: INSTANT if shaft else gear.revolutions_rate,
+        SettingField.revolutions_lag: 0.0,
+        SettingField.bucket_rate: gear.bucket_rate,
+        SettingField.bucket_lag: 0.0,
+        SettingField.revolutions: revolutions or 0.0,
+        SettingField.fastest: FASTEST * speed,
+    }
+    return [values[place] for place in SettingField]
 
 
 def run_plan(
@@ -222,10 +234,10 @@ def run_plan(
     settings: Any = settings_for(ready.structure, ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders_array if fast else plan.orders
     count = len(plan.phases)
-    events: Any = [0.0] * (9 * (count + 1))
+    events: Any = [0.0] * (len(EventField) * (count + 1))
     if fast:
         settings, events = np.array(settings), np.zeros(len(events))
-    stride = 2 + 5 * len(ready.structure.states)
+    stride = functions.STRIDE
     room = ROOM
     while True:
         steps: Any = np.empty(stride * room) if fast else [0.0] * (stride * room)
@@ -235,12 +247,12 @@ def run_plan(
                 k, orders, count, settings, steps, stride * room, events
             )
         except (OverflowError, ZeroDivisionError, ValueError):
-            status, kept, n0 = 2, 0, math.nan
-        if status != 4:
+            status, kept, n0 = Status.unbound, 0, math.nan
+        if status != Status.no_room:
             break
         room *= 4
-    if status:
-        last = steps[stride * (kept - 1)] if kept else 0.0
+    if status != Status.done:
+        last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0
         raise problem(status, ready, float(last))
     return History(
         ready=ready,
@@ -257,9 +269,9 @@ def run_plan(
 
 def problem(status: int, ready: Prepared, t: float) -> SimulationError | ModelError:
     """The error that a status of the engine stands for."""
-    if status == 1:
+    if status == Status.mass:
         return ModelError(mass_problem(ready.name))
-    if status == 5:
+    if status == Status.no_propulsion:
         return ModelError(propulsion_problem(ready.name, ready.speed))
     return SimulationError(
         f"The motion leaves what the model describes at t = {t:.4g} s (it grows without bound or "
@@ -304,7 +316,7 @@ def run_ships(
     results : ProbeResults
         With a value per ship.
     status : array (ships,)
-        0 where the ship was simulated, else as in `problem`.
+        A `Status` of each.
 
     Notes
     -----
@@ -317,10 +329,10 @@ def run_ships(
     number, width = ships.shape
     asked, states = len(plan.probes), structure.states
     filled = np.empty(number * asked * (1 + len(states)))
-    state = np.empty(2 * number)
+    outcomes = np.empty(len(OutcomeField) * number)
     flat = np.ascontiguousarray(ships).reshape(-1)
     orders, questions, given = plan.orders_array, plan.questions_array, np.array(settings)
-    room = BATCH_ROOM * (2 + 5 * len(states))
+    room = BATCH_ROOM * functions.STRIDE
 
     def work(first: int) -> int:
         last: int = min(first + CHUNK, number)
@@ -336,7 +348,7 @@ def run_ships(
             asked,
             room,
             filled,
-            state,
+            outcomes,
         )
         return last - first
 
@@ -352,7 +364,7 @@ def run_ships(
         places=plan.places,
         states=states,
         values=values,
-        speed=settings[2],
-        L=float(ships[0, PLACE["L"]]),
+        speed=settings[SettingField.speed],
+        L=float(ships[0, Constant.L]),
     )
-    return results, state.reshape(-1, 2)[:, 0]
+    return results, outcomes.reshape(-1, len(OutcomeField))[:, OutcomeField.status]

@@ -13,7 +13,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from pmmkit.equations import CALM, Conditions, prepare
-from pmmkit.equations.program import feels_depth
+from pmmkit.equations.layouts import Control, End, State
+from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
@@ -253,16 +254,16 @@ def track_of(
     metrics = {name: float(value) for name, value in plan.metrics_of(history.results).items()}
     return Track(
         t=t,
-        x=rows[0],
-        y=rows[1],
-        psi=rows[2],
-        u=rows[3],
-        v=rows[4],
-        r=rows[5],
+        x=rows[State.x],
+        y=rows[State.y],
+        psi=rows[State.psi],
+        u=rows[State.u],
+        v=rows[State.v],
+        r=rows[State.r],
         p=channels.get("p", still),
         phi=channels.get("phi", still),
-        delta=rows[len(states)],
-        n=channels.get("n", rows[len(states) + 1]),
+        delta=rows[len(states) + Control.rudder],
+        n=channels.get("n", rows[len(states) + Control.revolutions]),
         name=model.name,
         manoeuvre=plan.name,
         L=ready.L,
@@ -280,16 +281,16 @@ def track_of(
 def _notes(history: History) -> list[str]:
     plan, notes = history.plan, []
     for phase, ended in zip(plan.phases, history.finished, strict=True):
-        if phase.until in ("heading", "yaw rate", "steady turn", "surge") and not ended:
-            waited = {
-                "heading": f"the heading does not reach {math.degrees(phase.level):g}°",
-                "steady turn": f"the heading does not reach {math.degrees(phase.level):g}°",
-                "yaw rate": "the ship does not stop turning",
-                "surge": "the ship does not stop",
-            }[phase.until]
-            notes.append(f"Within {phase.longest:.4g} s {waited}.")
+        waited = {
+            End.heading: f"the heading does not reach {math.degrees(phase.level):g}°",
+            End.steady_turn: f"the heading does not reach {math.degrees(phase.level):g}°",
+            End.yaw_rate: "the ship does not stop turning",
+            End.surge: "the ship does not stop",
+        }
+        if phase.until in waited and not ended:
+            notes.append(f"Within {phase.longest:.4g} s {waited[phase.until]}.")
             break
-        if phase.until == "steady" and not ended:
+        if phase.until == End.steady and not ended:
             notes.append(f"The motion is not steady within {phase.longest:.4g} s.")
             break
     if plan.settles and not notes:

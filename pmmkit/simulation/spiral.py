@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations import Conditions, prepare
+from pmmkit.equations.layouts import State
 from pmmkit.errors import SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
@@ -160,13 +161,14 @@ def spiral_curve(
     n, L, rolls = ready.self_propulsion(), ready.L, ready.rolls
     size = np.array([speed, speed, 1.0, 1.0])
     unit = np.array([speed**2 / L, speed**2 / L, (speed / L) ** 2, (speed / L) ** 2])
-    free = 4 if rolls else 3
+    balance = [State.u, State.v, State.r, *([State.p] if rolls else [])]
+    free = len(balance)
 
     def residual(z: Array, r: float) -> Array:
         u, v, delta, phi = (z * size).tolist()
         out = ready.rates(ready.settled(u, v, r, 0.0, phi, delta, n), delta, n)
-        found: Array = np.array([out[3], out[4], out[5], out[6] if rolls else 0.0]) / unit
-        return found[:free]
+        found: Array = np.array([out[i] for i in balance]) / unit[:free]
+        return found
 
     def follow(z: Array, r: float) -> Array | None:
         z = z.copy()

@@ -11,7 +11,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.state import State
 from pmmkit.equations import CALM
 from pmmkit.equations.histories import repeating_states, water_forces
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, scaled
 from pmmkit.models.model import Part

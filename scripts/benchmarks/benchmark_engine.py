@@ -28,7 +28,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.constants import FIRST
+from pmmkit.equations.layouts import Constant
 
 SHIP, SPEED, RTOL = "kvlcc2-l7", 1.179, 1e-6
 SOURCE = Path(__file__).with_name("benchmark_turn.c")
@@ -66,7 +66,7 @@ _PARAMETERS = {
 def macros(ready: Prepared) -> list[str]:
     """Compiler options that say where each constant of the C program stands."""
     found = []
-    place = FIRST
+    place = len(Constant)
     for factors, channels in ready.structure.products or ():
         word = "".join(FACTOR_PLACES[factor] for factor in factors).upper() or "0"
         for channel in channels:

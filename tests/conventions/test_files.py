@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import sys
 import threading
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from pmmkit.errors import FileExists
-from pmmkit.files import atomic_folder, atomic_path, datasets_folder, sha256, write_text
+from pmmkit.files import (
+    atomic_folder,
+    atomic_path,
+    datasets_folder,
+    sha256,
+    write_results,
+    write_text,
+)
 
 
 def test_the_file_appears_only_when_the_block_has_ended(tmp_path: Path) -> None:
@@ -128,6 +137,32 @@ def test_results_join_a_folder_and_leave_its_other_files(tmp_path: Path) -> None
         (part / "a.csv").write_text("new")
     assert (tmp_path / "a.csv").read_text() == "new"
     assert (tmp_path / "notes.txt").read_text() == "mine"
+
+
+def test_results_are_written_by_what_they_are(tmp_path: Path) -> None:
+    results = [
+        ("table.csv", pd.DataFrame({"a": [1.5], "b": ["x"]}, index=[7])),
+        ("text.csv", "t,x\r\n"),
+        ("numbers.json", {"nothing": float("nan"), "both": (1, 2)}),
+        ("own.bin", lambda path: path.write_bytes(b"\x00")),
+    ]
+    names = write_results(tmp_path / "out", results)
+    assert names == ["numbers.json", "own.bin", "table.csv", "text.csv"]
+    found = {name: (tmp_path / "out" / name).read_bytes() for name in names}
+    assert found["table.csv"].split() == [b"a,b", b"1.5,x"]
+    assert found["text.csv"] == b"t,x\r\n"
+    assert json.loads(found["numbers.json"]) == {"nothing": None, "both": [1, 2]}
+    assert found["own.bin"] == b"\x00"
+
+
+def test_results_that_cannot_be_made_leave_nothing(tmp_path: Path) -> None:
+    def results():
+        yield "first.txt", "whole"
+        raise ValueError("the second cannot be made")
+
+    with pytest.raises(ValueError, match="second"):
+        write_results(tmp_path / "out", results())
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_in_the_way_of_a_folder_is_named(tmp_path: Path) -> None:

@@ -20,7 +20,7 @@ from pmmkit.effects import catalogue as catalogue_module
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations.compilation import cache_folder
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.program import prepare
+from pmmkit.equations.prepared import prepare
 from pmmkit.errors import MissingPartError, ModelError
 from pmmkit.identification import ForceRecord, fit_to_forces
 from pmmkit.models import Part, load_model, model_text, save_model
@@ -98,7 +98,7 @@ def test_the_dense_output_is_continuous():
     history = run_plan(
         ready, manoeuvre_of("turning").plan(SPEED / 7), Gear(rudder_rate=0.2), rtol=1e-6, fast=False
     )
-    stride = 2 + 5 * 6
+    stride = ready.functions().STRIDE
     for step in range(1, history.kept):
         t = history.steps[stride * step]
         before, after = history.sampled(np.array([np.nextafter(t, 0), t])).T

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pkgutil
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pmmkit
@@ -53,3 +54,22 @@ def test_files_are_short():
 def test_the_plan_names_no_file_that_is_not_there():
     for name in re.findall(r"`((?:pmmkit|tests|scripts|docs)/[\w./]*)`", PLAN):
         assert (ROOT / name).exists(), name
+
+
+def test_the_registries_are_where_the_plan_says():
+    rows = re.findall(r"^\| [\w ]+ \| .*`([\w/]+(?:\.py|/))` \| (.*) \| `([\w.]+)` \|$", PLAN, re.M)
+    assert len(rows) >= 2
+    groups = {group for _, group, _ in rows if "`" in group}
+    assert groups <= {f"`{group}`" for group in declared_groups()}
+    for place, _, contract in rows:
+        assert (ROOT / place).exists()
+        module, _, name = contract.rpartition(".")
+        assert callable(getattr(import_module(module), name))
+
+
+def declared_groups() -> set[str]:
+    return {
+        group
+        for path in (ROOT / "pmmkit").rglob("*.py")
+        for group in re.findall(r'^GROUP: Final = "(.*)"$', path.read_text(encoding="utf-8"), re.M)
+    }

@@ -12,6 +12,7 @@ from scripts.documentation import make_docs
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+LINKED = [*PAGES, ROOT / "CONTRIBUTING.md"]  # whose code makes a package: test_recipes.py
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -30,7 +31,7 @@ def test_python_examples_run(page, tmp_path, monkeypatch):
         exec(compile(code, f"{page.name}, example {number}", "exec"), names)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)
 def test_links_lead_somewhere(page):
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\((?!https?:)([^)#]+)", text):

@@ -14,8 +14,8 @@ import pmmkit as pk
 from pmmkit.equations import CALM, prepare
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.constants import PLACE
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.layouts import Constant
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import bound
 from pmmkit.identification.filters import kalman
@@ -327,7 +327,7 @@ def test_slopes_over_states_and_parameters_are_those_of_another_integrator():
 @pytest.mark.parametrize("kind", [100, 101, 102])
 def test_slopes_of_the_velocity_over_ground(kind):
     k = np.zeros(len(bound(TANKER, (), SPEED).base))
-    k[PLACE["current_x"]], k[PLACE["current_y"]] = 0.3, -0.2
+    k[Constant.current_x], k[Constant.current_y] = 0.3, -0.2
     z, h = np.array([5.0, 6.0, 2.1, 1.1, -0.3, 0.05, 7.0]), np.zeros(7)
 
     def by_hand(z):
@@ -384,7 +384,7 @@ def test_a_parameter_that_bends_the_constants_is_refused(name):
 def test_currents_are_parameters_too():
     binding = bound(TANKER, ["current_y", "Yv", "current_x"], SPEED)
     k = binding.constants(binding.mean + np.array([0.2, 0.0, -0.1]))
-    assert (k[PLACE["current_x"]], k[PLACE["current_y"]]) == pytest.approx((-0.1, 0.2))
+    assert (k[Constant.current_x], k[Constant.current_y]) == pytest.approx((-0.1, 0.2))
 
 
 # The prior

@@ -16,7 +16,7 @@ from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.loop.session import ErrorFall
+    from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
 
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
@@ -87,10 +87,9 @@ def add(
 
 
 def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
-    from pmmkit.figures.diagnosis import error_fall
     from pmmkit.plotting.style import save
 
-    figure = [("error_fall.svg", partial(save, error_fall(fall)))] if drawn else []
+    figure = [("error_fall.svg", partial(save, fall.plot()))] if drawn else []
     return [("error_fall.csv", fall.to_pandas()), *figure]
 
 
@@ -120,36 +119,10 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
 
 
 def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
-    from pmmkit.channels import CHANNEL_UNITS
     from pmmkit.metrics import HARD_OVER
 
-    lines = [f"Taken out: {taken}."] if taken else []
-    lines.append("Error of conditions left out of the fit, in per cent of the rms force:")
-    frame = fall.to_pandas()
-    channels = fall.errors[0].channels
-    tests = list(dict.fromkeys(frame["test"]))
-    rows = []
-    for step, item in zip(fall.steps, fall.errors, strict=True):
-        own = frame[frame["step"] == step]
-        errors = own[own["test"] == "all"].set_index("channel")["error"]
-        rows.append(
-            [
-                step if step == fall.steps[0] else f"+ {step}",
-                f"{100 * item.share():.2f}",
-                *(f"{float(errors[name]):.3g}" for name in channels),
-                *(_per_test(own, test) for test in tests if test != "all"),
-            ]
-        )
-    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
-    lines.append(
-        aligned(["step", "all", *units, *(t.replace("_", " ") for t in tests if t != "all")], rows)
-    )
-    for number, step in enumerate(fall.steps[1:], start=1):
-        better = fall.errors[number].better_than(fall.errors[number - 1])
-        lines.append(
-            f"{step}: better in {100 * better:.0f} % of the conditions and channels it changes."
-        )
-    lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
+    lines = [f"Taken out: {taken}.", ""] if taken else []
+    lines.append(str(fall))
     if turns:
         lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])
@@ -163,8 +136,3 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
             )
         )
     return lines
-
-
-def _per_test(own: Any, test: str) -> str:
-    shares = own[own["test"] == test]["share"].dropna()
-    return f"{100 * float((shares**2).mean() ** 0.5):.2f}" if len(shares) else "-"

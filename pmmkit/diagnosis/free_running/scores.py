@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pmmkit.diagnosis.free_running.evidence import Basis, Point
 from pmmkit.diagnosis.free_running.system import FreeSystem, Piece
 from pmmkit.effects.seen import RUDDER_ZERO
+from pmmkit.equations.layouts import InputField, State
 from pmmkit.errors import DataError
 from pmmkit.identification.filters import STEP
 from pmmkit.identification.smoother import smooth
@@ -93,7 +94,7 @@ def off(system: FreeSystem, piece: Piece, course: Course, values: Array) -> Arra
     out = np.full_like(truth, np.inf)
     if piece.functions.complete(k) == 0:
         inputs = record.inputs
-        inputs[:, 0] += moved.get(RUDDER_ZERO, 0.0)
+        inputs[:, InputField.rudder] += moved.get(RUDDER_ZERO, 0.0)
         begins = np.cumsum([0, *(len(at) for at in course.windows)])
         piece.functions.windows(
             record.t[every],
@@ -105,8 +106,10 @@ def off(system: FreeSystem, piece: Piece, course: Course, values: Array) -> Arra
             out,
         )
     with np.errstate(all="ignore"):
-        speed = np.hypot(out[:, 3], out[:, 4]) - np.hypot(truth[:, 3], truth[:, 4])
-        found: Array = np.stack([out[:, 2] - truth[:, 2], speed], axis=1)
+        speed = np.hypot(out[:, State.u], out[:, State.v]) - np.hypot(
+            truth[:, State.u], truth[:, State.v]
+        )
+        found: Array = np.stack([out[:, State.psi] - truth[:, State.psi], speed], axis=1)
     return found
 
 

@@ -16,6 +16,7 @@ from pmmkit.effects.seen import RUDDER_ZERO
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.histories import rigid_body
+from pmmkit.equations.layouts import InputField, Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, Binding, bound, driven
 from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
@@ -214,7 +215,7 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
     record, ready = piece.record, system.model
     moved = dict(zip(system.names, values.tolist(), strict=True))
     inputs = record.inputs
-    inputs[:, 0] += moved.get(RUDDER_ZERO, 0.0)
+    inputs[:, InputField.rudder] += moved.get(RUDDER_ZERO, 0.0)
     k = piece.binding.constants(np.array([moved[name] for name in piece.binding.names]))
     pace, unit = record.speed / ready.ship.L, units(ready, record.speed)
     words = piece.forces.names
@@ -255,8 +256,8 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
         totals,
         kept,
     )
-    if status:
-        raise SimulationError(LOST[status].format(record.name))
+    if status != Status.done:
+        raise SimulationError(LOST[Status(status)].format(record.name))
     return out, totals
 
 

@@ -10,7 +10,7 @@ from typing import Any, Final
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.program import values_at
+from pmmkit.equations.prepared import values_at
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
 from pmmkit.errors import ModelError, Problem
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
@@ -113,7 +113,7 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
     ready, values = prepare(model, at), values_at(model, at)
     effects, extra, rates = _effects(model, ready, values)
     states = _states(ready)
-    inputs = ["delta_c", "n_c"] if ready.structure.turns else ["delta_c"]
+    inputs = ["delta_c", "n_c"] if ready.structure.revolutions else ["delta_c"]
     sections = [
         _inputs(states, inputs, about=about),
         _ship(model),
@@ -140,14 +140,16 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
         _path(states, rates, rolls=ready.rolls),
     ]
     called = f"{function}(x,ui{',U0' if approach else ''})"
-    turns = ready.self_propulsion() if speed is not None and ready.structure.turns else None
+    revolutions = (
+        ready.self_propulsion() if speed is not None and ready.structure.revolutions else None
+    )
     body = _alive(sections, ("xdot", "U"))
     used = frozenset().union(*(line.uses for section in body for line in section.lines))
     lines = [
         f"function [xdot,U] = {called}",
-        *heading(model, called, states, inputs, speed=speed, turns=turns, about=about),
+        *heading(model, called, states, inputs, speed=speed, revolutions=revolutions, about=about),
         "",
-        *_checks(states, inputs, speed=speed, turns=turns, approach=approach),
+        *_checks(states, inputs, speed=speed, revolutions=revolutions, approach=approach),
         *(text for section in body for text in _written(section)),
         "",
         "end",
@@ -388,14 +390,14 @@ def _checks(
     inputs: Sequence[str],
     *,
     speed: float | None,
-    turns: float | None,
+    revolutions: float | None,
     approach: bool,
 ) -> list[str]:
     lines = []
     if approach and speed is not None:
         lines.append(f"if nargin < 3, U0 = {number(speed)}; end")
-    if turns is not None:
-        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * turns)}]; end")
+    if revolutions is not None:
+        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * revolutions)}]; end")
     return [
         *lines,
         f"if length(x) ~= {len(states)}, error('x-vector must have dimension {len(states)}!'); end",

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final
 
+from pmmkit.equations.layouts import Ask, End
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
 from pmmkit.simulation.plan import LONGEST, Phase, Plan, Probe, ProbeResults
@@ -23,18 +24,18 @@ def course_change(
     phases = (
         Phase(
             rudder=rudder,
-            until="heading",
+            until=End.heading,
             level=side * math.radians(abs(heading_deg)),
             side=side,
             longest=LONGEST / pace,
         ),
         Phase(
-            rudder=-side * counter, until="yaw rate", level=0.0, side=-side, longest=100.0 / pace
+            rudder=-side * counter, until=End.yaw_rate, level=0.0, side=-side, longest=100.0 / pace
         ),
     )
     probes = {
-        "counter": Probe(ask="begin", first=1, last=1),
-        "end": Probe(ask="reached", first=1, last=1),
+        "counter": Probe(ask=Ask.begin, first=1, last=1),
+        "end": Probe(ask=Ask.reached, first=1, last=1),
     }
 
     def measure(a: ProbeResults) -> dict[str, Any]:
@@ -59,24 +60,26 @@ def williamson(pace: float, *, rudder_deg: float, shift_deg: float, ease_deg: fl
     phases = (
         Phase(
             rudder=rudder,
-            until="heading",
+            until=End.heading,
             level=side * math.radians(shift_deg),
             side=side,
             longest=LONGEST / pace,
         ),
         Phase(
             rudder=-rudder,
-            until="heading",
+            until=End.heading,
             level=-side * opposite,
             side=-side,
             longest=LONGEST / pace,
         ),
-        Phase(rudder=0.0, until="heading", level=-side * math.pi, side=-side, longest=30.0 / pace),
+        Phase(
+            rudder=0.0, until=End.heading, level=-side * math.pi, side=-side, longest=30.0 / pace
+        ),
     )
     probes = {
-        "shift": Probe(ask="begin", first=1, last=1),
-        "ease": Probe(ask="begin", first=2, last=2),
-        "end": Probe(ask="end", first=2, last=2),
+        "shift": Probe(ask=Ask.begin, first=1, last=1),
+        "ease": Probe(ask=Ask.begin, first=2, last=2),
+        "end": Probe(ask=Ask.end, first=2, last=2),
     }
 
     def measure(a: ProbeResults) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from pmmkit.equations.layouts import Ask, End
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, rudder_setting
 from pmmkit.simulation.plan import STEADY, Phase, Plan, Probe, ProbeResults
@@ -17,11 +18,16 @@ def pull_out(pace: float, *, rudder_deg: float) -> Plan:
     side = math.copysign(1.0, rudder)
     phases = (
         Phase(
-            rudder=rudder, until="steady", level=STEADY, shortest=5.0 / pace, longest=100.0 / pace
+            rudder=rudder, until=End.steady, level=STEADY, shortest=5.0 / pace, longest=100.0 / pace
         ),
-        Phase(rudder=0.0, until="steady", level=STEADY, shortest=10.0 / pace, longest=150.0 / pace),
+        Phase(
+            rudder=0.0, until=End.steady, level=STEADY, shortest=10.0 / pace, longest=150.0 / pace
+        ),
     )
-    probes = {"turn": Probe(ask="end", first=0, last=0), "end": Probe(ask="end", first=1, last=1)}
+    probes = {
+        "turn": Probe(ask=Ask.end, first=0, last=0),
+        "end": Probe(ask=Ask.end, first=1, last=1),
+    }
 
     def measure(a: ProbeResults) -> dict[str, Any]:
         return {

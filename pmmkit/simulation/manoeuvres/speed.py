@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any, Final
 
+from pmmkit.equations.layouts import Ask, End
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
 from pmmkit.simulation.plan import Phase, Plan, Probe, ProbeResults
@@ -26,13 +27,13 @@ def stopping(pace: float, *, turns: float, rudder_deg: float) -> Plan:
             revolutions=turns,
             bucket=1.0,
             rudder=math.radians(rudder_deg),
-            until="surge",
+            until=End.surge,
             level=0.0,
             side=-1.0,
             longest=500.0 / pace,
         ),
     )
-    probes = {"stop": Probe(ask="reached"), "path": Probe(ask="path")}
+    probes = {"stop": Probe(ask=Ask.reached), "path": Probe(ask=Ask.path)}
 
     def measure(a: ProbeResults) -> dict[str, Any]:
         stopped = a.t("stop") > 0.0
@@ -51,7 +52,11 @@ def accelerating(pace: float, *, turns: float) -> Plan:
     """Accelerating: more revolutions straight ahead until the speed stays."""
     phases = (
         Phase(
-            revolutions=turns, until="steady", level=1e-5, shortest=2.0 / pace, longest=500.0 / pace
+            revolutions=turns,
+            until=End.steady,
+            level=1e-5,
+            shortest=2.0 / pace,
+            longest=500.0 / pace,
         ),
     )
 
@@ -63,7 +68,7 @@ def accelerating(pace: float, *, turns: float) -> Plan:
             "distance": a.at("end", "x"),
         }
 
-    return Plan(phases=phases, probes={"end": Probe(ask="end")}, measure=measure)
+    return Plan(phases=phases, probes={"end": Probe(ask=Ask.end)}, measure=measure)
 
 
 MANOEUVRES: Final = (

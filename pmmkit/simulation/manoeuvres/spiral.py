@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.equations.layouts import Ask, End
 from pmmkit.errors import DataError
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
@@ -17,7 +18,9 @@ from pmmkit.simulation.scalars import degrees
 def spiral(pace: float, *, rudder_deg: float, step_deg: float) -> Plan:
     """Direct spiral: rudder angles from one side to the other and back, each until steady."""
     if not 0.0 < step_deg <= abs(rudder_deg):
-        raise DataError(f"step_deg = {step_deg} must lie between 0 and {abs(rudder_deg):g}.")
+        raise DataError(
+            f"step_deg = {step_deg} must lie between 0 and rudder_deg, {abs(rudder_deg):g}."
+        )
     steps = max(round(abs(rudder_deg) / step_deg), 1)
     side = math.copysign(1.0, rudder_deg)
     down = [side * i * step_deg for i in range(steps, -steps - 1, -1)]
@@ -25,14 +28,14 @@ def spiral(pace: float, *, rudder_deg: float, step_deg: float) -> Plan:
     phases = tuple(
         Phase(
             rudder=math.radians(angle),
-            until="steady",
+            until=End.steady,
             level=STEADY,
             shortest=5.0 / pace,
             longest=200.0 / pace,
         )
         for angle in angles
     )
-    probes = {f"end_{i}": Probe(ask="end", first=i, last=i) for i in range(len(angles))}
+    probes = {f"end_{i}": Probe(ask=Ask.end, first=i, last=i) for i in range(len(angles))}
     back = {angle: len(angles) - 1 - i for i, angle in enumerate(down)}
 
     def measure(a: ProbeResults) -> dict[str, Any]:

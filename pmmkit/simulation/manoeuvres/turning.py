@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from pmmkit.equations.layouts import Ask, End, State
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
 from pmmkit.simulation.plan import LONGEST, Phase, Plan, Probe, ProbeResults
@@ -22,17 +23,17 @@ def turning_circle(pace: float, *, rudder_deg: float, duration: float | None, wi
     longest = LONGEST / pace if duration is None else duration
     phase = Phase(
         rudder=rudder,
-        until="time" if duration else "heading" if wind else "steady turn",
+        until=End.time if duration else End.heading if wind else End.steady_turn,
         level=side * CIRCLES,
         side=side,
         longest=longest,
     )
     probes = {
-        "quarter": Probe(ask="crossing", state="psi", level=side * HALF, side=side),
-        "half": Probe(ask="crossing", state="psi", level=side * math.pi, side=side),
-        "steady": Probe(ask="steady"),
-        "heel_up": Probe(ask="extreme", state="phi", side=1.0),
-        "heel_down": Probe(ask="extreme", state="phi", side=-1.0),
+        "quarter": Probe(ask=Ask.crossing, state=State.psi, level=side * HALF, side=side),
+        "half": Probe(ask=Ask.crossing, state=State.psi, level=side * math.pi, side=side),
+        "steady": Probe(ask=Ask.steady),
+        "heel_up": Probe(ask=Ask.extreme, state=State.phi, side=1.0),
+        "heel_down": Probe(ask=Ask.extreme, state=State.phi, side=-1.0),
     }
 
     def measure(a: ProbeResults) -> dict[str, Any]:
@@ -73,7 +74,7 @@ def initial_turning(pace: float, *, rudder_deg: float, heading_deg: float) -> Pl
     side = math.copysign(1.0, rudder)
     phase = Phase(
         rudder=rudder,
-        until="heading",
+        until=End.heading,
         level=side * math.radians(heading_deg),
         side=side,
         longest=100.0 / pace,
@@ -87,7 +88,7 @@ def initial_turning(pace: float, *, rudder_deg: float, heading_deg: float) -> Pl
             "yaw_rate_deg_s": side * degrees(a.at("there", "r")),
         }
 
-    probes = {"there": Probe(ask="reached"), "path": Probe(ask="path")}
+    probes = {"there": Probe(ask=Ask.reached), "path": Probe(ask=Ask.path)}
     return Plan(phases=(phase,), probes=probes, measure=measure, rudder=rudder)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+from pmmkit.equations.layouts import Ask, End, State
 from pmmkit.errors import DataError
 from pmmkit.metrics import metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
@@ -23,7 +24,7 @@ def zigzag(pace: float, *, rudder_deg: float, switch_deg: float, executes: int) 
     phases = [
         Phase(
             rudder=side * abs(rudder),
-            until="heading",
+            until=End.heading,
             level=side * switch,
             side=side,
             longest=longest,
@@ -33,7 +34,7 @@ def zigzag(pace: float, *, rudder_deg: float, switch_deg: float, executes: int) 
     phases.append(
         Phase(
             rudder=sides[-1] * abs(rudder),
-            until="yaw rate",
+            until=End.yaw_rate,
             level=0.0,
             side=sides[-1],
             longest=longest,
@@ -41,11 +42,13 @@ def zigzag(pace: float, *, rudder_deg: float, switch_deg: float, executes: int) 
     )
     probes: dict[str, Probe] = {}
     for i in range(1, executes):
-        probes[f"execute_{i + 1}"] = Probe(ask="begin", first=i, last=i)
-        probes[f"peak_{i}"] = Probe(ask="extreme", state="psi", side=sides[i - 1], first=i, last=i)
-        probes[f"turned_{i}"] = Probe(ask="reached", first=i, last=i)
+        probes[f"execute_{i + 1}"] = Probe(ask=Ask.begin, first=i, last=i)
+        probes[f"peak_{i}"] = Probe(
+            ask=Ask.extreme, state=State.psi, side=sides[i - 1], first=i, last=i
+        )
+        probes[f"turned_{i}"] = Probe(ask=Ask.reached, first=i, last=i)
         probes[f"zero_{i}"] = Probe(
-            ask="crossing", state="psi", side=sides[i], first=i, last=min(i + 1, executes - 1)
+            ask=Ask.crossing, state=State.psi, side=sides[i], first=i, last=min(i + 1, executes - 1)
         )
 
     def measure(a: ProbeResults) -> dict[str, Any]:

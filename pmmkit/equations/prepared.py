@@ -19,7 +19,7 @@ from pmmkit.effects.hull import HULL, Monomial, polynomial
 from pmmkit.effects.shallow_water import SHALLOW_WATER, apply, factors
 from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
-from pmmkit.equations.constants import NAMES, PLACE
+from pmmkit.equations.layouts import Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
 from pmmkit.errors import DataError, MissingPartError, ModelError
 from pmmkit.models import Model
@@ -82,7 +82,7 @@ class Prepared:
     structure : Structure
         What decides on the code.
     k : tuple of float
-        The constants in the order of `layout`.
+        The constants, `Constant` first.
     speed : float
         Approach speed [m/s].
     name : str
@@ -97,7 +97,7 @@ class Prepared:
     @property
     def L(self) -> float:
         """Ship length [m]."""
-        return self.k[PLACE["L"]]
+        return self.k[Constant.L]
 
     @property
     def rolls(self) -> bool:
@@ -156,7 +156,8 @@ class Prepared:
         States of lags are settled.
         """
         out = self.rates(self.settled(u, v, r, p, phi, delta, n), delta, n)
-        return out[3], out[4], out[5], out[6] if self.rolls else 0.0
+        roll = out[State.p] if self.rolls else 0.0
+        return out[State.u], out[State.v], out[State.r], roll
 
     def settled(
         self,
@@ -331,32 +332,32 @@ def packed(
     fixed = convention.U == "carriage" and not bis
     wind_speed, wind_direction = conditions.wind_on_water
     current_x, current_y = conditions.current
-    common: dict[str, Any] = {
-        "L": ship.L,
-        "B": ship.B,
-        "d": ship.d,
-        "mass": ship.mass,
-        "volume": ship.volume,
-        "GM": ship.GM or 0.0,
-        "rho": water.rho,
-        "g": water.g,
-        "xG": ship.xG,
-        "zG": ship.zG or 0.0,
-        "Izz": ship.Izz,
-        "Ixx": ship.Ixx or 0.0,
-        "rolls": float(model.rolls),
-        **added._asdict(),
-        "reference": math.sqrt(water.g * ship.L) if bis else speed if fixed else 0.0,
-        "square": 1.0 if bis else 0.0,
-        "loss_from": speed if convention.surge == "delta-u" else 0.0,
-        "wind_speed": wind_speed,
-        "wind_direction": wind_direction,
-        "depth": depth,
-        "current_x": current_x,
-        "current_y": current_y,
-        "speed": speed,
+    common: dict[Constant, Any] = {
+        Constant.L: ship.L,
+        Constant.B: ship.B,
+        Constant.d: ship.d,
+        Constant.mass: ship.mass,
+        Constant.volume: ship.volume,
+        Constant.GM: ship.GM or 0.0,
+        Constant.rho: water.rho,
+        Constant.g: water.g,
+        Constant.xG: ship.xG,
+        Constant.zG: ship.zG or 0.0,
+        Constant.Izz: ship.Izz,
+        Constant.Ixx: ship.Ixx or 0.0,
+        Constant.rolls: float(model.rolls),
+        **{Constant[name]: value for name, value in added._asdict().items()},
+        Constant.reference: math.sqrt(water.g * ship.L) if bis else speed if fixed else 0.0,
+        Constant.square: 1.0 if bis else 0.0,
+        Constant.loss_from: speed if convention.surge == "delta-u" else 0.0,
+        Constant.wind_speed: wind_speed,
+        Constant.wind_direction: wind_direction,
+        Constant.depth: depth,
+        Constant.current_x: current_x,
+        Constant.current_y: current_y,
+        Constant.speed: speed,
     }
-    k: list[Any] = [common.get(name, 0.0) for name in NAMES]
+    k: list[Any] = [common.get(place, 0.0) for place in Constant]
     if not generic:
         k += [number for _, numbers in monomials for number in numbers.values()]
     for item in structure.used:

@@ -1,0 +1,60 @@
+"""The application: one file a command, and what its options offer."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import pytest
+import typer
+
+from pmmkit.cli import app, commands, main, options
+from pmmkit.cli.commands import convert, export, identify
+from pmmkit.cli.output import Outcome
+from pmmkit.exports.write import ENDINGS
+from pmmkit.identification.methods import METHODS
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
+from pmmkit.tables import write_table
+
+NAMES = sorted(
+    file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
+)
+
+
+def group():
+    return typer.main.get_command(app.application())
+
+
+def test_every_file_is_a_command_with_help_and_json():
+    found = group().commands
+    assert sorted(found) == sorted(name.replace("_", "-") for name in NAMES)
+    for command in found.values():
+        assert command.help
+        assert [item.opts for item in command.params][-1] == ["--json"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_option_is_without_words(name):
+    command = group().commands[name.replace("_", "-")]
+    assert all(item.help for item in command.params)
+
+
+def test_the_status_of_an_outcome_is_that_of_the_command(monkeypatch, capsys):
+    outcome = Outcome(content={"errors": 2}, lines=["two errors"], status=1)
+    monkeypatch.setattr("pmmkit.cli.commands.ships.ships", lambda: outcome)
+    assert main(["ships"]) == 1
+    assert capsys.readouterr().out == "two errors\n"
+    assert main(["ships", "--json"]) == 1
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ('{\n  "errors": 2\n}\n', "two errors\n")
+
+
+def test_what_an_option_offers_is_what_there_is(tmp_path):
+    assert {item.value for item in identify.Method} == {*METHODS, "all"}
+    assert {item.value for item in export.Format} == set(ENDINGS)
+    offered = options.Manoeuvre.__metadata__[0].help
+    named = offered.rstrip(".").replace(" or ", ", ").split(", ")
+    assert set(named) == set(manoeuvres())
+    endings = {f".{item.value}" for item in convert.Format}
+    told = inspect.getdoc(write_table)
+    assert all(f"``{ending}``" in told for ending in endings)
