@@ -18,6 +18,8 @@ from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis, Finding
+from pmmkit.diagnosis.free_running.refit import fit_to_records
+from pmmkit.diagnosis.free_running.weighing import FLOOR as FREE_FLOOR
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text
@@ -328,23 +330,26 @@ def fit(
         Says what is fitted: its derivatives of hull and added mass, and those of its effects that
         have usual sizes. Propeller, rudder and inertia stay as they are.
     campaign : Campaign
-        Captive tests with histories.
+        Captive tests with histories, or free-running records.
     floor : float, optional
-        As for `diagnose_captive`; it widens the uncertainty.
+        As for `diagnose_captive`, where it widens the uncertainty, or for `diagnose_free`.
     noise : float, optional
         As for `diagnose_captive`.
 
     Returns
     -------
     Model
-        With covariance, and a step more.
+        With a step more, and of captive tests with covariance.
 
     Raises
     ------
     DataError
-        If the campaign is free-running, or holds no run with a known noise.
+        If the campaign holds no run with a known noise, or no record.
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    if campaign.kind == "free-running":
+        least = FREE_FLOOR if floor is None else floor
+        return fit_to_records(loaded, campaign, floor=least).model
     return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
