@@ -64,6 +64,7 @@ def follow(text: str, folder: Path) -> None:
         assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("recipe", RECIPES)
 def test_a_recipe_works(recipe, folder):
     follow(RECIPES[recipe], folder)
