@@ -11,8 +11,12 @@ from pmmkit.checks import examine as examine
 from pmmkit.checks import refuse as refuse
 from pmmkit.diagnosis.diagnose import diagnose as diagnose
 from pmmkit.effects.catalogue import catalogue as catalogue
-from pmmkit.effects.own import own_effect as own_effect
-from pmmkit.effects.own import own_effects as own_effects
+from pmmkit.effects.catalogue import effect as effect
+from pmmkit.effects.catalogue import register_effect as register_effect
+from pmmkit.effects.effect import Effect as Effect
+from pmmkit.effects.effect import Parameter as Parameter
+from pmmkit.effects.grammar import own_effect as own_effect
+from pmmkit.effects.grammar import own_effects as own_effects
 from pmmkit.empirical import estimate as estimate
 from pmmkit.errors import PmmkitError as PmmkitError
 from pmmkit.exports import export as export

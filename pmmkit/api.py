@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.models import Model, Part, to_model
 from pmmkit.models.build import NEEDED
 from pmmkit.reduction import Reduction, reduce_campaign
@@ -106,7 +106,7 @@ def ship_as_tested(campaign: Campaign) -> Model:
 
 def _part(effect: str, given: Mapping[str, Any]) -> tuple[Part | None, list[str]]:
     """A part from free particulars, or the names of the parameters that are not there."""
-    known = catalogue()[effect]
+    known = effect_of(effect)
     options = {
         name: str(given[name]) if name in given else words[0]
         for name, words in known.options.items()

@@ -40,6 +40,12 @@ RudderDeg = Annotated[
     ),
 ]
 SwitchDeg = Annotated[float | None, typer.Option(help="Heading of a zigzag's order.")]
+More = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", help="Any setting of the manoeuvre, such as executes=7; several by several --set."
+    ),
+]
 Depth = Annotated[float | None, typer.Option(help="Depth of the water in m.")]
 Extrapolate = Annotated[
     bool, typer.Option("--extrapolate", help="Allow a speed outside the tested range.")
@@ -112,6 +118,18 @@ def stem(path: str | Path) -> str:
 def stated(**settings: Any) -> dict[str, Any]:
     """The settings that were given."""
     return {name: value for name, value in settings.items() if value is not None}
+
+
+def settings_of(given: Sequence[str] | None) -> dict[str, float]:
+    """Settings out of text such as executes=7."""
+    found = {}
+    for text in given or ():
+        name, _, value = text.partition("=")
+        try:
+            found[name.strip().replace("-", "_")] = float(value)
+        except ValueError:
+            raise typer.BadParameter(f"{text!r}: write --set executes=7.") from None
+    return found
 
 
 def words(text: str | None) -> list[str]:

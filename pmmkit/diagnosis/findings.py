@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -12,21 +12,35 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.models import Model
 from pmmkit.models.step import odds
+from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {"heading": "deg"}
 """Of the errors: forces and moments, or heading and speed of free-running records."""
 Verdict = Literal["noise", "missing_effect", "unexplained"]
+VERDICTS: Final[Mapping[Verdict, str]] = {
+    "noise": "Nothing is missing that these runs could show.",
+    "missing_effect": "An effect is missing.",
+    "unexplained": "Something is missing, and it is not in the catalogue.",
+}
+WIDE: Final = 1.96
+"""Standard deviations of half of a 95 % interval."""
+LARGE: Final = 3.0
+"""Times its usual size from which a coefficient is pointed at."""
+_HEAD: Final = ("coefficient", "value", "95 %", "usual size", "")
+AS_LIKELY: Final = 0.7
+"""Odds from which a rival counts as likely as the best set."""
 
 
 def _none() -> Mapping[str, Any]:
     return MappingProxyType({})
 
 
-@dataclass(frozen=True, kw_only=True)
-class Finding:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Finding(Described):
     """One effect of the best set.
 
     Parameters
@@ -88,6 +102,67 @@ class Finding:
             for name, (before, after) in self.errors.items()
         }
 
+    def rows(self) -> list[list[Cell]]:
+        """Coefficient, value, half of the 95 % interval, usual size, and what is odd about it."""
+        rows: list[list[Cell]] = [
+            [
+                name,
+                number(value, 3),
+                f"± {number(WIDE * self.std[name], 2)}",
+                number(self.typical[name], 2),
+                self._odd(name),
+            ]
+            for name, value in self.coefficients.items()
+        ]
+        return (
+            [*rows, [self.parameter, number(self.value, 3), "", "", ""]] if self.parameter else rows
+        )
+
+    def _odd(self, name: str) -> str:
+        value, usual = self.coefficients[name], self.typical[name]
+        half = WIDE * self.std[name]
+        if abs(value) - half > LARGE * abs(usual):
+            return "far more than usual"
+        # A name in brackets has no sign of its own: it is a harmonic or a place in a table.
+        if abs(value) > half and value * usual < 0.0 and "[" not in name:
+            return "of the other sign than usual"
+        return ""
+
+    @property
+    def title(self) -> str:
+        """Its name, what it is, and the odds, on one line."""
+        return f"{self.effect}: {self.summary} Evidence {self.evidence}."
+
+    def remarks(self) -> list[str]:
+        """How the error of what was left out falls, what resembles it, and what would tell."""
+        said = []
+        if math.isfinite(self.error_before):
+            said.append(f"Error of what was left out: {self._fall()}.")
+        if self.rivals:
+            said.append(f"On such runs it resembles: {', '.join(self.rivals)}.")
+        if self.separating_test:
+            said.append(f"To be sure: {self.separating_test}.")
+        return said
+
+    def _fall(self) -> str:
+        falls = ", ".join(
+            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
+            for name, (before, after) in self.errors.items()
+            if name in self.channels
+        )
+        if "heading" in self.errors:
+            return falls or "it does not fall"
+        shares = (
+            f"{100 * self.error_before:.2f} % to {100 * self.error_after:.2f} % of the rms forces"
+        )
+        return f"{shares} ({falls})" if falls else f"{shares}; it does not fall"
+
+    def _headline(self) -> str:
+        return f"{self.effect} ({self.family}): evidence {self.evidence}"
+
+    def _sections(self) -> Sequence[Section]:
+        return [_effect(self)]
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data, with the names that ``pmmkit diagnose --json`` has."""
         return {
@@ -114,8 +189,8 @@ class Finding:
         }
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Diagnosis:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Diagnosis(Described):
     """The answer, its rivals, and what could not be asked.
 
     Parameters
@@ -189,6 +264,77 @@ class Diagnosis:
         """Effects that these runs cannot show."""
         return tuple(item for item in self.covered if not item.shown)
 
+    @property
+    def sentence(self) -> str:
+        """The verdict in words."""
+        return VERDICTS[self.verdict]
+
+    def remarks(self) -> list[str]:
+        """What is to be said of the findings together."""
+        said = []
+        if self.given:
+            said.append(f"The base has already: {', '.join(self.given)}.")
+        if self.findings:
+            said.append(f"Family: {', '.join(self.families)}.")
+        if self.flags and self.findings:
+            said.append(
+                "It is not the whole story: something is left that no named effect explains. "
+                "Take it as the nearest relative."
+            )
+        return [*said, *self.flags[1:]]
+
+    def table(self) -> Grid:
+        """The coefficients of all findings."""
+        groups = [Group(rows=item.rows(), title=item.title) for item in self.findings]
+        return Grid(head=_HEAD, groups=groups, texts=(4,))
+
+    def plot(self) -> Figure:
+        """Evidence of the best effects and sets, what is named in full colour."""
+        from pmmkit.effects.catalogue import is_fault
+        from pmmkit.plotting.diagnosis import evidence
+
+        named = [names for names, _ in self.group]
+        entries = [item for item in self.entries if len(item.names) == 1 or item.names in named]
+        return evidence(
+            [item.names for item in entries],
+            [item.log_evidence for item in entries],
+            named=[item.names in named for item in entries],
+            faults=[all(map(is_fault, item.names)) for item in entries],
+        )
+
+    def plot_coverage(self) -> Figure:
+        """Share of its usual size that each effect could have and hide from these runs."""
+        from pmmkit.plotting.diagnosis import coverage
+
+        return coverage(
+            [item.name for item in self.covered],
+            [item.hides for item in self.covered],
+            [item.shown for item in self.covered],
+        )
+
+    def _headline(self) -> str:
+        answer = " and ".join(self.best) or self.sentence.rstrip(".").lower()
+        rivals = f", {counted(len(self.group) - 1, 'rival')}" if len(self.group) > 1 else ""
+        return f"{self.verdict.replace('_', ' ')}: {answer}{rivals}"
+
+    def _sections(self) -> Sequence[Section]:
+        floor = (
+            f"What is smooth and below {100 * self.floor:g} % of a channel's rms force is left "
+            f"alone."
+        )
+        rivals = [f"{' and '.join(names)} ({_against(odds)})" for names, odds in self.group[1:]]
+        hidden = [f"{item.name}: {item.why}{_hides(item.hides)}" for item in self.not_testable]
+        told = [
+            Section(title="These runs cannot tell it from", points=rivals),
+            Section(title="These runs could not show", points=hidden),
+            Section(title="Notes", points=self.notes),
+        ]
+        return [
+            Section(paragraphs=[floor, f"Verdict: {self.sentence}", *self.remarks()]),
+            *(_effect(item) for item in self.findings),
+            *(section for section in told if section.points),
+        ]
+
     def to_pandas(self) -> pd.DataFrame:
         """Every single effect: family, ln evidence, signal at usual size, what could hide."""
         import pandas as pd
@@ -228,3 +374,17 @@ class Diagnosis:
             "floor": self.floor,
             "given": list(self.given),
         }
+
+
+def _effect(item: Finding) -> Section:
+    """A finding as a section of the diagnosis."""
+    table = Grid(head=_HEAD, groups=[Group(rows=item.rows())], texts=(4,))
+    return Section(title=item.title, points=item.remarks(), tables=[table])
+
+
+def _against(odds: float) -> str:
+    return f"about {1.0 / odds:.0f} to 1 against it" if odds < AS_LIKELY else "as likely"
+
+
+def _hides(share: float) -> str:
+    return f"; up to {share:.2g} of its usual size could hide" if math.isfinite(share) else ""

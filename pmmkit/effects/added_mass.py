@@ -9,10 +9,12 @@ from pmmkit.conventions import Convention, force_unit, parse_derivative, speed_u
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.ship import Ship, Water
 
+INERTIA: Final = "added_mass"
 ADDED_MASS: Final = Effect(
-    name="added_mass",
+    name=INERTIA,
     family="added_mass",
     kind="mass",
+    roles=("inertia",),
     summary="Forces of the water in proportion to the ship's accelerations.",
     parameters=(
         Parameter(

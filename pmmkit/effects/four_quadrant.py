@@ -239,6 +239,7 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
     name="four_quadrant_propeller",
     family="propeller",
     kind="force",
+    roles=("propulsion",),
     summary="Thrust and torque ahead and astern, with the side force of a propeller that turns "
     "astern.",
     parameters=(

@@ -138,6 +138,7 @@ SHAFT: Final = Effect(
     name="shaft",
     family="shaft",
     kind="state",
+    roles=("shaft",),
     summary="Revolutions as a state: an engine with governor, limits of torque and power, and a "
     "reversal that has to wait.",
     parameters=(
@@ -208,6 +209,7 @@ SHAFT_LAG: Final = Effect(
     name="shaft_lag",
     family="shaft",
     kind="state",
+    roles=("shaft",),
     summary="Revolutions as a state that follows its order with a time constant.",
     parameters=(
         Parameter(

@@ -15,6 +15,7 @@ SHALLOW_WATER: Final = Effect(
     name="shallow_water",
     family="environment",
     kind="force",
+    roles=("depth",),
     summary="Derivatives of hull and added mass at the depth of the manoeuvre, from those in deep "
     "water.",
     parameters=(

@@ -114,6 +114,7 @@ TANKER_BIS: Final = Effect(
     name="tanker_bis",
     family="propeller",
     kind="force",
+    roles=("propulsion", "steering"),
     summary="Propeller, rudder and shallow-water terms of a tanker per displaced mass (bis "
     "system).",
     parameters=(

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.effect import Effect, Parameter
-
-BY_SPEED: Final = " F"
-"""Mark of a derivative that is multiplied by F = (Fn/Fn0)² - 1."""
+from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
 
 
 def terms(
@@ -21,12 +18,13 @@ def terms(
     source: str,
     check: str = "",
     excites: tuple[str, ...] = (),
+    **more: Any,
 ) -> Effect:
     """An effect that is written in derivatives.
 
     Parameters
     ----------
-    name, family, summary, source, check, excites
+    name, family, summary, source, check, excites, **more
         As in `Effect`.
     sizes : mapping of str to float
         Derivatives with their usual sizes in the prime system, instantaneous U, Coriolis terms of
@@ -45,6 +43,7 @@ def terms(
         source=source,
         check=check,
         excites=excites,
+        **more,
         parameters=tuple(
             Parameter(name=label, text=_meaning(label), typical=size)
             for label, size in sizes.items()
@@ -83,6 +82,17 @@ EFFECTS: Final = (
         {"Yvvv": -0.109, "Nvvv": 0.0015, "Yrrr": 0.0018, "Nrrr": -0.0023},
         source="Abkowitz 1964",
         check="static drift to 15°, and pure yaw at a third amplitude",
+        not_free_running="sway and yaw go together in free running: the modulus terms stand for it",
+    ),
+    terms(
+        "higher_order_hull",
+        "hull",
+        "Fifth powers of sway and of yaw.",
+        {"Yvvvvv": -0.5, "Nvvvvv": 0.05, "Yrrrrr": 0.001, "Nrrrrr": -0.001},
+        source="Toxopeus 2011",
+        check="static drift to 25°, circular motion at r' 1",
+        excites=("large motion",),
+        not_free_running="sway and yaw go together in free running: the modulus terms stand for it",
     ),
     terms(
         "yaw_sway_coupling",
@@ -99,6 +109,14 @@ EFFECTS: Final = (
         {"Xvr": 0.0039},
         source="Yasukawa and Yoshimura 2015",
         check="yaw with drift at two drift angles",
+    ),
+    terms(
+        "surge_quadratic",
+        "surge",
+        "Surge force of sway and of yaw alone.",
+        {"Xvv": -0.0039, "Xrr": 0.0005},
+        source="Son and Nomoto 1981",
+        check="static drift and pure yaw, surge force",
     ),
     terms(
         "surge_fourth_order",
@@ -123,6 +141,14 @@ EFFECTS: Final = (
         {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003, "Yvr": 0.001, "Nvr": 0.001},
         source="Abkowitz 1964",
         check="static drift to both sides",
+    ),
+    terms(
+        "acceleration_cross_terms",
+        "inertia",
+        "Side force of yaw acceleration, moment of sway acceleration.",
+        {"Yrdot": -3.5e-4, "Nvdot": -3.5e-4},
+        source="Clarke et al. 1983",
+        check="pure sway and pure yaw",
     ),
     terms(
         "heel_coupling",

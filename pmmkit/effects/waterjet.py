@@ -78,6 +78,7 @@ WATERJET: Final = Effect(
     name="waterjet",
     family="waterjet",
     kind="force",
+    roles=("propulsion", "steering"),
     summary="Waterjets with steering nozzles and reversing buckets.",
     parameters=(
         Parameter(name="number", text="number of jets", default=1.0, low=0.0),

@@ -8,12 +8,15 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from pmmkit.effects import primitives
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.grammar import source_of
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import POLYNOMIAL, ROLLING, STATES, Constant, State, StepField
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 
-MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta")
+MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
 PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
 CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
@@ -77,18 +80,13 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
     """
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
-        function = item.known.force
-        assert function is not None
-        lines += [
-            f"from {function.__module__} import {function.__name__} as plain_{item.effect}",
-            f"effect_{item.effect} = use(plain_{item.effect})",
-        ]
+        lines += [*_taken_in(item), f"effect_{item.effect} = use(plain_{item.effect})"]
     free, balance = _balanced(structure)
     states = structure.states
     lines += [
         f"NS = {len(states)}",
         f"N_AT = {states.index('n') if 'n' in states else -1}",
-        f"TURNS = {int(structure.turns)}",
+        f"REVOLUTIONS = {int(structure.revolutions)}",
         f"FREE = {free}",
         f"BALANCE = {balance}",
         f"STRIDE = {len(StepField) + 5 * len(states)}",
@@ -99,6 +97,19 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
         _functions(files),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _taken_in(item: Used) -> list[str]:
+    """The plain function of an effect: imported, or written out where a user's text makes it."""
+    name = f"plain_{item.effect}"
+    if item.text:
+        words = ", ".join(primitives.__all__)
+        source = source_of(item.effect, item.text).replace("def force(", f"def {name}(", 1)
+        return [f"from {primitives.__name__} import {words}", source]
+    return [
+        f"from {effect_of.__module__} import effect_of",
+        f"{name} = effect_of({item.effect!r}).force",
+    ]
 
 
 def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -116,14 +127,14 @@ def _rates(structure: Structure) -> list[str]:
     body = [f"u, v, r, psi = y[{State.u}], y[{State.v}], y[{State.r}], y[{State.psi}]"]
     body += [f"p, phi = y[{State.p}], y[{State.phi}]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
-    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = turn")
-    body += ["n_order = turn", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
+    body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
     lines, extra_mass, rates_of = summed(structure)
     body += [*lines, *_motion(structure, extra_mass)]
     body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
     return [
         "@entry",
-        "def rates(y, delta, turn, bucket, k, out):",
+        "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
 
@@ -143,6 +154,8 @@ def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[
     body = [f"{name} = k[{Constant[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     if any("beta" in item.arguments for item in structure.used):
         body.append("beta = atan2(-v, u)")
+    if any("Fn" in item.arguments for item in structure.used):
+        body.append("Fn = U / sqrt(g * L)")
     body.append("X, Y, N, K = " + ", ".join(f"k[{Constant[f'more_{x}']}]" for x in FORCES))
     body += _polynomial(structure)
     places = structure.places()

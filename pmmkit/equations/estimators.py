@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 
-def rates(y: Array, delta: float, turn: float, bucket: float, k: Array, out: Array) -> None:
+def rates(y: Array, delta: float, revolutions: float, bucket: float, k: Array, out: Array) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
     raise NotImplementedError
 

@@ -33,7 +33,7 @@ from pmmkit.equations.layouts import (
 
 NS = 6
 N_AT = -1
-TURNS = 1
+REVOLUTIONS = 1
 FREE: tuple[int, ...] = (State.u, State.v, State.r)
 BALANCE: tuple[int, ...] = (State.u, State.v, State.r)
 STRIDE: Final = len(StepField) + 5 * NS
@@ -41,7 +41,12 @@ TWICE: Final = 2.0 * math.pi
 
 
 def rates(
-    y: list[float], delta: float, turn: float, bucket: float, k: list[float], out: list[float]
+    y: list[float],
+    delta: float,
+    revolutions: float,
+    bucket: float,
+    k: list[float],
+    out: list[float],
 ) -> None:
     """Stands for the equations of a structure: fills `out` with the rates of the states."""
     raise NotImplementedError
@@ -164,7 +169,7 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
 
     Bracketed by growing steps from almost none, then found by the method of Illinois.
     """
-    if TURNS == 0:
+    if REVOLUTIONS == 0:
         return 0.0
     low = 0.1 * speed / k[Constant.L]
     f_low = surge_rate(low, speed, k, y, out)
@@ -381,7 +386,7 @@ def solve(a: list[float], b: list[float], m: int) -> int:
 def settle(
     y: list[float],
     delta: float,
-    turn: float,
+    revolutions: float,
     bucket: float,
     speed: float,
     n0: float,
@@ -413,7 +418,7 @@ def settle(
     if k[Constant.rolls] > 0.0:
         found[State.p] = 0.0
     for _ in range(40):
-        rates(found, delta, turn, bucket, k, above)
+        rates(found, delta, revolutions, bucket, k, above)
         worst = 0.0
         for i in range(m):
             b[i] = above[BALANCE[i]] / unit[i]
@@ -425,9 +430,9 @@ def settle(
         for j in range(m):
             kept = found[FREE[j]]
             found[FREE[j]] = kept + 1e-6 * size[j]
-            rates(found, delta, turn, bucket, k, above)
+            rates(found, delta, revolutions, bucket, k, above)
             found[FREE[j]] = kept - 1e-6 * size[j]
-            rates(found, delta, turn, bucket, k, below)
+            rates(found, delta, revolutions, bucket, k, below)
             found[FREE[j]] = kept
             for i in range(m):
                 a[i * m + j] = (above[BALANCE[i]] - below[BALANCE[i]]) / (2e-6 * unit[i])

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.equations.program import values_at
+from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places

@@ -7,40 +7,39 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
-from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.effects.own import OwnEffect
+from pmmkit.diagnosis.free_running.refit import fit_to_records
+from pmmkit.diagnosis.free_running.weighing import FLOOR as FREE_FLOOR
+from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text
+from pmmkit.loop.error_fall import ErrorFall
 from pmmkit.loop.saved import read_session
 from pmmkit.models import Model, load_model
 from pmmkit.models.changes import before_of, restored
 from pmmkit.models.edit import without_effect
 from pmmkit.models.records import entries
-from pmmkit.models.step import Step, last_added
+from pmmkit.models.step import Step, last_added, odds
+from pmmkit.presentation import Described, Section, counted
 from pmmkit.structures import Structure
 from pmmkit.toml_files import toml_text
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 BASE: Final = "base"
 """First line of an error fall: the model before any step."""
-FALLS: Final = 0.995
-"""A step whose held-out error is above this share of the one before does not lower it."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Session:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Session(Described):
     """A base model, the tests, and the effects that were added one after another.
 
     Each action gives a new session; the old one stays as it is.
@@ -59,7 +58,7 @@ class Session:
         Effects that the base has from the beginning.
     steps : tuple of Step
         What was added.
-    own : tuple of OwnEffect
+    own : tuple of Effect
         Effects of the user.
     """
 
@@ -69,7 +68,7 @@ class Session:
     floor: float
     begun: tuple[str, ...] = ()
     steps: tuple[Step, ...] = ()
-    own: tuple[OwnEffect, ...] = ()
+    own: tuple[Effect, ...] = ()
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -200,6 +199,29 @@ class Session:
             )
         return tuple(steps)
 
+    def _headline(self) -> str:
+        named = (
+            counted(len(self.source), "derivative")
+            if isinstance(self.source, tuple)
+            else getattr(self.source, "name", self.source)
+        )
+        steps = f" + {' + '.join(self.given)}" if self.given else ""
+        return f"{named}{steps} on {counted(len(self.campaign), 'run')} of {self.campaign.title}"
+
+    def _sections(self) -> Sequence[Section]:
+        steps = [_told(step) for step in self.steps] or ["none yet: diagnose, then add"]
+        asked = len(self.system.blocks) - len(self.given)
+        return [
+            Section(
+                paragraphs=[
+                    f"What is smooth and below {100 * self.floor:g} % of a channel's rms force is "
+                    f"left alone; {counted(asked, 'candidate')} are asked.",
+                    *([f"The base began with: {', '.join(self.begun)}."] if self.begun else []),
+                ]
+            ),
+            Section(title="Steps", points=steps),
+        ]
+
     def save(self, path: str | Path) -> None:
         """Write the steps as TOML, all or nothing; `replay` carries them out again."""
         data: dict[str, Any] = {
@@ -209,58 +231,11 @@ class Session:
         write_text(Path(path), toml_text(data))
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class ErrorFall:
-    """How the held-out error falls with each step.
-
-    Parameters
-    ----------
-    steps : tuple of str
-        ``base``, then the effects in the order in which they were added.
-    errors : tuple of HeldOut
-        After each.
-    """
-
-    steps: tuple[str, ...]
-    errors: tuple[HeldOut, ...]
-
-    @property
-    def useless(self) -> tuple[str, ...]:
-        """Steps that do not lower the held-out error."""
-        shares = [item.share() for item in self.errors]
-        return tuple(
-            name
-            for name, before, after in zip(self.steps[1:], shares, shares[1:], strict=False)
-            if after > FALLS * before
-        )
-
-    def to_pandas(self) -> pd.DataFrame:
-        """A row per step, test type (``all`` too) and channel.
-
-        Columns: step, test, channel, error and force [N, N m], share (error over the force),
-        better (share of conditions and channels that a step improves, ``all`` only).
-        """
-        import pandas as pd
-
-        rows = []
-        for number, (name, item) in enumerate(zip(self.steps, self.errors, strict=True)):
-            better = item.better_than(self.errors[number - 1]) if number else float("nan")
-            whole = item.of_channel(kind="force")
-            for test in (None, *dict.fromkeys(item.tests)):
-                errors = item.of_channel(test)
-                rows += [
-                    {
-                        "step": name,
-                        "test": test or "all",
-                        "channel": channel,
-                        "error": error,
-                        "force": whole[channel],
-                        "share": error / whole[channel],
-                        "better": better if test is None else float("nan"),
-                    }
-                    for channel, error in errors.items()
-                ]
-        return pd.DataFrame(rows)
+def _told(step: Step) -> str:
+    """An effect that was added, and why."""
+    evidence = "" if step.log_odds is None else f"evidence {odds(step.log_odds)}"
+    why = "; ".join(text for text in (evidence, step.note) if text)
+    return f"{step.effect}: {why}" if why else step.effect
 
 
 def begin(
@@ -270,7 +245,7 @@ def begin(
     floor: float | None = None,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """A session about a model and captive tests.
 
@@ -301,7 +276,7 @@ def begin(
         campaign=campaign,
         system=system,
         floor=system.floor,
-        begun=base.effects,
+        begun=system.taking_part(base.effects),
         own=tuple(own),
     )
 
@@ -313,7 +288,7 @@ def replay(
     *,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """The steps of a file carried out again on a model and a campaign.
 
@@ -355,34 +330,37 @@ def fit(
         Says what is fitted: its derivatives of hull and added mass, and those of its effects that
         have usual sizes. Propeller, rudder and inertia stay as they are.
     campaign : Campaign
-        Captive tests with histories.
+        Captive tests with histories, or free-running records.
     floor : float, optional
-        As for `diagnose_captive`; it widens the uncertainty.
+        As for `diagnose_captive`, where it widens the uncertainty, or for `diagnose_free`.
     noise : float, optional
         As for `diagnose_captive`.
 
     Returns
     -------
     Model
-        With covariance, and a step more.
+        With a step more, and of captive tests with covariance.
 
     Raises
     ------
     DataError
-        If the campaign is free-running, or holds no run with a known noise.
+        If the campaign holds no run with a known noise, or no record.
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    if campaign.kind == "free-running":
+        least = FREE_FLOOR if floor is None else floor
+        return fit_to_records(loaded, campaign, floor=least).model
     return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
-def undone(model: Model, own: Sequence[OwnEffect] = ()) -> tuple[Model, str]:
+def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     """A model without the effect that was added last, and its name; its values are to be refitted.
 
     Parameters
     ----------
     model : Model
         With a step that added an effect, or corrected a fault.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
 
     Returns

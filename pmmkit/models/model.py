@@ -12,13 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention, canonical, parse_derivative
-from pmmkit.effects.added_mass import unknown_places
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.added_mass import INERTIA, unknown_places
+from pmmkit.effects.catalogue import catalogue, effect_of
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.grammar import written_effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water
 
-DERIVATIVE_PARTS: Final = ("hull_polynomial", "rudder_abkowitz", "added_mass")
+DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
 
@@ -31,20 +35,22 @@ def _frozen() -> Mapping[str, Any]:
 class Part:
     """One effect of a model with its values.
 
-    Parameters
-    ----------
-    effect : str
-        Name in the catalogue.
-    values : mapping of str to float or tuple of float
-        Parameters and derivatives; a tuple holds a value per Froude number of the model.
-    options : mapping of str to str
-        Words that choose a form of the effect.
-    source : str
-        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
-    references : tuple of str
-        The same as keys of the bibliography, where it stands there.
-    sources : mapping of str to str
-        In words for single values, where it differs.
+        Parameters
+        ----------
+        effect : str
+            Name in the catalogue.
+        values : mapping of str to float or tuple of float
+            Parameters and derivatives; a tuple holds a value per Froude number of the model.
+        options : mapping of str to str
+            Words that choose a form of the effect.
+        source : str
+            Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+        references : tuple of str
+            The same as keys of the bibliography, where it stands there.
+        sources : mapping of str to str
+            In words for single values, where it differs.
+    text : str
+        The words of a user that the effect was made from; empty for one of the catalogue.
     """
 
     effect: str
@@ -53,6 +59,12 @@ class Part:
     source: str = ""
     references: tuple[str, ...] = ()
     sources: Mapping[str, str] = field(default_factory=_frozen)
+    text: str = ""
+
+    @property
+    def known(self) -> Effect:
+        """What the catalogue, or the user's text, says of the effect."""
+        return written_effect(self.effect, self.text) if self.text else effect_of(self.effect)
 
     def source_of(self, name: str) -> str:
         """Where one value comes from."""
@@ -123,7 +135,7 @@ class Model:
     @property
     def rolls(self) -> bool:
         """Whether the model has roll as a fourth degree of freedom."""
-        return "roll" in self.parts
+        return ROLL_PART in self.parts
 
     def part(self, effect: str, need: str = "the request") -> Part:
         """One part.
@@ -166,7 +178,7 @@ class Model:
             If `Fn` is outside the range and `extrapolate` is not set.
         """
         part = self.part(effect)
-        known = catalogue()[effect]
+        known = part.known
         filled: dict[str, Any] = {
             item.name: item.default for item in known.parameters if item.default is not None
         }
@@ -245,11 +257,11 @@ def problems(model: Model) -> list[str]:
 
 
 def _part_problems(part: Part, rows: int) -> list[str]:
-    known = catalogue().get(part.effect)
-    if known is None:
+    if not part.text and part.effect not in catalogue():
         return [f"There is no effect {part.effect!r}; there are: {', '.join(catalogue())}."]
+    known = part.known
     found = known.problems(part.values, part.options)
-    if part.effect == "added_mass" and (lost := unknown_places(part.values)):
+    if part.effect == INERTIA and (lost := unknown_places(part.values)):
         found.append(f"The equations of motion have no place for {', '.join(lost)}.")
     for name, value in part.values.items():
         place = f"{part.effect}.{name}"
@@ -289,10 +301,12 @@ def _roll_problems(model: Model) -> list[str]:
             if needs_roll(name)
         )
         return (
-            [f"{', '.join(needed)} need roll, but the model has no part 'roll'."] if needed else []
+            [f"{', '.join(needed)} need roll, but the model has no part {ROLL_PART!r}."]
+            if needed
+            else []
         )
     absent = [name for name in ("GM", "Ixx") if getattr(model.ship, name) is None]
-    return [f"The part 'roll' needs {' and '.join(absent)} of the ship."] if absent else []
+    return [f"The part {ROLL_PART!r} needs {' and '.join(absent)} of the ship."] if absent else []
 
 
 def needs_roll(name: str) -> bool:

@@ -21,7 +21,7 @@ from pmmkit.reduction.methods import by_family, by_run
 from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
-from pmmkit.reduction.reading.run import Way
+from pmmkit.reduction.reading.run import ReductionSettings
 from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
@@ -160,7 +160,7 @@ def reduce_campaign(
     )
     tell = progress or _silent
     read = read_all(
-        Way(
+        ReductionSettings(
             campaign=campaign,
             columns=columns_of(wanted, campaign.runs, CHANNELS),
             convention=convention,

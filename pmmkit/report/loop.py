@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.figures.diagnosis import coverage, error_fall, evidence
+from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
-from pmmkit.loop.session import ErrorFall, Session
+from pmmkit.loop import ErrorFall, Session
 from pmmkit.plotting.style import svg
-from pmmkit.presentation import Cell, Grid, Group, Picture, Section, counted, number
+from pmmkit.presentation import Picture, Section, counted
 from pmmkit.report.page import page
 from pmmkit.version import __version__
 
 WIDE: Final = 1.96
-VERDICTS: Final = {
-    "noise": "Nothing is missing that these runs could show.",
-    "missing_effect": "An effect is missing.",
-    "unexplained": "Something is missing, and it is not in the catalogue.",
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,11 +110,11 @@ def loop_sections(loop: Loop) -> list[Section]:
     return [
         Section(
             title="What is missing",
-            paragraphs=[f"Asked of {loop.base}: {VERDICTS[found.verdict]}", *_together(found)],
-            tables=[_findings(found.findings)] if found.findings else [],
+            paragraphs=[f"Asked of {loop.base}: {found.sentence}", *_told(found)],
+            tables=[found.table()] if found.findings else [],
             figures=[
                 Picture(
-                    svg=svg(evidence(found)),
+                    svg=svg(found.plot()),
                     caption="ln evidence of the best effects and sets against no effect; the price "
                     "of the catalogue's size is taken off.",
                 )
@@ -137,7 +127,7 @@ def loop_sections(loop: Loop) -> list[Section]:
             points=[f"{item.name}: {item.why}." for item in found.not_testable],
             figures=[
                 Picture(
-                    svg=svg(coverage(found)),
+                    svg=svg(found.plot_coverage()),
                     caption="Size that could hide from these runs, over the usual size of each "
                     "effect.",
                 )
@@ -146,71 +136,20 @@ def loop_sections(loop: Loop) -> list[Section]:
     ]
 
 
-def _together(found: Diagnosis) -> list[str]:
-    said = []
-    if found.findings:
-        said.append(f"Family: {', '.join(found.families)}.")
-    if len(found.group) > 1:
-        others = "; ".join(" and ".join(names) for names, _ in found.group[1:])
-        said.append(f"These runs cannot tell it from: {others}.")
-    if "not_the_whole_story" in found.flags:
-        said.append(
-            "It is not the whole story: something is left that no named effect explains. Take it "
-            "as the nearest relative."
-        )
-    return said
-
-
-def _findings(findings: Sequence[Finding]) -> Grid:
-    groups = []
-    for item in findings:
-        rows: list[list[Cell]] = [
-            [
-                name,
-                number(value, 3),
-                f"± {number(WIDE * item.std[name], 2)}",
-                number(item.typical[name], 2),
-            ]
-            for name, value in item.coefficients.items()
-        ]
-        if item.parameter:
-            rows.append([item.parameter, number(item.value, 3), "", ""])
-        groups.append(Group(rows=rows, title=f"{item.effect}: {item.summary} {_said(item)}"))
-    return Grid(head=["coefficient", "value", "95 %", "usual size"], groups=groups, texts=(0,))
-
-
-def _said(item: Finding) -> str:
-    said = f"Evidence {item.evidence}."
-    if math.isfinite(item.error_before):
-        said += (
-            f" Error of left-out conditions {100 * item.error_before:.2f} % to "
-            f"{100 * item.error_after:.2f} %."
-        )
-    if item.separating_test:
-        said += f" To be sure: {item.separating_test}."
-    return said
+def _told(found: Diagnosis) -> list[str]:
+    """What is to be said beside the verdict."""
+    rivals = "; ".join(" and ".join(names) for names, _ in found.group[1:])
+    each = [f"{item.effect}: {text}" for item in found.findings for text in item.remarks()]
+    return [
+        *found.remarks(),
+        *([f"These runs cannot tell it from: {rivals}."] if rivals else []),
+        *each,
+    ]
 
 
 def _fall(loop: Loop) -> Section:
     fall = loop.fall
-    rows: list[list[Cell]] = []
-    tests = list(dict.fromkeys(fall.errors[0].tests))
-    channels = fall.errors[0].channels
-    for name, item in zip(fall.steps, fall.errors, strict=True):
-        own = item.of_channel()
-        rows.append(
-            [
-                name,
-                number(100 * item.share(), 3),
-                *(number(own[x], 3) for x in channels),
-                *(number(100 * item.share(test), 3) for test in tests),
-            ]
-        )
-    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
-    head = ["after", "all [%]", *units, *(f"{kind_of(name).title} [%]" for name in tests)]
-    points = [f"{name} does not lower the error of left-out conditions." for name in fall.useless]
-    if loop.end is not None:
-        points.append(f"Asked again after the last step: {VERDICTS[loop.end.verdict]}")
+    end = [f"Asked again after the last step: {loop.end.sentence}"] if loop.end else []
     return Section(
         title="How the error falls",
         paragraphs=[
@@ -218,12 +157,11 @@ def _fall(loop: Loop) -> Section:
             "all others: root mean square of the error, in newtons and in per cent of the "
             "channel's rms force."
         ],
-        points=points,
-        tables=[Grid(head=head, groups=[Group(rows=rows)], texts=(0,))],
+        points=[*fall.remarks(), *end],
+        tables=[fall.table()],
         figures=[
             Picture(
-                svg=svg(error_fall(fall)),
-                caption=f"Error after {counted(len(fall.steps) - 1, 'step')}.",
+                svg=svg(fall.plot()), caption=f"Error after {counted(len(fall.steps) - 1, 'step')}."
             )
         ],
     )

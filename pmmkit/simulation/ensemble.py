@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Status
-from pmmkit.equations.program import packed, stacked, values_at
+from pmmkit.equations.prepared import packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
@@ -244,7 +244,7 @@ def spread_of(
         name: value
         for effect in DERIVATIVE_PARTS
         for name, value in values.get(effect, {}).items()
-        if catalogue()[effect].parameter(name) is None
+        if effect_of(effect).parameter(name) is None
     }
     if spread is not None:
         if not 0.0 < spread < 1.0:

@@ -21,7 +21,7 @@ from pmmkit.equations.layouts import (
     Status,
     StepField,
 )
-from pmmkit.equations.program import mass_problem, propulsion_problem
+from pmmkit.equations.prepared import mass_problem, propulsion_problem
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.numerics import Array

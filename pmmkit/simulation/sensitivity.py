@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.equations.program import values_at
+from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.metrics import in_lengths, main_of
 from pmmkit.models import Model

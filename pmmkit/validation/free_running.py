@@ -15,7 +15,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import CHANNELS
 from pmmkit.equations import CALM
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.identification.binding import driven
 from pmmkit.identification.comparing import predicted_window

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import pmmkit as pk
 from pmmkit.figures import save
-from pmmkit.figures.diagnosis import error_fall
 from pmmkit.loop.session import Session, begin
 
 ROOT = Path(__file__).parents[2]
@@ -81,7 +80,7 @@ def main() -> None:
         print("does not lower it:", ", ".join(fall.useless) or "none")
         if o.out is not None:
             o.out.mkdir(parents=True, exist_ok=True)
-            save(error_fall(fall), o.out / f"hmri_{base}.png")
+            save(fall.plot(), o.out / f"hmri_{base}.png")
 
 
 if __name__ == "__main__":

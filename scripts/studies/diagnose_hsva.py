@@ -24,7 +24,7 @@ import numpy as np
 import pmmkit as pk
 from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.equations.program import prepare
+from pmmkit.equations.prepared import prepare
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
 from pmmkit.models import Model

@@ -93,7 +93,7 @@ def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
     )
     assert "Verdict: An effect is missing." in out
     assert "Family: " in out
-    assert "These runs could not show:" in out
+    assert "These runs could not show\n  - " in out
     assert "pmmkit add" in out
     assert not (folder / "words" / "report.html").exists()
 

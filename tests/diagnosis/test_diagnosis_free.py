@@ -10,9 +10,10 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import base_prior, diagnose_free
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.evidence import basis_of, point_at
 from pmmkit.diagnosis.free_running.system import build_free, held, residuals
+from pmmkit.diagnosis.free_running.weighing import base_prior
 from pmmkit.errors import DataError
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord

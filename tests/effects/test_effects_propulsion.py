@@ -18,7 +18,7 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.cross_flow import hoerner_cd, strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
 from pmmkit.effects.primitives import interpolate, over_arrays
-from pmmkit.equations.program import prepare
+from pmmkit.equations.prepared import prepare
 from pmmkit.models import load_model
 from pmmkit.models.model import Part
 

@@ -36,7 +36,8 @@ def with_more(names):
 REORDERED = ("GearField", "ProbeField", "StepField", "OutcomeField", "InputField")
 DISTURBED = {
     "Constant": with_more,
-    **{name: turned(3) for name in ("PhaseField", "SettingField", "EventField", "Status")},
+    **{name: turned(3) for name in ("PhaseField", "SettingField", "Status")},
+    "EventField": turned(4),
     **{name: turned(-1) for name in (*REORDERED, "End", "Ask", "OverGround")},
 }
 file = Path(find_spec("pmmkit").origin).parent / "equations" / "layouts.py"

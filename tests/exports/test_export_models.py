@@ -123,7 +123,7 @@ def rates(model: pk.Model, speed: float, names: list[str], x: list[float], ui: l
     given["u"] += speed if model.convention.surge == "delta-u" else 0.0
     given["n"] = given.get("n", 0.0) / 60
     turns = 0.0
-    if ready.structure.turns:
+    if ready.structure.revolutions:
         turns = ui[1] / 60 if len(ui) > 1 else ready.self_propulsion()
     y = [given.get(name, 0.0) for name in ready.structure.states]
     out = dict(zip(ready.structure.states, ready.rates(y, given["delta"], turns), strict=True))

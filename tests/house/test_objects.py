@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 import pmmkit as pk
 from pmmkit.presentation import Described
 
+ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
 SHIP = "s175-3dof"
 
@@ -28,7 +30,27 @@ def ensemble():
     return pk.monte_carlo(SHIP, speed=9.0, n=20, spread=0.05)
 
 
+@cache
+def session():
+    runs = pk.open_campaign(ROOT / "datasets" / "s175").select("static_drift", "pure_yaw")
+    return pk.begin("linear", replace(runs, title=f"{runs.title} <tank>"))
+
+
+@cache
+def diagnosis():
+    return session().diagnose()
+
+
+@cache
+def added():
+    return session().add(diagnosis().findings[0], "it is large")
+
+
 MADE = {
+    "Session": added,
+    "ErrorFall": cache(lambda: added().fall()),
+    "Diagnosis": diagnosis,
+    "Finding": cache(lambda: diagnosis().findings[0]),
     "Track": track,
     "Ensemble": ensemble,
     "Sensitivities": cache(lambda: pk.sensitivities(SHIP, speed=9.0, spread=0.05)),
@@ -38,6 +60,10 @@ MADE = {
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
 }
 SAID = {
+    "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
+    "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
+    "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
+    "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
     "Track": ("35.0°", "601.9", "3.439 L", "mind the gap", "rad/s", "self-propulsion"),
     "Ensemble": ("20 ships", "5 %", "seed 0", "tactical_diameter_L", "97.5 %"),
     "Sensitivities": ("tactical_diameter_L", "Nr", "share of the variance", "first 10 of 21"),
@@ -46,7 +72,7 @@ SAID = {
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
 }
-DRAWN = ("Track", "Ensemble", "Sensitivities", "SpiralCurve")
+DRAWN = ("ErrorFall", "Diagnosis", "Track", "Ensemble", "Sensitivities", "SpiralCurve")
 
 
 def spoiled(thing):
@@ -55,7 +81,7 @@ def spoiled(thing):
     texts = {
         field.name: EVIL
         for field in fields(thing)
-        if field.name in ("name", "title", "scale", "origin", "campaign")
+        if field.name in ("name", "title", "scale", "origin", "campaign", "effect", "summary")
         and isinstance(getattr(thing, field.name), str)
     }
     notes = {"notes": (EVIL,)} if hasattr(thing, "notes") else {}

@@ -15,7 +15,7 @@ from pmmkit.equations import CALM, prepare
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import Constant
-from pmmkit.equations.program import packed, values_at
+from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import bound
 from pmmkit.identification.filters import kalman

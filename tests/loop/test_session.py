@@ -13,7 +13,7 @@ from hidden_effects import hidden_campaign
 
 from pmmkit import model_of, reduce_campaign
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.effects.own import own_effect
+from pmmkit.effects.grammar import own_effect
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.loop.session import begin, fit, replay, undone
 from pmmkit.models import load_model, model_text, save_model

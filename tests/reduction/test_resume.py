@@ -77,9 +77,9 @@ def stopped_after(folder, kept, runs):
 @pytest.mark.slow
 def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once, monkeypatch):
     asked = []
-    read = workers.Crew.read
+    read = workers.WorkerPool.read
     monkeypatch.setattr(
-        workers.Crew, "read", lambda crew, run: asked.append(run) or read(crew, run)
+        workers.WorkerPool, "read", lambda pool, run: asked.append(run) or read(pool, run)
     )
     assert everything(reduced(folder, jobs=2)) == undisturbed
     assert len(asked) == RUNS - 1
@@ -88,8 +88,8 @@ def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once
 def test_a_process_that_dies_takes_no_run_with_it(folder, undisturbed, at_once, monkeypatch):
     started = workers._started
 
-    def one_dies_soon(way, count):
-        processes = started(way, count)
+    def one_dies_soon(settings, count):
+        processes = started(settings, count)
         threading.Timer(1.5, processes[0].kill).start()
         return processes
 
@@ -125,7 +125,7 @@ def test_an_interrupted_reduction_goes_on(folder, undisturbed, at_once, tmp_path
     told, read = [], []
     read_run = all_runs.read_run
     monkeypatch.setattr(
-        all_runs, "read_run", lambda run, way: read.append(run) or read_run(run, way)
+        all_runs, "read_run", lambda run, settings: read.append(run) or read_run(run, settings)
     )
     found = reduced(folder, jobs=1, resume=kept, progress=lambda *said: told.append(said))
     assert told[0] == (10, RUNS, "resumed: 10 of 16 runs were read before")
@@ -191,8 +191,8 @@ all_runs.PATIENCE = all_runs.PAYS = 0.0
 started = workers._started
 
 
-def tell(way, count):
-    found = started(way, count)
+def tell(settings, count):
+    found = started(settings, count)
     print(*(process.pid for process in found), flush=True)
     return found
 

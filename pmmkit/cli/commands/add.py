@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign, stated
+from pmmkit.cli.output import Outcome, say
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.loop.session import ErrorFall
+    from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
 
 METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
@@ -46,7 +46,7 @@ def add(
     out: Out = None,
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
-    from pmmkit.effects.own import own_effects
+    from pmmkit.effects.grammar import own_effects
     from pmmkit.files import check_folder, write_results
     from pmmkit.loop.session import begin, undone
     from pmmkit.models import load_model, save_model
@@ -62,6 +62,18 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
+    if opened.kind == "free-running":
+        return _to_records(
+            before,
+            opened,
+            effects or [],
+            written,
+            out,
+            taken,
+            floor=floor,
+            why=why,
+            own=effects_of_user,
+        )
     session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
     for effect in effects or ():
         session = session.add(effect, why)
@@ -86,11 +98,45 @@ def add(
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
 
 
+def _to_records(
+    before: Model,
+    campaign: Campaign,
+    effects: Sequence[str],
+    written: Path,
+    out: Path | None,
+    taken: str,
+    *,
+    floor: float | None,
+    **given: Any,
+) -> Outcome:
+    """The model fitted with effects to free-running records."""
+    from pmmkit.diagnosis.free_running.refit import fit_to_records
+    from pmmkit.files import write_results
+    from pmmkit.models import save_model
+
+    found = fit_to_records(before, campaign, effects, progress=say, **stated(floor=floor), **given)
+    save_model(found.model, written)
+    turns = _turns(before, found.model, campaign)
+    files = write_results(out, [("error_fall.csv", found.to_pandas())]) if out is not None else []
+    content = {
+        "model": str(written),
+        "added": list(effects),
+        "taken_out": taken,
+        "errors": found.to_pandas().to_dict("records"),
+        "useless": list(found.useless),
+        "turning": turns,
+        "notes": list(found.model.notes),
+        "history": list(found.model.history),
+    }
+    lines = _words(found, taken, turns)
+    lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
+    return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+
+
 def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
-    from pmmkit.figures.diagnosis import error_fall
     from pmmkit.plotting.style import save
 
-    figure = [("error_fall.svg", partial(save, error_fall(fall)))] if drawn else []
+    figure = [("error_fall.svg", partial(save, fall.plot()))] if drawn else []
     return [("error_fall.csv", fall.to_pandas()), *figure]
 
 
@@ -119,37 +165,13 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     return found
 
 
-def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
-    from pmmkit.channels import CHANNEL_UNITS
+def _words(
+    fall: ErrorFall | FreeRefit, taken: str, turns: Mapping[str, Mapping[str, float]]
+) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
-    lines = [f"Taken out: {taken}."] if taken else []
-    lines.append("Error of conditions left out of the fit, in per cent of the rms force:")
-    frame = fall.to_pandas()
-    channels = fall.errors[0].channels
-    tests = list(dict.fromkeys(frame["test"]))
-    rows = []
-    for step, item in zip(fall.steps, fall.errors, strict=True):
-        own = frame[frame["step"] == step]
-        errors = own[own["test"] == "all"].set_index("channel")["error"]
-        rows.append(
-            [
-                step if step == fall.steps[0] else f"+ {step}",
-                f"{100 * item.share():.2f}",
-                *(f"{float(errors[name]):.3g}" for name in channels),
-                *(_per_test(own, test) for test in tests if test != "all"),
-            ]
-        )
-    units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
-    lines.append(
-        aligned(["step", "all", *units, *(t.replace("_", " ") for t in tests if t != "all")], rows)
-    )
-    for number, step in enumerate(fall.steps[1:], start=1):
-        better = fall.errors[number].better_than(fall.errors[number - 1])
-        lines.append(
-            f"{step}: better in {100 * better:.0f} % of the conditions and channels it changes."
-        )
-    lines += [f"{step} does not lower the error of left-out conditions." for step in fall.useless]
+    lines = [f"Taken out: {taken}.", ""] if taken else []
+    lines.append(str(fall))
     if turns:
         lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])
@@ -163,8 +185,3 @@ def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]
             )
         )
     return lines
-
-
-def _per_test(own: Any, test: str) -> str:
-    shares = own[own["test"] == test]["share"].dropna()
-    return f"{100 * float((shares**2).mean() ** 0.5):.2f}" if len(shares) else "-"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -34,7 +33,7 @@ from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
-    from pmmkit.diagnosis.findings import Diagnosis, Finding
+    from pmmkit.diagnosis.findings import Diagnosis
 
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
@@ -147,7 +146,7 @@ def diagnose(
     lines = [
         *answer.head,
         *warned(checked),
-        *_words(found),
+        str(found),
         "",
         *answer.tail,
         f"Results: {folder}",
@@ -177,7 +176,7 @@ def _of_captive_tests(
     given: Sequence[str],
     drawn: bool,
 ) -> _Answer:
-    from pmmkit.effects.own import own_effects
+    from pmmkit.effects.grammar import own_effects
     from pmmkit.loop.session import begin
     from pmmkit.report.loop import loop_of, write_diagnosis
 
@@ -256,7 +255,6 @@ def _of_records(
 
 
 def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
-    from pmmkit.figures.diagnosis import coverage, evidence
     from pmmkit.models import save_model
     from pmmkit.plotting.style import save
 
@@ -264,8 +262,8 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
         if made is not None:
             yield f"{name}.toml", partial(save_model, made)
     if drawn:
-        yield "evidence.svg", partial(save, evidence(found))
-        yield "coverage.svg", partial(save, coverage(found))
+        yield "evidence.svg", partial(save, found.plot())
+        yield "coverage.svg", partial(save, found.plot_coverage())
 
 
 def _areas(text: str | None) -> tuple[float, float] | None:
@@ -291,87 +289,6 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
             f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o model2.toml",
         ]
     return [f"Next: pmmkit add {model} {names} --fit {campaign} -o model2.toml"]
-
-
-def _words(found: Diagnosis) -> list[str]:
-    """A diagnosis in sentences."""
-    from pmmkit.report.loop import VERDICTS
-
-    lines = [
-        f"What is smooth and below {100 * found.floor:g} % of a channel's rms force is left alone.",
-        f"Verdict: {VERDICTS[found.verdict]}",
-    ]
-    if found.given:
-        lines.append(f"The base has already: {', '.join(found.given)}.")
-    if found.findings:
-        lines.append(f"Family: {', '.join(found.families)}.")
-    for item in found.findings:
-        lines += ["", *_finding(item)]
-    if found.flags and found.findings:
-        lines += [
-            "",
-            "It is not the whole story: something is left that no named effect explains. "
-            "Take it as the nearest relative.",
-        ]
-    lines += [f"  {reason}" for reason in found.flags[1:]]
-    rivals = found.group[1:]
-    if rivals:
-        lines += ["", "These runs cannot tell it from:"]
-        lines += [f"  {' and '.join(names)} ({_against(odds)})" for names, odds in rivals]
-    hidden = found.not_testable
-    if hidden:
-        lines += ["", "These runs could not show:"]
-        lines += [f"  {item.name}: {item.why}{_hides(item.hides)}" for item in hidden]
-    return lines
-
-
-def _finding(item: Finding) -> list[str]:
-    """One effect: evidence, sizes, how the error of left-out conditions falls."""
-    from pmmkit.diagnosis.findings import UNITS
-
-    lines = [f"{item.effect}: {item.summary} Evidence {item.evidence}."]
-    for name, value in item.coefficients.items():
-        lines.append(f"  {_size(name, value, item.std[name], item.typical[name])}")
-    if item.parameter:
-        lines.append(f"  {item.parameter}: about {item.value:g}")
-    if math.isfinite(item.error_before):
-        falls = [
-            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
-            for name, (before, after) in item.errors.items()
-            if name in item.channels
-        ]
-        shares = (
-            f" {100 * item.error_before:.2f} % to {100 * item.error_after:.2f} % of the rms forces"
-            if "heading" not in item.errors
-            else ""
-        )
-        how = f" ({', '.join(falls)})." if shares and falls else f" {', '.join(falls)}."
-        lines.append(
-            f"  Error of what was left out:{shares}{how if falls else ' it does not fall.'}"
-        )
-    if item.rivals:
-        lines.append(f"  On such runs it resembles: {', '.join(item.rivals)}.")
-    if item.separating_test:
-        lines.append(f"  To be sure: {item.separating_test}.")
-    return lines
-
-
-def _size(name: str, value: float, std: float, typical: float) -> str:
-    """A coefficient with its uncertainty beside its usual size; a warning where it is far off."""
-    text = f"{name} {value:.3g} ± {1.96 * std:.2g}, usual size {typical:.2g}"
-    if abs(value) - 1.96 * std > LARGE * abs(typical):
-        text += " - far more than usual"
-    elif abs(value) > 1.96 * std and value * typical < 0.0 and "[" not in name:
-        text += " - of the other sign than usual"
-    return text
-
-
-def _against(odds: float) -> str:
-    return f"about {1.0 / odds:.0f} to 1 against it" if odds < 0.7 else "as likely"
-
-
-def _hides(share: float) -> str:
-    return f"; up to {share:.2g} of its usual size could hide" if math.isfinite(share) else ""
 
 
 def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:

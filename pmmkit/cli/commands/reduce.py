@@ -191,15 +191,13 @@ def _missing(loop: Loop | None) -> list[str]:
     """What a simpler structure lacks, and how the error falls with it."""
     if loop is None:
         return []
-    from pmmkit.report.loop import VERDICTS
-
     steps = zip(loop.fall.steps, loop.fall.errors, strict=True)
     shares = [f"{name} {100 * item.share():.1f}" for name, item in steps]
     end = loop.end or loop.diagnosis
     return [
         "",
         f"What {loop.base} lacks, step by step, with the error of left-out conditions in per cent "
-        f"of the rms force: {', '.join(shares)}. {VERDICTS[end.verdict]}",
+        f"of the rms force: {', '.join(shares)}. {end.sentence}",
     ]
 
 

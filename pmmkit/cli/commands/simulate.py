@@ -12,11 +12,13 @@ from pmmkit.cli.options import (
     Figures,
     Manoeuvre,
     Model,
+    More,
     Out,
     RudderDeg,
     Speed,
     SwitchDeg,
     results_folder,
+    settings_of,
     stated,
     stem,
 )
@@ -41,6 +43,7 @@ def simulate(
     duration: Annotated[
         float | None, typer.Option(help="Seconds of a turn; until it is steady if absent.")
     ] = None,
+    more: More = None,
     rudder_rate_deg: Annotated[
         float | None, typer.Option(help="Rate of the steering gear in deg/s; the ship's if absent.")
     ] = None,
@@ -83,7 +86,8 @@ def simulate(
             step_deg=step_deg,
             turns=turns,
             duration=duration,
-        ),
+        )
+        | settings_of(more),
     )
     results = list(track_files(track))
     if figures:

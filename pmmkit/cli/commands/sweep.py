@@ -13,12 +13,14 @@ from pmmkit.cli.options import (
     Extrapolate,
     Manoeuvre,
     Model,
+    More,
     Out,
     RudderDeg,
     Spread,
     SwitchDeg,
     numbers,
     results_folder,
+    settings_of,
     stated,
     stem,
 )
@@ -47,6 +49,7 @@ def sweep(
     manoeuvre: Manoeuvre = "turning",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
+    more: More = None,
     depth: Depth = None,
     ships: Annotated[int, typer.Option(help="Ships drawn per value for 95 % intervals.")] = 0,
     spread: Spread = None,
@@ -68,6 +71,7 @@ def sweep(
         "extrapolate": extrapolate,
         "compiled": ships > 0,
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
+        **settings_of(more),
     }
     if over is not None and (values is None or asked is None or len(asked) != 1):
         raise typer.BadParameter("--over needs --values and one approach speed, --speeds 8.")

@@ -12,12 +12,14 @@ from pmmkit.cli.options import (
     Extrapolate,
     Manoeuvre,
     Model,
+    More,
     Out,
     RudderDeg,
     Speed,
     Spread,
     SwitchDeg,
     results_folder,
+    settings_of,
     stated,
     stem,
 )
@@ -31,6 +33,7 @@ def uncertainty(
     manoeuvre: Manoeuvre = "turning",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
+    more: More = None,
     depth: Depth = None,
     metric: Annotated[
         str | None, typer.Option(help="Whose causes are listed, such as advance_L.")
@@ -58,6 +61,7 @@ def uncertainty(
         "spread": spread,
         "extrapolate": extrapolate,
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
+        **settings_of(more),
     }
     with shown() as progress:
         many = monte_carlo(loaded, manoeuvre, n=ships, seed=seed, progress=progress, **settings)

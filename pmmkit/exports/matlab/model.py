@@ -7,9 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import Prepared, prepare
-from pmmkit.equations.program import values_at
+from pmmkit.equations.prepared import values_at
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
 from pmmkit.errors import ModelError, Problem
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
@@ -112,7 +113,7 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
     ready, values = prepare(model, at), values_at(model, at)
     effects, extra, rates = _effects(model, ready, values)
     states = _states(ready)
-    inputs = ["delta_c", "n_c"] if ready.structure.turns else ["delta_c"]
+    inputs = ["delta_c", "n_c"] if ready.structure.revolutions else ["delta_c"]
     sections = [
         _inputs(states, inputs, about=about),
         _ship(model),
@@ -127,26 +128,28 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
             title=f"Mass and inertia. Source: {model.parts['added_mass'].source}",
             lines=_with_sources(
                 model,
-                ("added_mass",),
-                mass_lines(values["added_mass"], model.convention) + _levers(values["added_mass"]),
+                (INERTIA,),
+                mass_lines(values[INERTIA], model.convention) + _levers(values[INERTIA]),
             ),
         ),
         _Section(
             title="Equations of motion about midship",
-            lines=motion_lines(values["added_mass"], extra, model.convention, rolls=ready.rolls),
+            lines=motion_lines(values[INERTIA], extra, model.convention, rolls=ready.rolls),
         ),
         _steering(model),
         _path(states, rates, rolls=ready.rolls),
     ]
     called = f"{function}(x,ui{',U0' if approach else ''})"
-    turns = ready.self_propulsion() if speed is not None and ready.structure.turns else None
+    revolutions = (
+        ready.self_propulsion() if speed is not None and ready.structure.revolutions else None
+    )
     body = _alive(sections, ("xdot", "U"))
     used = frozenset().union(*(line.uses for section in body for line in section.lines))
     lines = [
         f"function [xdot,U] = {called}",
-        *heading(model, called, states, inputs, speed=speed, turns=turns, about=about),
+        *heading(model, called, states, inputs, speed=speed, revolutions=revolutions, about=about),
         "",
-        *_checks(states, inputs, speed=speed, turns=turns, approach=approach),
+        *_checks(states, inputs, speed=speed, revolutions=revolutions, approach=approach),
         *(text for section in body for text in _written(section)),
         "",
         "end",
@@ -249,7 +252,7 @@ def _with_sources(model: Model, effects: Iterable[str], lines: Iterable[Line]) -
         for effect in effects
         if effect in model.parts
         for name, source in model.parts[effect].sources.items()
-        if catalogue()[effect].parameter(name) is None
+        if effect_of(effect).parameter(name) is None
     }
     return [
         replace(line, note="; ".join(filter(None, (line.note, own[line.target]))))
@@ -303,7 +306,7 @@ def _ship(model: Model) -> _Section:
 
 
 def _levers(added: Mapping[str, float]) -> list[Line]:
-    known = catalogue()["added_mass"].parameter("lx")
+    known = effect_of(INERTIA).parameter("lx")
     assert known is not None
     given = added.get("lx", 0.0)
     return [Line(target="lx", text=number(given), note=known.text)]
@@ -387,14 +390,14 @@ def _checks(
     inputs: Sequence[str],
     *,
     speed: float | None,
-    turns: float | None,
+    revolutions: float | None,
     approach: bool,
 ) -> list[str]:
     lines = []
     if approach and speed is not None:
         lines.append(f"if nargin < 3, U0 = {number(speed)}; end")
-    if turns is not None:
-        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * turns)}]; end")
+    if revolutions is not None:
+        lines.append(f"if length(ui) == 1, ui = [ui; {number(60 * revolutions)}]; end")
     return [
         *lines,
         f"if length(x) ~= {len(states)}, error('x-vector must have dimension {len(states)}!'); end",

@@ -51,7 +51,7 @@ def heading(
     inputs: Sequence[str],
     *,
     speed: float | None,
-    turns: float | None,
+    revolutions: float | None,
     about: bool,
 ) -> list[str]:
     """The comment behind the first line: states, inputs, axes, sources, the program.
@@ -66,7 +66,7 @@ def heading(
         Names in x and in ui.
     speed : float or None
         At whose Froude number the values are taken [m/s].
-    turns : float or None
+    revolutions : float or None
         Revolutions of self-propulsion at that speed [1/s].
     about : bool
         Whether u is the loss of speed.
@@ -88,9 +88,9 @@ def heading(
     if "n_c" in inputs:
         follows = "" if "n" in states else ", which the shaft has at once"
         lines += comment(f"n_c = commanded shaft velocity (rpm){follows}")
-        if turns is not None:
+        if revolutions is not None:
             lines += comment(
-                f"Without n_c: {60 * turns:.6g} rpm, self-propulsion at {speed:g} m/s."
+                f"Without n_c: {60 * revolutions:.6g} rpm, self-propulsion at {speed:g} m/s."
             )
     if ",U0)" in called:
         lines += comment(f"U0 = nominal speed (m/s), {speed:g} m/s if left out")

@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.conventions import parse_derivative
 from pmmkit.equations import Conditions
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.program import Numbers, packed, values_at
+from pmmkit.equations.prepared import Numbers, packed, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.forces import ForceRecord

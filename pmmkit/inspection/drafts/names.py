@@ -10,7 +10,6 @@ import itertools
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cache
 from typing import Final
 
 from pmmkit.campaigns.test_kinds.free_running import ZIGZAG
@@ -65,13 +64,11 @@ _SETTINGS: Final = tuple(
 )
 
 
-@cache
 def _codes() -> Mapping[str, str]:
     """Usual abbreviations, in capitals at the beginning of a part of the name."""
     return {code: kind.name for kind in kinds().values() for code in kind.codes}
 
 
-@cache
 def _phrases() -> tuple[tuple[str, re.Pattern[str]], ...]:
     """Words for kinds of test, those of combined tests first: they hold those of simple ones.
 
@@ -157,10 +154,11 @@ def _test_of(part: str) -> str | None:
     for test, pattern in _phrases():
         if pattern.search(plain):
             return test
+    codes = _codes()
     for token in re.split(r"[_\s-]+", part):
         found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
-        if found and found[1] in _codes():
-            return _codes()[found[1]]
+        if found and found[1] in codes:
+            return codes[found[1]]
     return ZIGZAG.name if _ORDERS.search(part) else None
 
 

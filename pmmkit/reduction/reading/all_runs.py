@@ -14,9 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.reduction.reading.pool import PROCESS_MB, crew, how_many, size_of
+from pmmkit.reduction.reading.pool import PROCESS_MB, how_many, size_of, worker_pool
 from pmmkit.reduction.reading.resume import Kept
-from pmmkit.reduction.reading.run import Reading, Way, read_run
+from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
 
 PATIENCE: Final = 2.0
 """Seconds of reading after which results are kept and processes started."""
@@ -50,12 +50,12 @@ class Means:
     kept: Path | None = None
 
 
-def read_all(way: Way, tell: Progress, means: Means) -> list[Reading]:
+def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[Reading]:
     """All runs of a campaign, in their order.
 
     Parameters
     ----------
-    way : Way
+    settings : ReductionSettings
         The campaign and how its runs are read.
     tell : callable
         Called with (runs done, runs in all, what is done).
@@ -67,15 +67,15 @@ def read_all(way: Way, tell: Progress, means: Means) -> list[Reading]:
     CampaignError
         If there are no runs, or some cannot be read: with all problems of all of them.
     """
-    runs = way.campaign.runs
+    runs = settings.campaign.runs
     if not runs:
-        raise CampaignError(f"Campaign {way.campaign.title!r} has no run to reduce.")
-    kept = None if means.kept is None else Kept(folder=means.kept, way=way)
+        raise CampaignError(f"Campaign {settings.campaign.title!r} has no run to reduce.")
+    kept = None if means.kept is None else Kept(folder=means.kept, settings=settings)
     found = _read_before(runs, kept, tell)
     left = [place for place in range(len(runs)) if place not in found]
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
     problems: list[Problem] = []
-    with closing(_each([runs[place] for place in left], way, means, kept, pace)) as results:
+    with closing(_each([runs[place] for place in left], settings, means, kept, pace)) as results:
         for done, (place, result) in enumerate(zip(left, results, strict=True), start=1):
             tell(len(runs) - len(left) + done, len(runs), f"reading {runs[place].id}{pace(done)}")
             if isinstance(result, DataError):
@@ -83,7 +83,9 @@ def read_all(way: Way, tell: Progress, means: Means) -> list[Reading]:
             else:
                 found[place] = result
     if problems:
-        raise CampaignError(problems, title=f"Campaign {way.campaign.title!r} cannot be reduced")
+        raise CampaignError(
+            problems, title=f"Campaign {settings.campaign.title!r} cannot be reduced"
+        )
     return [found[place] for place in range(len(runs))]
 
 
@@ -130,27 +132,29 @@ class _Pace:
 
 
 def _each(
-    runs: Sequence[Run], way: Way, means: Means, kept: Kept | None, pace: _Pace
+    runs: Sequence[Run], settings: ReductionSettings, means: Means, kept: Kept | None, pace: _Pace
 ) -> Generator[Result, None, None]:
     """The result of each run: the first seconds in this process, the rest by several."""
     done = 0
     with threadpool_limits(1):
         for done, run in enumerate(runs, start=1):
-            yield _result(run, lambda run: read_run(run, way), kept, pace)
+            yield _result(run, lambda run: read_run(run, settings), kept, pace)
             if means.jobs != 1 and pace.seconds > PATIENCE and pace.remaining(done) > PAYS:
                 break
     if done < len(runs):
-        yield from _by_crew(runs[done:], way, means, kept, pace)
+        yield from _by_workers(runs[done:], settings, means, kept, pace)
 
 
-def _by_crew(
-    runs: Sequence[Run], way: Way, means: Means, kept: Kept | None, pace: _Pace
+def _by_workers(
+    runs: Sequence[Run], settings: ReductionSettings, means: Means, kept: Kept | None, pace: _Pace
 ) -> Generator[Result, None, None]:
     count = min(how_many(means.jobs, means.memory, OWN_MB), len(runs))
     room = max(means.memory - OWN_MB - count * PROCESS_MB, 0.0)
-    with threadpool_limits(1), crew(way, runs[0], count, room) as found:
+    with threadpool_limits(1), worker_pool(settings, runs[0], count, room) as found:
         if found is None:
-            yield from (_result(run, lambda run: read_run(run, way), kept, pace) for run in runs)
+            yield from (
+                _result(run, lambda run: read_run(run, settings), kept, pace) for run in runs
+            )
             return
         pool = ThreadPoolExecutor(found.size)
         try:

@@ -23,7 +23,7 @@ from typing import Any, Final
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.samples.loading import data_files
 from pmmkit.errors import DataError
-from pmmkit.reduction.reading.run import Reading, Way, read_run
+from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
 from pmmkit.reduction.reading.worker import receive, send
 
 PROCESS_MB: Final = 125.0
@@ -124,12 +124,12 @@ class Room:
 
 
 @dataclass(frozen=True)
-class Crew:
+class WorkerPool:
     """Running worker processes.
 
     Parameters
     ----------
-    way : Way
+    settings : ReductionSettings
         How runs are read.
     size : int
         How many processes there are.
@@ -137,7 +137,7 @@ class Crew:
         Memory for the runs that are being read.
     """
 
-    way: Way
+    settings: ReductionSettings
     size: int
     room: Room
     _idle: queue.SimpleQueue[subprocess.Popen[bytes] | None] = field(
@@ -161,7 +161,7 @@ class Crew:
             self._idle.put(None if answer is None else process)
             if answer is None:
                 with self._here:
-                    return read_run(run, self.way)
+                    return read_run(run, self.settings)
         kind, content = answer
         if kind == "read":
             return _with_own_loader(content, run)
@@ -214,12 +214,14 @@ def how_many(jobs: int | None, memory: float, own: float) -> int:
 
 
 @contextmanager
-def crew(way: Way, sample: Run, count: int, room: float) -> Iterator[Crew | None]:
+def worker_pool(
+    settings: ReductionSettings, sample: Run, count: int, room: float
+) -> Iterator[WorkerPool | None]:
     """Processes that read runs, ended with the block.
 
     Parameters
     ----------
-    way : Way
+    settings : ReductionSettings
         How runs are read.
     sample : Run
         One of the runs, to see whether they can be sent to another process.
@@ -230,14 +232,14 @@ def crew(way: Way, sample: Run, count: int, room: float) -> Iterator[Crew | None
 
     Yields
     ------
-    Crew or None
+    WorkerPool or None
         None where no process can be started, or the runs live in this one only.
     """
-    lean = replace(way, campaign=way.campaign.with_(runs=(), excluded=()))
+    lean = replace(settings, campaign=settings.campaign.with_(runs=(), excluded=()))
     processes = _started(lean, count) if _can_be_sent((lean, sample)) else []
     try:
         ready = [process for process in processes if _is_ready(process)]
-        found = Crew(way, len(ready), Room(room))
+        found = WorkerPool(settings, len(ready), Room(room))
         for process in ready:
             found._idle.put(process)
         yield found if ready else None
@@ -255,7 +257,7 @@ def _can_be_sent(content: object) -> bool:
     return True
 
 
-def _started(way: Way, count: int) -> list[subprocess.Popen[bytes]]:
+def _started(settings: ReductionSettings, count: int) -> list[subprocess.Popen[bytes]]:
     environment = {**os.environ, **_SETTINGS}
     command = [sys.executable, "-P", "-c", _START, json.dumps(sys.path)]
     processes: list[subprocess.Popen[bytes]] = []
@@ -266,7 +268,7 @@ def _started(way: Way, count: int) -> list[subprocess.Popen[bytes]]:
             )
             processes.append(process)
             assert process.stdin is not None
-            send(process.stdin, way)
+            send(process.stdin, settings)
     except (OSError, ValueError):
         pass
     return processes

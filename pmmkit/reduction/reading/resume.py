@@ -1,7 +1,7 @@
 """Results of runs kept on disk while a campaign is read, so that an interrupted command goes on.
 
 One file a run: a checksum and JSON text, in which every number stands to the last bit. Its name is
-a hash over the content of the run's files, the run, the way it is read and pmmkit's version, so a
+a hash over the content of the run's files, the run, the settings and pmmkit's version, so a
 result is only taken up for what it was made from. Nothing in a file is ever executed; a damaged
 file counts as none.
 """
@@ -27,7 +27,7 @@ from pmmkit.files import sha256
 from pmmkit.json_text import from_json, to_json
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.prepare import RunResult
-from pmmkit.reduction.reading.run import Reading, Way
+from pmmkit.reduction.reading.run import Reading, ReductionSettings
 from pmmkit.version import __version__
 
 LAYOUT: Final = 1
@@ -59,17 +59,17 @@ class Kept:
     ----------
     folder : Path
         The folder; it is made when there is something to keep.
-    way : Way
+    settings : ReductionSettings
         How the runs are read.
     """
 
     folder: Path
-    way: Way
+    settings: ReductionSettings
     _digests: dict[Path, str] = field(default_factory=dict, repr=False)
     _lock: threading.Lock = field(default_factory=threading.Lock, repr=False)
 
     def load(self, run: Run) -> Reading | None:
-        """The result of a run if it was read before, from the same content and in the same way."""
+        """The result of a run if its content was read before with the same settings."""
         if not self.folder.is_dir():
             return None
         file = self._file(run)
@@ -79,7 +79,7 @@ class Kept:
             checksum, _, text = file.read_bytes().partition(b"\n")
             if _checksum(file, text) != checksum:
                 return None
-            return _restored(from_json(text.decode()), run, self.way)
+            return _restored(from_json(text.decode()), run, self.settings)
         except (OSError, PmmkitError, ValueError, TypeError, LookupError, RecursionError):
             return None
 
@@ -107,16 +107,16 @@ class Kept:
             return None
         if not content:
             return None
-        campaign = self.way.campaign.with_(runs=(), excluded=(), title="", provenance={})
+        campaign = self.settings.campaign.with_(runs=(), excluded=(), title="", provenance={})
         parts = (
             LAYOUT,
             __version__,
             content,
             campaign,
-            self.way.columns,
-            self.way.convention,
-            self.way.cycles,
-            self.way.blockage,
+            self.settings.columns,
+            self.settings.convention,
+            self.settings.cycles,
+            self.settings.blockage,
             run,
             run.loader,
         )
@@ -156,14 +156,14 @@ def _fields(item: Any, *without: str) -> dict[str, Any]:
     }
 
 
-def _restored(plain: Mapping[str, Any], run: Run, way: Way) -> Reading:
+def _restored(plain: Mapping[str, Any], run: Run, settings: ReductionSettings) -> Reading:
     kept = run.with_(settings=Settings(**plain["settings"]))
     rows = Rows(result=RunResult(run=kept, **plain["result"]), **plain["rows"])
     return Reading(
         rows=rows,
         sensitivities=tuple(
             Sensitivity(source=source, names=rows.names, **item)
-            for source, item in zip(way.sources, plain["sensitivities"], strict=True)
+            for source, item in zip(settings.sources, plain["sensitivities"], strict=True)
         ),
         summary=Summary(run=run, **plain["summary"]),
     )

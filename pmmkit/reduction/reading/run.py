@@ -16,7 +16,7 @@ from pmmkit.reduction.derivatives import Columns
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class ReductionSettings:
     """How the runs of a campaign are read.
 
     Parameters
@@ -66,14 +66,14 @@ class Reading:
     summary: Summary
 
 
-def read_run(run: Run, way: Way) -> Reading:
+def read_run(run: Run, settings: ReductionSettings) -> Reading:
     """Read the samples of a run once and keep what the reduction needs.
 
     Parameters
     ----------
     run : Run
         The run.
-    way : Way
+    settings : ReductionSettings
         How.
 
     Raises
@@ -83,27 +83,28 @@ def read_run(run: Run, way: Way) -> Reading:
     """
     data = run.data
     once = run.with_(loader=lambda: data)
-    rows, changes = _equations(once, way)
+    rows, changes = _equations(once, settings)
     kept = run.with_(settings=rows.result.run.settings)
     return Reading(
         rows=replace(rows, result=replace(rows.result, run=kept)),
         sensitivities=tuple(changes),
-        summary=replace(summarise(once, way.campaign), run=run),
+        summary=replace(summarise(once, settings.campaign), run=run),
     )
 
 
-def _equations(run: Run, way: Way) -> tuple[Rows, Iterator[Sensitivity]]:
+def _equations(run: Run, settings: ReductionSettings) -> tuple[Rows, Iterator[Sensitivity]]:
     """What a run says about the derivatives, and how that changes with the uncertainties."""
-    campaign = way.campaign
+    campaign = settings.campaign
     rig = rig_of(campaign)
-    prepared = prepare(run, campaign, cycles=way.cycles)
-    share = speed_increase(campaign, run.settings.speed) if way.blockage == "correct" else None
+    prepared = prepare(run, campaign, cycles=settings.cycles)
+    share = speed_increase(campaign, run.settings.speed) if settings.blockage == "correct" else None
     names = {
         channel: listed
-        for channel, listed in way.columns.names.items()
+        for channel, listed in settings.columns.names.items()
         if channel in prepared.result.measured
     }
-    rows = rows_of(prepared, campaign, rig, names, way.convention, blockage=share or 0.0)
+    rows = rows_of(prepared, campaign, rig, names, settings.convention, blockage=share or 0.0)
     return rows, (
-        sensitivity(rows, source, campaign, rig, names, way.convention) for source in way.sources
+        sensitivity(rows, source, campaign, rig, names, settings.convention)
+        for source in settings.sources
     )

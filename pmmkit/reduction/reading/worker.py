@@ -55,7 +55,7 @@ def serve() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     asked = sys.stdin.buffer
-    way = receive(asked)
+    settings = receive(asked)
     send(answers, "ready")
     while True:
         try:
@@ -63,7 +63,7 @@ def serve() -> None:
         except EOFError:
             return
         try:
-            send(answers, ("read", read_run(run, way)))
+            send(answers, ("read", read_run(run, settings)))
         except DataError as error:
             send(answers, ("wrong", error.problems))
         except Exception:

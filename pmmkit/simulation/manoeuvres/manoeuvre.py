@@ -6,11 +6,13 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.metrics import Metric
-from pmmkit.plotting.manoeuvres import Drawn
 from pmmkit.simulation.plan import Plan
+
+if TYPE_CHECKING:
+    from pmmkit.plotting.manoeuvres import Drawn
 
 STEEPEST: Final = 90.0
 """Largest angle of a rudder that is taken [deg]."""

@@ -18,7 +18,9 @@ from pmmkit.simulation.scalars import degrees
 def spiral(pace: float, *, rudder_deg: float, step_deg: float) -> Plan:
     """Direct spiral: rudder angles from one side to the other and back, each until steady."""
     if not 0.0 < step_deg <= abs(rudder_deg):
-        raise DataError(f"step_deg = {step_deg} must lie between 0 and {abs(rudder_deg):g}.")
+        raise DataError(
+            f"step_deg = {step_deg} must lie between 0 and rudder_deg, {abs(rudder_deg):g}."
+        )
     steps = max(round(abs(rudder_deg) / step_deg), 1)
     side = math.copysign(1.0, rudder_deg)
     down = [side * i * step_deg for i in range(steps, -steps - 1, -1)]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.effects.catalogue import is_fault
 from pmmkit.errors import DataError
 from pmmkit.plotting import style
 
@@ -16,47 +16,47 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from pmmkit.diagnosis.findings import Diagnosis
-    from pmmkit.loop.session import ErrorFall
-
 _MOST: Final = 14
 """Effects in the figure of evidence."""
 _CERTAIN: Final = math.log(1000.0)
 _KINDS: Final = {False: ("ship and water", style.ORDERED[0]), True: ("measurement", "#e3871c")}
 
 
-def evidence(found: Diagnosis) -> Figure:
-    """ln evidence of the best single effects and sets, the named group marked.
+def evidence(
+    sets: Sequence[tuple[str, ...]],
+    log_evidence: Sequence[float],
+    *,
+    named: Sequence[bool],
+    faults: Sequence[bool],
+) -> Figure:
+    """ln evidence of the best effects and sets of them, those that are named marked.
 
     Parameters
     ----------
-    found : Diagnosis
-        As `diagnose` gives it.
+    sets : sequence of tuple of str
+        Names of the effects of each.
+    log_evidence : sequence of float
+        Against no effect.
+    named, faults : sequence of bool
+        Which are named; which are faults of the measurement.
 
     Returns
     -------
     Figure
     """
-    named = [names for names, _ in found.group]
-    singles = [item for item in found.entries if len(item.names) == 1][:_MOST]
-    sets = [item for item in found.entries if len(item.names) > 1 and item.names in named]
-    shown = sorted([*sets, *singles], key=lambda item: -item.log_evidence)[:_MOST]
+    shown = sorted(range(len(sets)), key=lambda i: -log_evidence[i])[:_MOST]
     with style.styled():
         figure = style.canvas(1.0 + 0.3 * len(shown))
         axis = figure.subplots()
-        for place, item in enumerate(shown):
-            label, colour = _KINDS[all(is_fault(name) for name in item.names)]
+        for place, i in enumerate(shown):
+            label, colour = _KINDS[faults[i]]
             axis.barh(
-                place,
-                item.log_evidence,
-                height=0.62,
-                color=colour,
-                alpha=1.0 if item.names in named else 0.35,
+                place, log_evidence[i], height=0.62, color=colour, alpha=1.0 if named[i] else 0.35
             )
             axis.barh(place, 0.0, color=colour, label=label)
         axis.axvline(0.0, color=style.INK, lw=0.8)
         axis.axvline(_CERTAIN, color=style.LIMIT, lw=1.0, ls="--", label="1000 to 1")
-        axis.set_yticks(range(len(shown)), [_words(item.names) for item in shown])
+        axis.set_yticks(range(len(shown)), [_words(sets[i]) for i in shown])
         axis.set_ylim(len(shown) - 0.4, -0.6)
         axis.set_xscale("symlog", linthresh=10.0)
         axis.grid(visible=False, axis="y")
@@ -65,35 +65,38 @@ def evidence(found: Diagnosis) -> Figure:
     return figure
 
 
-def coverage(found: Diagnosis) -> Figure:
+def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]) -> Figure:
     """Share of its usual size that each effect could have and hide from these runs.
 
     Parameters
     ----------
-    found : Diagnosis
-        As `diagnose` gives it.
+    names : sequence of str
+        Effects.
+    hides : sequence of float
+        The shares.
+    shown : sequence of bool
+        Whether the runs can show it.
 
     Returns
     -------
     Figure
     """
-    items = sorted(found.covered, key=lambda item: item.hides)
-    sizes = [min(item.hides, _LARGEST) for item in items]
+    order = sorted(range(len(names)), key=lambda i: hides[i])
     with style.styled():
-        figure = style.canvas(1.0 + 0.22 * len(items))
+        figure = style.canvas(1.0 + 0.22 * len(order))
         axis = figure.subplots()
-        for place, (item, size) in enumerate(zip(items, sizes, strict=True)):
-            colour = style.ORDERED[1] if item.shown else style.REFERENCE
+        for place, i in enumerate(order):
+            colour = style.ORDERED[1] if shown[i] else style.REFERENCE
             axis.barh(
                 place,
-                size,
+                min(hides[i], _LARGEST),
                 height=0.62,
                 color=colour,
-                label="these runs can show it" if item.shown else "they cannot",
+                label="these runs can show it" if shown[i] else "they cannot",
             )
         axis.axvline(1.0, color=style.INK, lw=0.8)
-        axis.set_yticks(range(len(items)), [_words((item.name,)) for item in items])
-        axis.set_ylim(len(items) - 0.4, -0.6)
+        axis.set_yticks(range(len(order)), [_words((names[i],)) for i in order])
+        axis.set_ylim(len(order) - 0.4, -0.6)
         axis.set_xscale("log")
         axis.grid(visible=False, axis="y")
         axis.set_xlabel("size that could hide, over the usual size [-]")
@@ -104,13 +107,24 @@ def coverage(found: Diagnosis) -> Figure:
 _LARGEST: Final = 30.0
 
 
-def error_fall(fall: ErrorFall) -> Figure:
+def error_fall(
+    steps: Sequence[str],
+    errors: Mapping[str, Sequence[float]],
+    forces: Mapping[str, float],
+    shares: Mapping[str, Sequence[float]],
+) -> Figure:
     """Held-out error after each step: by channel, and by test type.
 
     Parameters
     ----------
-    fall : ErrorFall
-        As `Session.fall` gives it.
+    steps : sequence of str
+        The base, then what was added.
+    errors : mapping of str to sequence of float
+        By channel, after each step [N, N m].
+    forces : mapping of str to float
+        What they are errors of [N, N m].
+    shares : mapping of str to sequence of float
+        Error over force by test type, after each step.
 
     Returns
     -------
@@ -121,27 +135,23 @@ def error_fall(fall: ErrorFall) -> Figure:
     DataError
         If there is no step.
     """
-    if not fall.errors:
+    if not steps:
         raise DataError("There is no step to draw.")
-    tests = list(dict.fromkeys(fall.errors[0].tests))
-    channels = fall.errors[0].channels
-    by_channel = [item.of_channel() for item in fall.errors]
-    force = fall.errors[0].of_channel(kind="force")
     with style.styled():
         figure = style.canvas(4.2)
         left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.0, 1.4))
         _bars(
             left,
-            fall.steps,
-            [[100 * own[x] / force[x] for x in channels] for own in by_channel],
-            [f"{x}\n{_in_newtons([own[x] for own in by_channel], x)}" for x in channels],
+            steps,
+            [[100 * own[i] / forces[x] for x, own in errors.items()] for i in range(len(steps))],
+            [f"{x}\n{_in_newtons(own, x)}" for x, own in errors.items()],
         )
         left.set_ylabel("error of left-out conditions,\n% of the channel's rms force")
         _bars(
             right,
-            fall.steps,
-            [[100 * item.share(test) for test in tests] for item in fall.errors],
-            [test.replace("_", "\n") for test in tests],
+            steps,
+            [[100 * own[i] for own in shares.values()] for i in range(len(steps))],
+            [test.replace("_", "\n") for test in shares],
         )
         left.set_title("by channel")
         right.set_title("by test type, root mean square of the channels")
@@ -149,7 +159,7 @@ def error_fall(fall: ErrorFall) -> Figure:
     return figure
 
 
-def _bars(axis: Axes, steps: tuple[str, ...], values: list[list[float]], places: list[str]) -> None:
+def _bars(axis: Axes, steps: Sequence[str], values: list[list[float]], places: list[str]) -> None:
     width = 0.8 / len(steps)
     for number, (step, heights) in enumerate(zip(steps, values, strict=True)):
         at = np.arange(len(places)) + (number - 0.5 * (len(steps) - 1)) * width
@@ -159,7 +169,7 @@ def _bars(axis: Axes, steps: tuple[str, ...], values: list[list[float]], places:
     axis.grid(visible=False, axis="x")
 
 
-def _in_newtons(errors: list[float], channel: str) -> str:
+def _in_newtons(errors: Sequence[float], channel: str) -> str:
     """The fall of a channel in its unit."""
     unit = CHANNEL_UNITS[channel]
     ends = [errors[0], *errors[-1:]] if len(errors) > 1 else errors
