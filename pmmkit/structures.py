@@ -47,7 +47,7 @@ class Structure:
     @property
     def source(self) -> str:
         """Where the form comes from, in words."""
-        return " ".join(filter(None, (cite(*self.sources), self.quoted)))
+        return cite(*self.sources, quoted=self.quoted)
 
     def of(self, channel: str) -> tuple[str, ...]:
         """The derivatives of one channel."""

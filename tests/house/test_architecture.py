@@ -42,15 +42,6 @@ def test_tests_stand_in_folders_of_rooms():
     assert folders - others <= STANDING
 
 
-def test_files_are_short():
-    long = {
-        str(path.relative_to(ROOT)): lines
-        for path in (ROOT / "pmmkit").rglob("*.py")
-        if (lines := len(path.read_text(encoding="utf-8").splitlines())) > 600
-    }
-    assert long == {}
-
-
 def test_the_plan_names_no_file_that_is_not_there():
     for name in re.findall(r"`((?:pmmkit|tests|scripts|docs)/[\w./]*)`", PLAN):
         assert (ROOT / name).exists(), name
