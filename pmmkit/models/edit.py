@@ -304,7 +304,9 @@ def _with_moved(model: Model, asked: Asked) -> Model:
         Step(
             action="effect_added",
             effect=asked.name,
-            coefficients=MappingProxyType(dict(asked.coefficients)),
+            coefficients=MappingProxyType(
+                {x: y for x, y in asked.coefficients.items() if x in moves}
+            ),
             source=asked.source,
             before=before_of(model, made),
         )

@@ -16,6 +16,7 @@ from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
+    from pmmkit.diagnosis.free_running.refit import FreeRefit
     from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
 
