@@ -149,15 +149,13 @@ def reference(key: str) -> Reference:
     return known[key]
 
 
-def cite(*keys: str, quoted: str = "") -> str:
+def cite(*keys: str) -> str:
     """Sources as a sentence names them.
 
     Parameters
     ----------
     *keys : str
         Keys of the bibliography.
-    quoted : str
-        What is to be said with the last, or with all.
 
     Examples
     --------
@@ -166,8 +164,7 @@ def cite(*keys: str, quoted: str = "") -> str:
     >>> cite("kijima_1990"), cite("ittc_7.5-02-06-02")
     ('Kijima et al. 1990', 'ITTC 7.5-02-06-02')
     """
-    told = "; ".join(reference(key).cited for key in keys)
-    return " ".join(filter(None, (told, quoted)))
+    return "; ".join(reference(key).cited for key in keys)
 
 
 def bibtex(keys: Iterable[str]) -> str:

@@ -191,6 +191,34 @@ class Convention:
     moment_reference_x: float = 0.0
     motion_reference_x: float = 0.0
 
+    @property
+    def meaning(self) -> str:
+        """What the numbers mean, in words.
+
+        Examples
+        --------
+        >>> Convention().meaning.split(", ")[0:2]
+        ['prime (½ρL²U²', '½ρL³U²)']
+        """
+        unit = {
+            "prime": "prime (½ρL²U², ½ρL³U²)",
+            "prime-d": "prime-d (½ρLdU², ½ρL²dU²)",
+            "bis": "bis (ρg∇, ρg∇L, √(gL))",
+        }[self.system]
+        speed = "instantaneous speed" if self.U == "instantaneous" else "carriage speed"
+        coriolis = (
+            "added-mass Coriolis terms inside the derivatives"
+            if self.coriolis == "in-derivatives"
+            else "added-mass Coriolis terms written separately"
+        )
+        point = (
+            "midship"
+            if self.moment_reference_x == self.motion_reference_x == 0
+            else f"x = {self.moment_reference_x:g} m (moments), {self.motion_reference_x:g} m "
+            f"(motions)"
+        )
+        return f"{unit}, {speed}, {coriolis}, referred to {point}"
+
     def with_(self, **changes: object) -> Convention:
         """A copy with some entries changed."""
         return replace(self, **changes)  # type: ignore[arg-type]

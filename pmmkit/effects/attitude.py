@@ -80,7 +80,7 @@ SINKAGE_TRIM: Final = Effect(
     ),
     force=force,
     outputs=("Y", "N"),
-    sources=("ittc_7.5-02-02-01", "simonsen_2012"),
+    sources=("ittc_7.5-02-02-01", "inoue_hirano_kijima_1981"),
     check="the same runs with the model free and fixed in heave and pitch",
     excites=("sinkage",),
     not_free_running="sinkage goes with the square of the speed, which a model holds by its Fn",

@@ -172,7 +172,7 @@ CROSSFLOW_DRAG: Final = Effect(
     grows_with={"CD": "Yvvv"},
     outputs=("Y", "N"),
     sources=("hooft_1994", "faltinsen_1990", "sea_trial_identification"),
-    quoted=("(the last: without sway, equations of the hull at low speed)"),
+    remark="the form without sway: the last, equations of the hull at low speed",
     check="yaw with drift at large r/v, so that the flow changes side inside the hull",
 )
 EFFECTS: Final = (CROSSFLOW_DRAG,)

@@ -139,9 +139,9 @@ class Effect:
     needs : tuple of str
         What the state must hold: ``phi``, ``delta``, ``n`` …
     sources : tuple of str
-        Where the form comes from, as keys of the bibliography.
-    quoted : str
-        What is to be said with them, or where the form comes from if no key tells it.
+        Where the form comes from: keys of the bibliography.
+    remark : str
+        What is to be said of the sources.
     force : callable, optional
         A function of plain floats, written in the words of `effects.primitives`. It is given each
         of its arguments by name: motion, controls, particulars, conditions, signals of other
@@ -193,7 +193,7 @@ class Effect:
     roles: tuple[Role, ...] = ()
     needs: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
-    quoted: str = ""
+    remark: str = ""
     force: Callable[..., Any] | None = None
     outputs: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
@@ -228,8 +228,8 @@ class Effect:
 
     @property
     def source(self) -> str:
-        """Where the form comes from, in words."""
-        return cite(*self.sources, quoted=self.quoted)
+        """The sources as a sentence names them."""
+        return "; ".join(filter(None, (cite(*self.sources) if self.sources else "", self.remark)))
 
     @property
     def enters(self) -> bool:

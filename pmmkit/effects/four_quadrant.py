@@ -330,10 +330,7 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
         "roddy_hess_faller_2006",
         "sea_trial_identification",
     ),
-    quoted=(
-        "(form: the first; curves of B4-70, with polynomials an estimate "
-        "outside the first quadrant: the second; side force astern: the last, "
-        "equations of the propeller)"
-    ),
+    remark="curves of B4-70 from the second, with polynomials an estimate outside the first "
+    "quadrant; side force astern from the last, equations of the propeller",
 )
 EFFECTS: Final = (FOUR_QUADRANT_PROPELLER,)

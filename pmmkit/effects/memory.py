@@ -105,7 +105,7 @@ LAGGED_CROSSFLOW: Final = Effect(
     outputs=("Y", "N", "late_cube_rate"),
     states=("late_cube",),
     sources=("wagner_1925",),
-    quoted=("(a one-pole lag of the cubic force, as of lift that builds up)"),
+    remark="a one-pole lag, as of lift that builds up",
     check="pure sway at two frequencies and one large amplitude",
 )
 NONLINEAR_ADDED_MASS: Final = Effect(

@@ -203,7 +203,7 @@ SHAFT: Final = Effect(
     outputs=("n_rate",),
     states=("n",),
     sources=("sea_trial_identification",),
-    quoted="(equation of the shaft and constant limit of the torque)",
+    remark="equation of the shaft and constant limit of the torque",
 )
 SHAFT_LAG: Final = Effect(
     name="shaft_lag",
@@ -248,7 +248,7 @@ SHAFT_LAG: Final = Effect(
     force=lag,
     outputs=("n_rate",),
     states=("n",),
-    sources=("van_berlekom_goddard_1972", "son_nomoto_1981", "fossen_perez_2004"),
-    quoted="(the last two: by turns)",
+    sources=("van_berlekom_goddard_1972", "son_nomoto_1981"),
+    remark="by turns as the MSS toolbox has it",
 )
 EFFECTS: Final = (SHAFT, SHAFT_LAG)

@@ -26,12 +26,9 @@ SHALLOW_WATER: Final = Effect(
         Parameter(name="lambda_Nr", text="on Yr and Nr", default=0.7, low=0.0),
     ),
     needs=("depth",),
-    sources=("hirano_1985", "kijima_1990", "ankudinov_1990", "furukawa_2016"),
-    quoted=(
-        "(linear terms: the first two; added mass and products: the third; "
-        "resistance: the last; all as in public programs that quote them, not "
-        "against their texts)"
-    ),
+    sources=("hirano_1985", "kijima_1990", "ankudinov_1990"),
+    remark="added mass and products from the last; all as public programs quote them, not "
+    "against their texts",
 )
 EFFECTS: Final = (SHALLOW_WATER,)
 SHALLOWEST: Final = 1.2

@@ -135,6 +135,6 @@ TANKER_BIS: Final = Effect(
     force=force,
     outputs=("X", "Y", "N", "thrust", "rudder_force", "Xudot", "Yvdot", "Nrdot"),
     sources=("van_berlekom_goddard_1972",),
-    quoted="(Appendix A)",
+    remark="Appendix A",
 )
 EFFECTS: Final = (TANKER_BIS,)

@@ -184,9 +184,7 @@ WIND: Final = Effect(
     force=force,
     outputs=("X", "Y", "N", "K"),
     sources=("isherwood_1972", "blendermann_1994", "fossen_2011"),
-    quoted=(
-        "(what the coefficients refer to: the first two; the simple form: the "
-        "last, section 8.1, as in public programs that quote it)"
-    ),
+    remark="the first two: what the coefficients refer to; the last: the simple form, section "
+    "8.1, as public programs quote it",
 )
 EFFECTS: Final = (WIND,)

@@ -165,7 +165,9 @@ def assert_same(one: Campaign, other: Campaign) -> None:
         strict=True,
     )
     for first, second in pairs:
-        assert repr(first) == repr(second)
+        for field in fields(Run):
+            if field.name != "loader":
+                assert repr(getattr(first, field.name)) == repr(getattr(second, field.name))
         xr.testing.assert_identical(first.data, second.data)
         for name, variable in first.data.variables.items():
             assert variable.dtype == second.data[name].dtype, name

@@ -251,7 +251,7 @@ EFFECTS = (
     Effect(
         name="sea_anchor", family="made_up", kind="force", summary="A brake nobody has built.",
         parameters=(Parameter(name="brake", text="force over ½ρLdu²"),), force=force,
-        outputs=("X",), quoted="this test",
+        outputs=("X",), remark="this test",
     ),
 )
 '''
@@ -273,7 +273,6 @@ def towed_with_a_brake(size):
     )
 
 
-@pytest.mark.slow
 def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_path, monkeypatch):
     (tmp_path / "sea_anchor.py").write_text(MADE_UP, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
@@ -343,7 +342,6 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
 # The cache
 
 
-@pytest.mark.slow
 def test_two_sessions_share_what_was_compiled(tmp_path):
     code = (
         "import json, time, pmmkit as pk\n"

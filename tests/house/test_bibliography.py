@@ -154,9 +154,9 @@ def test_estimates_have_their_sources_by_key():
 @pytest.mark.parametrize("name", catalogue())
 def test_every_effect_has_its_sources_by_key(name):
     effect = catalogue()[name]
-    assert effect.sources or effect.quoted
+    assert effect.sources or effect.remark
     assert all(key in bibliography() for key in effect.sources)
-    assert not quotations(effect.quoted)
+    assert not quotations(effect.remark)
 
 
 def keys_of(text: str) -> list[str]:

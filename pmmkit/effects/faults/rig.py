@@ -149,7 +149,7 @@ EFFECTS: Final = (
         carriage_surge,
         (size("share", "-", 0.3, "of the swing of the surge velocity that is missing"),),
         check="log the speed of the carriage and of the sway carriage in pure yaw",
-        sources=("simonsen_2004",),
+        sources=("ittc_7.5-02-06-02",),
     ),
     fault(
         "fault_mount_elasticity",
