@@ -67,6 +67,7 @@ def test_the_good_file_reads(good):
     assert read(good).sizes["t"] == ROWS
 
 
+@pytest.mark.slow
 def test_truncated_anywhere(good, tmp_path):
     """Cut inside a row: refused. Cut between rows: the rows before, all of them."""
     whole = (good / "SD.csv").read_bytes()
@@ -83,6 +84,7 @@ def test_truncated_anywhere(good, tmp_path):
             assert np.array_equal(data[name].values[last], reference[name].values[last])
 
 
+@pytest.mark.slow
 def test_flipped_bytes(good, tmp_path):
     """One byte changed: refused, or the same shape with no other number changed."""
     whole = bytearray((good / "SD.csv").read_bytes())
@@ -153,6 +155,7 @@ def test_rows_of_another_length(good, tmp_path, extra):
         read(damaged(good, tmp_path, "SD.csv", "\n".join(lines).encode()))
 
 
+@pytest.mark.slow
 def test_campaign_file_truncated_or_flipped(good, tmp_path):
     """No damage to campaign.toml leads anywhere but to our errors or to a campaign."""
     whole = TOML.encode()

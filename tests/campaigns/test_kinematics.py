@@ -200,6 +200,7 @@ def test_measured_velocities_are_differentiated_through_their_series(test, drift
         np.testing.assert_allclose(getattr(state, name), getattr(truth, name), atol=2e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_carriage", [True, False])
 @pytest.mark.parametrize("test", ["pure_surge", "pure_sway", "pure_yaw", "yaw_drift"])
 def test_positions_give_the_velocities(test: str, of_carriage: bool) -> None:
@@ -311,6 +312,7 @@ def test_harmonics_of_a_motion_are_summed() -> None:
     np.testing.assert_allclose(displacement_phase(run, data, t), theta)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("test", "channel"),
     [

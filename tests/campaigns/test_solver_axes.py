@@ -133,6 +133,7 @@ def test_axes_of_the_solver_with_z_up(tmp_path):
     agrees(read(tmp_path, {"run.csv": table({"t": T, **turned})}, head=head), on_hull(T))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["path.csv", "sixDoFRigidBodyState.dat"])
 def test_motion_from_a_file_of_its_own(name, tmp_path):
     path = swaying(T)

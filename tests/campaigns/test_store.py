@@ -173,6 +173,7 @@ def assert_same(one: Campaign, other: Campaign) -> None:
             assert variable.dtype == second.data[name].dtype, name
 
 
+@pytest.mark.slow
 def test_what_goes_in_comes_out(saved: Path) -> None:
     loaded = load_campaign(saved)
     assert_same(campaign(), loaded)
@@ -251,6 +252,7 @@ def test_run_ids_of_any_shape_find_their_own_data(saved: Path) -> None:
         read_run(saved, "PS_7")
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(ids=st.lists(st.text(max_size=6), min_size=1, max_size=6, unique=True))
 def test_ids_are_kept_whatever_they_are(ids: list[str], tmp_path_factory) -> None:
@@ -311,6 +313,7 @@ def test_nothing_stays_open(saved: Path) -> None:
     assert data["Y"].shape == (700,)
 
 
+@pytest.mark.slow
 def test_many_threads_read_the_right_runs(saved: Path) -> None:
     loaded = load_campaign(saved)
     expected = [float(each.data["Y"].sum()) for each in loaded.runs[:2]]
@@ -336,6 +339,7 @@ def test_long_records_are_stored_in_several_chunks(tmp_path: Path) -> None:
         assert file["runs/long/Y"].chunks == (131072,)
 
 
+@pytest.mark.slow
 def test_an_index_beyond_64_kilobytes(tmp_path: Path) -> None:
     note = MappingProxyType({"conversions": [f"run {number}: X by 1000" for number in range(9000)]})
     each = campaign().with_(provenance=note)
@@ -366,6 +370,7 @@ def test_all_runs_that_cannot_be_saved_are_named_and_nothing_is_written(tmp_path
     assert os.listdir(tmp_path) == []
 
 
+@pytest.mark.slow
 def test_an_excluded_run_that_cannot_be_read_does_not_stop_the_others(tmp_path: Path) -> None:
     broken = run("E", means(), loader=failing("torn"))
     save_campaign(campaign().with_(excluded=((broken, "torn tape"),)), tmp_path / "c.h5")
@@ -460,6 +465,7 @@ def test_flipped_and_zeroed_bytes_give_an_error_or_the_right_data(saved: Path, w
     assert refused > 5
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(
     st.recursive(

@@ -33,6 +33,7 @@ def clean() -> tuple[CheckFinding, ...]:
     return examine(campaign_of(programme(noise=0.05)))
 
 
+@pytest.mark.slow
 def test_a_clean_bare_hull_programme_draws_no_error_and_no_warning(clean):
     assert [str(finding) for finding in clean if finding.severity != "info"] == []
     refuse(clean)
@@ -44,6 +45,7 @@ def test_a_clean_programme_with_the_inertia_inside_and_so_stated_is_silent_too()
     assert [str(finding) for finding in findings if finding.severity != "info"] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("inside", "claim", "words"),
     [(True, "hydrodynamic", "still inside"), (False, "balance", "already removed")],
@@ -58,6 +60,7 @@ def test_a_wrong_claim_about_inertia_is_told_in_each_of_Y_N_X_and_Yr(inside, cla
     assert "fits them all" in found[0].message
 
 
+@pytest.mark.slow
 def test_the_measured_ratios_are_the_masses_that_were_put_in():
     runs = programme(speeds=(1.0, 2.0), inside=True, noise=0.0)
     found = said(examine(campaign_of(runs)), "inertia")
@@ -175,6 +178,7 @@ def test_resistance_that_pushes():
     assert said(examine(campaign_of(right)), "signs") == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("factor", "word"),
     [
@@ -225,6 +229,7 @@ def lost_means(**factors):
     return change
 
 
+@pytest.mark.slow
 def test_means_of_oscillating_runs_on_another_scale():
     runs = programme(speeds=(1.5,), change=lost_means(Y=30.0), cycles=5.0, noise=0.0)
     (found,) = said(examine(campaign_of(runs)), "means")
@@ -242,6 +247,7 @@ def test_means_without_a_common_factor_are_told_as_such():
     assert all("not one constant" in finding.message for finding in found)
 
 
+@pytest.mark.slow
 def test_moments_about_another_point_break_the_symmetry_of_the_mass_matrix():
     point = 0.05 * SHIP.L
 
@@ -280,6 +286,7 @@ def test_all_errors_stand_in_one_refusal_and_warnings_do_not_raise():
     refuse(finding for finding in findings if finding.severity != "error")
 
 
+@pytest.mark.slow
 def test_summaries_made_before_give_the_same_findings_without_reading():
     runs = programme(speeds=(1.5,), inside=True)
     whole = campaign_of(runs)

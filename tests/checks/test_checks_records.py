@@ -122,11 +122,13 @@ def slow_noise(run: Run, data: xr.Dataset) -> xr.Dataset:
     )
 
 
+@pytest.mark.slow
 def test_slow_noise_is_no_difference_between_cycles():
     runs = programme(speeds=(1.0, 1.5), change=slow_noise)
     assert said(examine(campaign_of(runs)), "cycles") == []
 
 
+@pytest.mark.slow
 def test_the_synthetic_s175_programme_is_silent(datasets):
     if not (datasets / "s175" / "campaign.toml").is_file():
         pytest.skip("the S175 programme has not been made")

@@ -97,6 +97,7 @@ def test_every_way_to_a_derivative_is_listed(reduced):
     assert any(row["run"] == "PS_U1_a0.3" for row in rows)
 
 
+@pytest.mark.slow
 def test_a_pooled_table_has_no_froude_number(campaign, tmp_path):
     assert main(["reduce", str(campaign), "--fn", "pooled", "--out", str(tmp_path / "p")]) == 0
     rows = rows_of(tmp_path / "p" / "derivatives.csv")
@@ -127,6 +128,7 @@ def test_a_hull_alone_cannot_turn_and_says_what_it_lacks(campaign, tmp_path, cap
     assert "propeller" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_model_that_reduce_writes_turns_like_the_one_in_python(reduced, tmp_path):
     out = tmp_path / "turn"
     arguments = ["--manoeuvre", "turning", "--rudder-deg", "35", "--speed", "8.0"]
@@ -145,6 +147,7 @@ def test_the_model_that_reduce_writes_turns_like_the_one_in_python(reduced, tmp_
     assert header.split(",")[:9] == ["t", "x", "y", "psi", "u", "v", "r", "p", "phi"]
 
 
+@pytest.mark.slow
 def test_duration_ends_the_track(tmp_path):
     out = tmp_path / "t"
     assert main(["simulate", "s175", "--speed", "8", "--duration", "20", "--out", str(out)]) == 0
@@ -153,6 +156,7 @@ def test_duration_ends_the_track(tmp_path):
     assert metrics["tactical_diameter"] is None
 
 
+@pytest.mark.slow
 def test_sweep_has_a_row_per_speed(tmp_path, capsys):
     out = tmp_path / "sweep"
     status, content, _ = said(capsys, "sweep", "s175-3dof", "--speeds", "6,9,12", "--out", out)
@@ -164,6 +168,7 @@ def test_sweep_has_a_row_per_speed(tmp_path, capsys):
     assert len(rows_of(out / "sweep.csv")) == 3
 
 
+@pytest.mark.slow
 def test_a_sweep_over_any_setting_with_intervals(tmp_path, capsys):
     out = tmp_path / "sweep"
     arguments = ["--speeds", "9", "--over", "rudder_deg", "--values", "15,35"]
@@ -208,6 +213,7 @@ def test_stability_of_an_unstable_tanker(tmp_path, capsys):
     assert content["loop_width_deg"] == pytest.approx(max(angles) - min(angles), rel=0.05)
 
 
+@pytest.mark.slow
 def test_uncertainty_and_its_causes(tmp_path, capsys):
     out = tmp_path / "u"
     arguments = ["--speed", "9", "--spread", "0.05", "--ships", "400", "--seed", "3", "--out", out]
@@ -252,6 +258,7 @@ def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     assert "ITTC 1978" in words
 
 
+@pytest.mark.slow
 def test_compare_writes_errors_uncertainties_and_figures(campaign, tmp_path, capsys):
     out = tmp_path / "compared"
     status, content, words = said(capsys, "compare", "s175-3dof", campaign, "--out", out)
@@ -280,6 +287,7 @@ def test_compare_writes_errors_uncertainties_and_figures(campaign, tmp_path, cap
     assert content["standouts"] == []
 
 
+@pytest.mark.slow
 def test_compare_says_where_a_model_fails(reduced, campaign, tmp_path, capsys):
     """N_vvr taken out of the model that was reduced from these very tests."""
     model = pmmkit.load_model(reduced / "model.toml")
@@ -309,6 +317,7 @@ def test_compare_refuses_a_model_of_another_ship(campaign, tmp_path, capsys):
     assert not (tmp_path / "no").exists()
 
 
+@pytest.mark.slow
 def test_check_is_quiet_on_sound_data_and_refuses_contradictions(campaign, tmp_path, capsys):
     status, content, _ = said(capsys, "check", campaign)
     assert (status, content["errors"]) == (0, 0)
@@ -328,6 +337,7 @@ def test_check_is_quiet_on_sound_data_and_refuses_contradictions(campaign, tmp_p
     assert not out.exists()
 
 
+@pytest.mark.slow
 def test_all_faults_of_a_campaign_are_told_with_their_places(tmp_path, capsys):
     folder = write_campaign(tmp_path / "damaged")
     first, second = sorted((folder / "runs").glob("SD_U1_*.csv"))[:2]
@@ -388,6 +398,7 @@ def test_a_usage_error_is_json_too(capsys):
     assert "--speed" in words
 
 
+@pytest.mark.slow
 def test_the_installed_command_hands_its_status_on():
     code = "import sys; from pmmkit.cli import main; sys.exit(main())"
     for arguments, status in ((["ships"], 0), (["simulate", "nobody", "--speed", "1"], 1)):
@@ -397,6 +408,7 @@ def test_the_installed_command_hands_its_status_on():
         assert done.returncode == status
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "stop",
     [
@@ -421,6 +433,7 @@ def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monke
     assert [file.read_text() for file in before.iterdir()] == ["mine"]
 
 
+@pytest.mark.slow
 def test_results_beside_files_of_the_user_leave_them_alone(tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     (tmp_path / "metrics.json").write_text("old")

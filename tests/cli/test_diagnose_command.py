@@ -47,6 +47,7 @@ def diagnosed(folder):
     return json.loads((folder / "found" / "diagnosis.json").read_text())
 
 
+@pytest.mark.slow
 def test_the_json_holds_what_the_contract_says(diagnosed):
     assert diagnosed["verdict"] == "missing_effect"
     best = diagnosed["group"][0]
@@ -81,6 +82,7 @@ def test_the_files_of_a_diagnosis(folder, diagnosed):
     assert "fault_misalignment" in page
 
 
+@pytest.mark.slow
 def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
     _, out, _ = run(
         capsys,
@@ -98,6 +100,7 @@ def test_words_say_family_rivals_and_what_could_not_be_shown(folder, capsys):
     assert not (folder / "words" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_nothing_hidden_is_nothing_named(folder, capsys):
     status, out, err = run(
         capsys,
@@ -114,6 +117,7 @@ def test_nothing_hidden_is_nothing_named(folder, capsys):
     assert "Nothing is missing" in err
 
 
+@pytest.mark.slow
 def test_what_is_known_is_given(folder, capsys):
     _, out, _ = run(
         capsys,
@@ -132,6 +136,7 @@ def test_what_is_known_is_given(folder, capsys):
     assert found["group"][0]["effects"] == ["yaw_sway_coupling"]
 
 
+@pytest.mark.slow
 def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     target = folder / "better.toml"
     status, out, _ = run(
@@ -180,6 +185,7 @@ def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "status", "said"),
     [
@@ -244,6 +250,7 @@ def test_options_of_the_other_kind_of_tests_are_refused(options, said, tmp_path,
     assert said in err
 
 
+@pytest.mark.slow
 def test_captive_tests_know_no_windows(folder, capsys):
     status, _, err = run(capsys, "diagnose", "cubic", folder / "quiet.h5", "--runs", "PS*")
     assert status == 1

@@ -142,6 +142,7 @@ def rows_of(path):
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.slow
 def test_one_method_writes_its_files_and_predicts_what_was_held_out(
     campaign, start, tmp_path, capsys
 ):
@@ -235,6 +236,7 @@ def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
     assert line.split()[-1] == "held"
 
 
+@pytest.mark.slow
 def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
     status, content, words = said(
         capsys,
@@ -264,6 +266,7 @@ def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
     assert "history" not in " ".join(content["files"])
 
 
+@pytest.mark.slow
 def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
     status, content, words = said(
         capsys,
@@ -288,6 +291,7 @@ def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
     assert "sail without it" in words
 
 
+@pytest.mark.slow
 def test_what_the_records_do_not_determine_is_named_and_kept(campaign, start, tmp_path, capsys):
     out = tmp_path / "t"
     status, content, words = said(
@@ -312,6 +316,7 @@ def test_what_the_records_do_not_determine_is_named_and_kept(campaign, start, tm
     assert kept == pk.load_model(start).values("hull_polynomial")["Nrrr"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -350,6 +355,7 @@ def test_usage(campaign, start, capsys, arguments):
     capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_other_ships_and_captive_campaigns_are_refused(tmp_path, capsys, campaign, datasets):
     assert main(["identify", str(campaign), "--model", "kvlcc2", "--out", str(tmp_path / "a")]) == 1
     assert "pmmkit scale kvlcc2 --length 7" in capsys.readouterr().err
@@ -397,6 +403,7 @@ def test_a_method_that_fails_beside_others_is_named(records):
         )
 
 
+@pytest.mark.slow
 def test_the_comparison_as_tables(compared):
     found, _ = compared
     frame = found.to_pandas()
@@ -472,6 +479,7 @@ def test_the_prior_of_a_model_has_its_covariance(tmp_path):
     np.testing.assert_allclose(before(str(path), spread=0.1).std[0], 0.0315)
 
 
+@pytest.mark.slow
 def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_path):
     found, references = compared
     items, filtered = list(found.found.values()), found.found["ekf"].detail
@@ -552,6 +560,7 @@ def test_consistency_in_numbers():
         innovation_tests({"a": of(WHITE)}, lags=0)
 
 
+@pytest.mark.slow
 def test_the_whiteness_test_is_right_as_often_as_it_says():
     rng = np.random.default_rng(0)
     small = [

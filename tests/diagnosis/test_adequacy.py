@@ -39,6 +39,7 @@ def worst(system, blocks):
 # The rule of evidence
 
 
+@pytest.mark.slow
 def test_lack_of_fit_is_the_ratio_of_two_normal_densities():
     """N(0, I + s² E E') over N(0, I), mean over the sizes; E the sine of pure sway in Y."""
     system = captive_system(hidden_campaign("small", {}, seed=5), BASE)
@@ -63,6 +64,7 @@ def test_lack_of_fit_is_the_ratio_of_two_normal_densities():
     assert found.log_evidence == pytest.approx(np.log(np.mean(np.exp(densities))), abs=1e-8)
 
 
+@pytest.mark.slow
 def test_nothing_of_the_base_is_left_by_its_projection():
     system = captive_system(hidden_campaign("small", {}, seed=5), BASE)
     for piece in system.pieces:
@@ -73,12 +75,14 @@ def test_nothing_of_the_base_is_left_by_its_projection():
 # What is left
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", ["standard", "hard"])
 def test_nothing_is_left_where_nothing_is_hidden(noise):
     system, _ = asked({}, seed=2, noise=noise)
     assert flags(system, []) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", ["lagged_crossflow", "yaw_sway_coupling", "heel_coupling"])
 def test_the_right_answer_is_the_whole_story(effect):
     system, blocks = asked({effect: 1.0})
@@ -87,6 +91,7 @@ def test_the_right_answer_is_the_whole_story(effect):
     assert flags(system, []) != ()
 
 
+@pytest.mark.slow
 def test_what_goes_with_the_place_in_the_tank_is_not_smooth_in_the_motion():
     """A spring of the wall: named as delays, but first harmonics disagree between the tests."""
     system, blocks = asked({"outside_wall_spring": 1.0}, programme="full")
@@ -97,12 +102,14 @@ def test_what_goes_with_the_place_in_the_tank_is_not_smooth_in_the_motion():
     assert "is not explained" in "".join(flags(system, blocks))
 
 
+@pytest.mark.slow
 def test_a_loop_leaves_the_harmonics_of_sway():
     system, blocks = asked({"outside_hysteresis": 1.0})
     found = worst(system, blocks)
     assert (found.channel, found.log_evidence > LACK) == ("Y", True)
 
 
+@pytest.mark.slow
 def test_what_stands_for_an_error_of_form_is_not_named():
     """Drag of sections from a table is no catalogue's: what is added to it is not needed."""
     campaign = hidden_campaign("full", {"crossflow_drag": 1.0}, truth="foreign", seed=502)
@@ -114,6 +121,7 @@ def test_what_stands_for_an_error_of_form_is_not_named():
     assert chosen(system, entries).names == ("crossflow_drag",)
 
 
+@pytest.mark.slow
 def test_two_true_effects_are_both_needed():
     system, blocks = asked({"yaw_sway_coupling": 1.0, "lagged_crossflow": 1.0})
     assert len(blocks) == 2
@@ -123,6 +131,7 @@ def test_two_true_effects_are_both_needed():
 # One run
 
 
+@pytest.mark.slow
 def test_leaving_a_run_out_is_a_system_without_it():
     campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=11)
     system = captive_system(campaign, BASE)
@@ -134,6 +143,7 @@ def test_leaving_a_run_out_is_a_system_without_it():
     assert least < evidence_at(system, block.places)
 
 
+@pytest.mark.slow
 def test_one_bad_run_is_not_named():
     """A static run off by 15 N: the effects that it alone shows explain it, and are refused."""
     campaign = hidden_campaign("small", {}, seed=3)
@@ -153,6 +163,7 @@ def _off(run, newtons):
     return run.with_(loader=lambda: moved)
 
 
+@pytest.mark.slow
 def test_an_effect_that_is_given_is_not_left():
     system, blocks = asked({"memory": 1.0})
     assert flags(system, [], blocks) == ()

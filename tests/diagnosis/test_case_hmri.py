@@ -19,6 +19,7 @@ def campaign(shared_data, datasets):
     return open_campaign(datasets / "kvlcc2_hmri", data=shared_data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("base", "expected", "fall"),
     [
@@ -46,6 +47,7 @@ def test_without_a_stated_noise_nothing_is_said(campaign):
         diagnose_captive(campaign, "cubic")
 
 
+@pytest.mark.slow
 def test_a_larger_noise_names_no_more(campaign):
     few, many = (
         begin("cubic", campaign, noise=noise, floor=0.02).diagnose().best for noise in (0.06, 0.01)

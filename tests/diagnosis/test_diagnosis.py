@@ -71,6 +71,7 @@ def test_odds_are_words_and_end_at_a_thousand():
 # Nothing hidden
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("noise", ["standard", "hard"])
 def test_a_campaign_without_an_effect_is_noise(seed, noise):
@@ -80,6 +81,7 @@ def test_a_campaign_without_an_effect_is_noise(seed, noise):
     assert found.findings == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", ["fault_gauge_gain", "fault_moment_point"])
 def test_what_the_base_absorbs_is_noise_and_listed_as_not_testable(effect):
     found = diagnosed({effect: 1.0})
@@ -92,6 +94,7 @@ def test_what_the_base_absorbs_is_noise_and_listed_as_not_testable(effect):
 # One effect hidden
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effect",
     [
@@ -124,6 +127,7 @@ def test_a_hidden_effect_is_named(effect):
     assert found.chance < 0.01
 
 
+@pytest.mark.slow
 def test_a_clock_that_is_late_cannot_be_told_from_a_filter():
     """A filter is a lag and a little attenuation: a lag may be either, both are named."""
     found = diagnosed({"fault_time_lag": 1.0})
@@ -131,6 +135,7 @@ def test_a_clock_that_is_late_cannot_be_told_from_a_filter():
     assert "knock" in found.findings[0].separating_test
 
 
+@pytest.mark.slow
 def test_a_filter_is_found_with_its_corner():
     """2.07 Hz, between the points of the grid."""
     found = diagnosed({"fault_filter_lag": 1.0})
@@ -139,6 +144,7 @@ def test_a_filter_is_found_with_its_corner():
     assert found.findings[0].value == pytest.approx(2.07, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_size_of_a_fault_is_found_with_its_uncertainty():
     """0.26° of misalignment; 3 % of PMM amplitude; 2.4 N and -3.5 N m of zero error."""
     for effect, expected in (
@@ -151,11 +157,13 @@ def test_the_size_of_a_fault_is_found_with_its_uncertainty():
         np.testing.assert_array_less(np.abs(np.abs(values) - np.abs(expected)), 4.0 * std)
 
 
+@pytest.mark.slow
 def test_two_effects_are_named_together():
     found = diagnosed({"yaw_sway_coupling": 1.0, "fault_gauge_zero": 1.0})
     assert effects_of(found)[0] == ("fault_gauge_zero", "yaw_sway_coupling")
 
 
+@pytest.mark.slow
 def test_the_same_data_give_the_same_answer():
     one, two = (diagnosed({"memory": 1.0}) for _ in range(2))
     assert one.entries == two.entries
@@ -186,12 +194,14 @@ def test_the_order_of_equals_does_not_hang_on_the_process():
 # What the runs can show
 
 
+@pytest.mark.slow
 def test_one_speed_cannot_show_what_changes_with_speed():
     found = diagnosed({}, programme="small")
     hidden = {item.name for item in found.not_testable}
     assert {"froude_linear", "froude_nonlinear", "resistance_curve"} <= hidden
 
 
+@pytest.mark.slow
 def test_coverage_grows_with_the_programme():
     small, full = (
         {item.name: item.signal for item in diagnosed({}, programme=name).covered}
@@ -208,6 +218,7 @@ def test_something_outside_the_catalogue_is_not_given_a_bare_name():
         assert found.verdict == "unexplained" or "not_the_whole_story" in found.flags, effect
 
 
+@pytest.mark.slow
 def test_a_model_a_structure_and_a_list_are_the_same_base():
     campaign = hidden_campaign("small", {"yaw_sway_coupling": 1.0}, seed=4)
     answers = [diagnose(base, campaign) for base in ("cubic", structures()["cubic"].derivatives)]
@@ -232,6 +243,7 @@ def test_free_running_campaigns_are_refused_for_now():
 # Forces without noise
 
 
+@pytest.mark.slow
 def test_forces_without_noise_are_refused_until_their_uncertainty_is_stated():
     """CFD: every difference would be evidence."""
     computed = hidden_campaign("middle", {}, seed=1, noise="none")
@@ -241,6 +253,7 @@ def test_forces_without_noise_are_refused_until_their_uncertainty_is_stated():
         diagnose_captive(replace(hidden_campaign("middle", {}), cfd={"rho_inf": 1000.0}), BASE)
 
 
+@pytest.mark.slow
 def test_the_numerical_uncertainty_is_the_floor():
     """1 % of the rms forces in newtons at the middle speed, as a grid study would state it."""
     computed = hidden_campaign("middle", {"memory": 1.0}, seed=1, noise="none")
@@ -253,6 +266,7 @@ def test_the_numerical_uncertainty_is_the_floor():
     assert found.best == plain.best
 
 
+@pytest.mark.slow
 def test_a_clean_computation_of_the_base_names_nothing():
     found = diagnose_captive(hidden_campaign("full", {}, noise="none"), BASE, floor=0.005)
     assert found.best == ()

@@ -185,6 +185,7 @@ def test_candidates_have_a_place_in_the_model():
                 prior_of(item.added_to(model), base, model.ship.speed(0.14, 9.81), spread=0.1)
 
 
+@pytest.mark.slow
 def test_one_record_is_not_enough():
     records = sailed(SHIP, 0, runs=RUNS[:1])
     with pytest.raises(DataError, match="at least two"):

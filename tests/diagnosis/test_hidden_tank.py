@@ -349,6 +349,7 @@ ACTS = {
 """Kinds of tests in which the catalogue's form acts; None where it acts in all."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", ACTS)
 def test_catalogue_forms_act_where_they_should_and_nowhere_else(effect):
     campaign, changes = silent(), change({effect: 1.0})
@@ -362,6 +363,7 @@ def test_catalogue_forms_act_where_they_should_and_nowhere_else(effect):
         assert found > 1e-5 if acts else found < 1e-9, run.id
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", ["catalogue", "foreign"])
 @pytest.mark.parametrize(
     ("effect", "silent_tests"),
@@ -388,6 +390,7 @@ def test_both_truths_leave_the_same_runs_alone(effect, truth, silent_tests):
     assert max(abs(part).max() for part in changes.values()) > 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", INSIDE)
 def test_the_foreign_truth_is_about_as_large_as_the_catalogues(effect):
     """Rms over the runs in which the catalogue's form acts, channels in their scale."""
@@ -403,6 +406,7 @@ def test_the_foreign_truth_is_about_as_large_as_the_catalogues(effect):
     assert overlap / norms[0] / norms[1] > 0.7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "truth"),
     [(effect, "catalogue") for effect in EFFECTS] + [(effect, "foreign") for effect in INSIDE],
@@ -462,6 +466,7 @@ def test_the_carriage_is_fast_at_one_speed_alone():
 # --- faults by hand -----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_gauge_faults_by_hand():
     bare = silent()["SD_1.0_6"].data
     zero = silent({"fault_gauge_zero": 0.5})["SD_1.0_6"].data
@@ -560,6 +565,7 @@ def test_outside_effects_are_what_they_are_called():
 # --- the package takes it -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("programme", ["full", "middle", "small"])
 def test_a_clean_campaign_passes_the_checks(programme):
     for balance in (False, True):
@@ -567,6 +573,7 @@ def test_a_clean_campaign_passes_the_checks(programme):
         assert [finding.message for finding in found if finding.severity == "error"] == []
 
 
+@pytest.mark.slow
 def test_the_reduction_finds_the_truth():
     campaign = hidden_campaign("full", seed=1, stated=True)
     names = ["Xvr", *TRUTH]

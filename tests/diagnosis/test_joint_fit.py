@@ -45,6 +45,7 @@ def system():
     return captive_system(hidden_campaign("middle", HIDDEN, seed=5, sided="both"), BASE)
 
 
+@pytest.mark.slow
 def test_evidence_beside_a_known_effect_is_that_of_both_less_that_of_the_known(system):
     known, other = (best_blocks(system, name)[0] for name in ("fault_misalignment", "memory"))
     both = evidence_at(system, np.concatenate([known.places, other.places]))
@@ -98,6 +99,7 @@ def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):
         )
 
 
+@pytest.mark.slow
 def test_naming_what_was_hidden_brings_the_held_out_error_down_to_the_noise(system):
     blocks = [best_blocks(system, name)[0] for name in HIDDEN]
     before, half, after = (held_out(system, blocks[:n]) for n in range(3))
@@ -113,6 +115,7 @@ def test_an_effect_that_is_not_there_does_not_lower_the_held_out_error(system):
     assert held_out(system, [*blocks, other]).share() > 0.99 * held_out(system, blocks).share()
 
 
+@pytest.mark.slow
 def test_what_is_given_is_not_asked_again(system):
     first = answer(system, floor=0.005)
     assert set(first.best) == set(HIDDEN)
@@ -127,6 +130,7 @@ def test_an_effect_that_does_not_take_part_cannot_be_given(system):
         taken_as_given(system, ["ghost"])
 
 
+@pytest.mark.slow
 def test_findings_tell_the_error_without_and_with_each_effect():
     found = diagnose_captive(hidden_campaign("full", HIDDEN, seed=5), BASE)
     by_name = {item.effect: item for item in found.findings}

@@ -14,6 +14,7 @@ def found():
     return {item.name: item for item in signatures(asked)}
 
 
+@pytest.mark.slow
 def test_harmonics_have_their_ratios(found):
     """v|v|: C3/C1 = 0.2; v²v̇: S3 = S1; vvr, vrr: the mean is the second harmonic of v r²."""
     sway = found["modulus_sway_drag"].acts["pure_sway"]["Y"]

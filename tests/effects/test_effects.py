@@ -314,6 +314,7 @@ def test_roll_is_righted_and_damped():
 FORCES = [effect for effect in catalogue().values() if effect.force is not None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", FORCES, ids=lambda effect: effect.name)
 @given(data=st.data())
 def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):

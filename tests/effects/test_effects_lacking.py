@@ -38,6 +38,7 @@ def response(force, omega, lag, amplitude=0.1):
     return 2 * np.mean(Y * np.exp(-1j * omega * t)) / (0.5 * RHO * L**2 * U**2 * (amplitude / U))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("omega", [0.3, 1.0, 4.0])
 @pytest.mark.parametrize("lag", [0.15, 0.8])
 def test_forced_sway_sees_the_frequency_response_of_the_lag(omega, lag):
@@ -131,6 +132,7 @@ def test_a_turn_with_memory_is_that_of_the_equations_written_by_hand():
     assert track.metrics["advance"] != pytest.approx(without.metrics["advance"], rel=1e-3)
 
 
+@pytest.mark.slow
 @given(beta=st.floats(-0.5, 0.5), r=st.floats(-0.6, 0.6), delta=st.floats(-0.5, 0.5))
 def test_added_mass_in_drift_stands_in_the_mass_matrix(beta, r, delta):
     """-½ρL³ Yvvvdot v'² more mass in sway, -½ρL⁴ Nvvvdot v'² in the moment of sway."""
@@ -164,6 +166,7 @@ def test_resistance_follows_its_curve_at_the_actual_speed():
     assert fast > slow
 
 
+@pytest.mark.slow
 @given(v=st.floats(-2, 2), r=st.floats(-1, 1), growth=st.floats(-0.5, 3))
 def test_drag_that_grows_to_the_ends_is_its_integral(v, r, growth):
     """Numerical quadrature of CD(x) |v + xr| (v + xr) and its moment."""

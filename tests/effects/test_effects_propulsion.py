@@ -465,6 +465,7 @@ RANGES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RANGES)
 @given(data=st.data())
 def test_one_instant_and_whole_histories_agree(name, data):

@@ -329,6 +329,7 @@ def test_a_hull_with_crossflow_drag_turns_wider_at_last():
     assert 1.05 * deep < two < 0.9 * less
 
 
+@pytest.mark.slow
 @given(draughts=st.floats(1.21, 20.0), nearer=st.floats(0.8, 0.99))
 def test_linear_sway_and_added_mass_grow_towards_the_bottom(draughts, nearer):
     ship = load_model("kvlcc2").ship

@@ -188,6 +188,7 @@ def test_columns_are_those_of_the_polynomial():
             np.testing.assert_allclose(sum_[channel][:, 0], one[channel] @ share, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_an_own_effect_wins_where_the_catalogue_has_no_such_thing():
     """Yaw-sway coupling taken out of the catalogue and written as text."""
     mine = pk.own_effect(
@@ -206,6 +207,7 @@ def test_an_own_effect_wins_where_the_catalogue_has_no_such_thing():
     assert finding.coefficients["Nvvr"] == pytest.approx(-0.0424, rel=0.3)
 
 
+@pytest.mark.slow
 def test_a_tied_effect_enters_a_model_with_its_shares():
     fins = pk.own_effect("fins", "Y: a*v*|v|; N: -0.4*a*v*|v|; a ~ -0.01")
     model = load_model("kcs")
@@ -219,6 +221,7 @@ def test_a_tied_effect_enters_a_model_with_its_shares():
         pk.with_effect(model, replace(finding, effect="fins", coefficients={"a": -0.02}))
 
 
+@pytest.mark.slow
 def test_one_written_by_hand_takes_part_too():
     """A candidate in Python: the coupling as one shape with a single coefficient."""
 

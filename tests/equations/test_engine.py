@@ -116,6 +116,7 @@ def test_interpreted_and_compiled_agree(name, manoeuvre):
         assert other.metrics[key] == pytest.approx(value, rel=1e-9, nan_ok=True)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     state=st.tuples(st.floats(0.4, 1.2), st.floats(-0.4, 0.4), st.floats(-0.1, 0.1)),
@@ -166,6 +167,7 @@ def test_one_ship_alone_is_the_same_ship_in_a_batch_bit_for_bit():
             assert metrics[key][ship] == value, key
 
 
+@pytest.mark.slow
 def test_threads_change_no_bit():
     one, four = (
         monte_carlo(TANKER, "zigzag", speed=SPEED, n=1200, spread=0.05, jobs=jobs)
@@ -190,6 +192,7 @@ def test_a_ship_without_bound_spoils_no_other():
     assert metrics["advance"][1] == simulate(TANKER, speed=SPEED).metrics["advance"]
 
 
+@pytest.mark.slow
 def test_an_interval_has_the_width_that_the_slopes_say():
     """Small spread: the standard deviation of the ships is that of the linear theory."""
     many = monte_carlo(TANKER, speed=SPEED, n=4000, spread=0.01)
@@ -219,6 +222,7 @@ def test_slopes_are_those_of_independent_central_differences():
             assert found.slopes[metric][i] == pytest.approx(slope / (12 * h), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_sobol_indices_of_a_nearly_linear_metric_are_its_shares():
     found = sobol(TANKER, speed=SPEED, spread=0.005, n=1024)
     linear = sensitivities(TANKER, speed=SPEED, spread=0.005)
@@ -273,6 +277,7 @@ def towed_with_a_brake(size):
     )
 
 
+@pytest.mark.slow
 def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_path, monkeypatch):
     (tmp_path / "sea_anchor.py").write_text(MADE_UP, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
@@ -342,6 +347,7 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
 # The cache
 
 
+@pytest.mark.slow
 def test_two_sessions_share_what_was_compiled(tmp_path):
     code = (
         "import json, time, pmmkit as pk\n"
@@ -365,6 +371,7 @@ def test_two_sessions_share_what_was_compiled(tmp_path):
     assert len(list(tmp_path.rglob("pmmkit_equations_*.py"))) == 1
 
 
+@pytest.mark.slow
 def test_where_nothing_can_be_written_it_compiles_all_the_same(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("PMMKIT_CACHE", str(tmp_path / "file"))

@@ -139,6 +139,7 @@ def same_data(one: Campaign, other: Campaign) -> None:
     assert sorted(map(repr, one.uncertainty)) == sorted(map(repr, other.uncertainty))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["campaign.nc", "campaign.h5", "folder"])
 def test_a_campaign_comes_back_the_same_to_the_bit(small, name, tmp_path):
     campaign = pk.open_campaign(small)
@@ -227,6 +228,7 @@ def test_every_kind_of_run_comes_back(name, tmp_path, monkeypatch):
         assert head == "t [s],X [N],Y [N],N [N m],v [m/s],delta [rad]"
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60)
 @given(
     degrees=st.floats(-180, 180), samples=st.lists(st.floats(-1e20, 1e20), min_size=3, max_size=9)
@@ -280,6 +282,7 @@ def test_a_folder_that_holds_a_campaign_is_left_alone(small, tmp_path):
     assert before == {file: file.read_bytes() for file in small.iterdir() if file.is_file()}
 
 
+@pytest.mark.slow
 def test_corrections_of_samples_are_not_done_twice(tmp_path):
     folder = write_campaign(tmp_path / "small")
     text = (folder / "campaign.toml").read_text(encoding="utf-8")
@@ -393,6 +396,7 @@ def test_the_command_writes_and_says_what(tmp_path, monkeypatch, capsys):
     assert "Written: kvlcc2_l7.m" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_command_exports_a_campaign_and_back(small, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["export", str(small), "--to", "csv"]) == 0

@@ -142,6 +142,7 @@ def library(name: str, reduced: pk.Model) -> tuple[pk.Model, float]:
     return (reduced, 8.0) if name == "reduced" else (pk.load_model(name), SPEEDS[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*SPEEDS, "reduced"])
 def test_the_function_of_mss_has_our_right_hand_side(name, reduced):
     assert_same_rates(*library(name, reduced), 40)
@@ -206,6 +207,7 @@ CONVENTIONS = [
 ]
 
 
+@pytest.mark.slow
 def test_every_convention_is_written_as_it_is_meant():
     known = pk.load_model("s175-3dof")
     known = known.with_values(
@@ -234,6 +236,7 @@ _BLADE = dict(pk.load_model("s175").parts["rudder_mmg"].values)
 _ENGINE = {"inertia": 2e5, "torque_max": 2e6}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("effect", "values", "options"),
     [
@@ -419,6 +422,7 @@ def code_lines(text: str, sign: str) -> list[str]:
     return [line for line in text.splitlines() if line and not line.startswith(sign)]
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=40)
 @given(texts=st.lists(st.text(max_size=60), min_size=5, max_size=5))
 def test_no_text_of_a_model_becomes_code(texts):

@@ -108,6 +108,7 @@ def test_thrust_lifts_the_curve_of_the_surge_force():
     np.testing.assert_allclose(heights[1] - heights[0], 1e3 * 0.8 * 7.0 / unit, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_derivatives_over_froude_show_values_and_intervals(table):
     figure = figures.derivatives_over_froude(table, reference=TRUTH, reference_name="truth")
     axes = drawn(figure)
@@ -218,6 +219,7 @@ def test_measures_over_froude_with_the_imo_limits():
     assert len(transfer.lines) == 1
 
 
+@pytest.mark.slow
 def test_static_means_of_a_campaign_come_with_their_settings(reduction):
     sets = drift_points(reduction)
     assert [round(item.froude, 3) for item in sets] == [0.145, 0.29]
@@ -255,6 +257,7 @@ def every_figure(table, track, reduction):
     yield figures.measures_over_froude({"ours": pmmkit.froude_sweep("s175-3dof", [6.0, 12.0])})
 
 
+@pytest.mark.slow
 def test_every_axis_says_its_unit(table, track, reduction):
     for figure in every_figure(table, track, reduction):
         for axis in drawn(figure):
@@ -268,6 +271,7 @@ def test_every_axis_says_its_unit(table, track, reduction):
             assert any("[" in text for text in (*words, *below)), words
 
 
+@pytest.mark.slow
 def test_no_legend_covers_data(table, track, reduction):
     for figure in every_figure(table, track, reduction):
         figure.draw_without_rendering()
@@ -297,6 +301,7 @@ def test_the_same_figure_gives_the_same_bytes(table, tmp_path):
         assert names[0].read_bytes() == names[1].read_bytes()
 
 
+@pytest.mark.slow
 def test_figures_do_without_pyplot():
     code = (
         "import sys, pmmkit as pk\nfrom pmmkit import figures\n"

@@ -39,6 +39,7 @@ def test_links_lead_somewhere(page):
         assert (page.parent / target).exists(), f"{page.name} links to {target}"
 
 
+@pytest.mark.slow
 def test_generated_pages_are_up_to_date():
     for name, text in make_docs.pages().items():
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, "run make_docs.py"

@@ -62,6 +62,7 @@ def described(text: str) -> set[str]:
     return listed | set(re.findall(r"`(\w+)`", text))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
 def test_modules_and_their_public_functions_say_what_they_do(path):
     text = path.read_text(encoding="utf-8")

@@ -46,11 +46,13 @@ def test_importing_pmmkit_loads_nothing_heavy():
     assert heavy_among(loaded_by("import pmmkit")) == []
 
 
+@pytest.mark.slow
 def test_every_short_name_is_reached_without_plotting_or_statistics():
     modules = loaded_by("import pmmkit\nfor name in pmmkit.__all__: getattr(pmmkit, name)")
     assert heavy_among(modules) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "module", ["pmmkit.figures", "pmmkit.report", "pmmkit.api", "pmmkit.reduction"]
 )

@@ -43,6 +43,7 @@ def of(findings, check: str, text: str):
     return item
 
 
+@pytest.mark.slow
 def test_nothing_is_refused(findings, hsva):
     refuse(findings)
     refuse(examine(hsva))
@@ -102,6 +103,7 @@ def test_signs_of_rudder_heading_and_wind(esso):
         assert cosine > math.cos(math.radians(45))
 
 
+@pytest.mark.slow
 def test_segments_hold_no_jumps_and_no_stop(esso):
     for run in esso:
         parts = usable(run)
@@ -115,12 +117,14 @@ def test_segments_hold_no_jumps_and_no_stop(esso):
             assert any("propeller stands" in cut.reason for cut in parts.cuts)
 
 
+@pytest.mark.slow
 def test_the_tank_records_are_whole(hsva):
     for run in hsva:
         assert usable(run).cuts == ()
     assert examine(hsva) == ()
 
 
+@pytest.mark.slow
 def test_columns_5_and_6_of_the_tank_taken_for_u_and_v(hsva, shared_data, datasets, tmp_path):
     text = (datasets / "kvlcc2_hsva" / "campaign.toml").read_text(encoding="utf-8")
     wrong = text.replace("xdot = {", "u = {").replace("ydot = {", "v = {")
@@ -130,6 +134,7 @@ def test_columns_5_and_6_of_the_tank_taken_for_u_and_v(hsva, shared_data, datase
     assert item.numbers["earth"] < 0.02 * item.numbers["body"]
 
 
+@pytest.mark.slow
 def test_the_rudder_of_the_tank_taken_for_positive_to_starboard(
     hsva, shared_data, datasets, tmp_path
 ):

@@ -240,6 +240,7 @@ def steered(model, speed, size=12):
     return t, inputs, start + [0.2 * pace, 0.05] * model.rolls
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("model", "speed"), [(TANKER, SPEED), (LINER, 9.0)])
 def test_the_motion_in_a_window_is_that_of_another_integrator(model, speed):
     ready = prepare(model, speed)
@@ -355,6 +356,7 @@ def all_parameters(model):
     return names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("model", "speed"),
     [(TANKER, SPEED), (LINER, 9.0), (SHALLOW, SPEED)],
@@ -454,6 +456,7 @@ def test_a_tanker_is_identified_and_its_residuals_are_white():
     assert np.all(np.abs(np.mean(lagged, axis=0)) < 4.0 / math.sqrt(count))
 
 
+@pytest.mark.slow
 def test_intervals_of_95_percent_hold_95_percent():
     truth = true_prior()
     errors = np.array(
@@ -497,6 +500,7 @@ def test_both_filters_agree():
     assert one.std == pytest.approx(other.std, rel=0.1)
 
 
+@pytest.mark.slow
 def test_the_roughness_of_a_wrong_model_is_found():
     """Quadratic damping that the model lacks makes the filter distrust it."""
     wrong = TANKER.with_values("hull_polynomial", Yvvv=0.0, Nvvr=0.0, Xvr=0.0)
@@ -590,6 +594,7 @@ OVER_GROUND = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("channels", "method"),
     [*((name, "ekf") for name in OVER_GROUND), ("positions", "ukf"), ("velocities", "ukf")],
@@ -720,6 +725,7 @@ def test_a_parameter_that_wanders_is_followed():
     assert abs(held[-1] - ramp[-1]) > 3.0 * abs(history[-1] - ramp[-1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "ukf"])
 def test_the_same_record_gives_the_same_bits(method):
     one, other = (
@@ -729,6 +735,7 @@ def test_the_same_record_gives_the_same_bits(method):
     np.testing.assert_array_equal(one.covariance, other.covariance)
 
 
+@pytest.mark.slow
 def test_a_rudder_of_the_wrong_sign_shows():
     """In the residuals where the noise is held; else as process noise that no ship has."""
     record = sailed(seed=15)

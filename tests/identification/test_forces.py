@@ -126,6 +126,7 @@ def test_nonlinear_parameters_of_a_rudder_are_found():
     assert found.undetermined == ()
 
 
+@pytest.mark.slow
 def test_the_covariance_of_a_fit_is_that_of_its_scatter():
     names = ["rudder_mmg.aH", "rudder_mmg.epsilon", "Yv"]
     model = load_model("kvlcc2-l7")

@@ -33,6 +33,7 @@ def found_by(method, records=None, **settings):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "ukf", "trajectory", "regression"])
 def test_every_method_finds_the_truth(method):
     found = found_by(method)
@@ -50,6 +51,7 @@ def test_every_method_finds_the_truth(method):
     assert others.items() <= TANKER.values("hull_polynomial").items()
 
 
+@pytest.mark.slow
 def test_sparse_regression_is_a_method_too():
     records = [one_record(), sailed(seed=1, rudder_deg=-10.0, switch_deg=10.0).with_(name="other")]
     records.append(sailed(seed=2, manoeuvre="turning", rudder_deg=35.0))
@@ -90,6 +92,7 @@ def test_the_table_has_a_row_per_parameter():
     assert bool(row["seen"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "ukf", "trajectory", "regression"])
 def test_what_a_straight_course_says_nothing_of(method):
     """On a straight course the resistance can be seen, damping and rudder cannot."""

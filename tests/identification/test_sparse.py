@@ -147,6 +147,7 @@ def found(ship):
     return sparse_regression(ship, measured(), LIBRARY, bags=60, fixed=["Yvdot", "Nrdot"])
 
 
+@pytest.mark.slow
 def test_exact_forces_give_back_their_terms_and_no_others(ship):
     exact = sparse_regression(
         ship, measured(noise=0.0), LIBRARY + " Yvvv Nvvv", bags=10, method="stepwise"
@@ -156,6 +157,7 @@ def test_exact_forces_give_back_their_terms_and_no_others(ship):
     assert all(exact.share[name] == (name in TRUTH) for name in exact.names)
 
 
+@pytest.mark.slow
 def test_noisy_forces_give_the_terms_with_intervals_that_hold_the_truth(found):
     assert set(found.table.names) == set(TRUTH)
     assert all(found.share[name] >= 0.95 for name in TRUTH)
@@ -169,6 +171,7 @@ def test_noisy_forces_give_the_terms_with_intervals_that_hold_the_truth(found):
     assert max(errors) < 1.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [4, 5])
 def test_terms_that_are_not_there_are_left_out_of_nine_bags_in_ten(ship, seed):
     result = sparse_regression(
@@ -181,6 +184,7 @@ def test_terms_that_are_not_there_are_left_out_of_nine_bags_in_ten(ship, seed):
     assert not set(absent) & set(result.model.parts["hull_polynomial"].values)
 
 
+@pytest.mark.slow
 def test_the_std_over_bags_of_runs_is_the_scatter_between_campaigns(ship):
     """Offsets of runs make bags of samples too narrow; bags of runs know of them."""
     results = [
@@ -285,6 +289,7 @@ def test_collinearity_stands_among_the_warnings_of_a_fit(ship):
     assert any("Held at the model's values" in text and "Yvdot" in text for text in result.warnings)
 
 
+@pytest.mark.slow
 def test_the_weak_form_averages_the_noise_of_measured_motions(ship):
     """Noise in v and r pulls the coefficients of the strong form; the weak one takes it out."""
     error = {}
@@ -302,6 +307,7 @@ def test_the_weak_form_averages_the_noise_of_measured_motions(ship):
     assert error[False] > 0.4
 
 
+@pytest.mark.slow
 def test_the_weak_form_keeps_exact_equations_exact_and_white_noise_white(ship):
     exact = sparse_regression(
         ship, measured(noise=0.0), LIBRARY, bags=5, weak=True, method="stepwise"
@@ -315,6 +321,7 @@ def test_the_weak_form_keeps_exact_equations_exact_and_white_noise_white(ship):
     assert averaged(np.ones((1, 2)), 20).shape == (1, 2)
 
 
+@pytest.mark.slow
 def test_fixed_terms_stay_as_they_are_and_their_force_counts_as_known(ship):
     known = ship.with_values("hull_polynomial", Yv=-0.30, Nr=-0.05)
     result = sparse_regression(
@@ -361,6 +368,7 @@ def test_terms_that_always_stay_do(ship):
     assert len(result.table.names) < 5
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_result(ship):
     def ask(seed):
         return sparse_regression(ship, measured(), LIBRARY, seed=seed, bags=8, method="stepwise")
@@ -444,6 +452,7 @@ def test_triangles_hold_all_that_least_squares_need():
     assert np.sum(left**2) == pytest.approx(np.sum((A @ expected - b) ** 2))
 
 
+@pytest.mark.slow
 def test_another_optimizer_of_pysindy_serves_bag_by_bag(ship):
     from pysindy import FROLS, STLSQ
 
@@ -485,6 +494,7 @@ def test_a_term_that_rests_on_one_run_is_judged_by_the_bags_that_hold_it(ship):
     assert any("Yr rests on 1 of 10 runs" in text for text in result.warnings)
 
 
+@pytest.mark.slow
 def test_gaps_do_not_count(ship):
     records = []
     for record in measured(noise=0.0):
@@ -531,12 +541,14 @@ REFUSED = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("records", "library", "choices", "said"), REFUSED)
 def test_what_cannot_be_done_is_refused_with_what_to_do(ship, records, library, choices, said):
     with pytest.raises(PmmkitError, match=said):
         sparse_regression(ship, records(measured()), library, **choices)
 
 
+@pytest.mark.slow
 def test_importing_does_not_load_pysindy():
     code = "import sys, pmmkit.identification.sparse.regression\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -57,6 +57,7 @@ def test_white_noise_is_known_to_be_white():
     assert 1.0 <= found.inflation < 2.5
 
 
+@pytest.mark.slow
 def test_intervals_of_95_percent_hold_95_percent():
     truth = true_prior()
     found = [fitted([sailed(seed=seed, dt=0.2)], off(truth, seed)) for seed in range(30)]
@@ -106,6 +107,7 @@ def test_windows_bring_their_own_start(monkeypatch):
     assert other.cost == pytest.approx(one.cost, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_tiny_problem_is_that_of_scipy():
     """All unknowns at once, start states too, without elimination."""
     record = sailed(seed=25).cut(5.0, 25.0)
@@ -167,6 +169,7 @@ def test_gaps_do_not_matter():
     assert found.inflation < 2.5
 
 
+@pytest.mark.slow
 def test_a_window_without_any_measurement_says_nothing():
     """A gap longer than a window: the rest is fitted as two records would be."""
     truth, record = true_prior(), sailed(seed=7)
@@ -196,6 +199,7 @@ def manoeuvres(seed):
     ]
 
 
+@pytest.mark.slow
 def test_what_a_model_lacks_widens_the_intervals():
     """Yv, Nv, Nr cannot make good for the missing terms: intervals of noise alone would lie."""
     truth = true_prior(("Yv", "Nv", "Nr"))
@@ -208,6 +212,7 @@ def test_what_a_model_lacks_widens_the_intervals():
     assert np.max(np.abs(wrong.values - truth.mean) / right.std) > 100.0
 
 
+@pytest.mark.slow
 def test_a_tight_prior_is_not_overruled_by_a_wrong_model(monkeypatch):
     """Thousands of instants that all lack the same do not count as thousands."""
     prior = true_prior(("Yv", "Nv", "Nr"), spread=0.02)
@@ -219,6 +224,7 @@ def test_a_tight_prior_is_not_overruled_by_a_wrong_model(monkeypatch):
     assert other > 3.0 * one
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("same", [trajectory.SAME, 0.0])
 def test_the_inflation_is_what_the_variances_are_wider_by(monkeypatch, same):
     """One channel, no prior to speak of: variance over that of white noise, however many rounds."""

@@ -115,6 +115,7 @@ def test_no_bytes_are_too_much(data, tmp_path_factory):
     shutil.rmtree(path.parent)
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(place=st.integers(0, 3000), junk=st.binary(min_size=1, max_size=8))
 def test_damage_is_named_and_the_rest_is_shown(place, junk, tmp_path_factory):
@@ -296,6 +297,7 @@ def test_the_clock():
 # The command.
 
 
+@pytest.mark.slow
 def test_a_file_in_words_json_figure_and_table(tmp_path, capsys):
     head = "Time [s],Fx [kN],Fy [kN],Mz [kN m],valve\n"
     table = np.column_stack([record(), np.full(200, 2.5)])
@@ -375,6 +377,7 @@ def test_a_workbook_sheet_by_sheet(tmp_path, capsys):
     assert "no rows below its header" in words
 
 
+@pytest.mark.slow
 def test_a_large_file_is_sampled(tmp_path, capsys, monkeypatch):
     """Beginning, middle and end: about the number of rows, spikes there, gaps only real ones."""
     monkeypatch.setattr("pmmkit.inspection.sampling.LARGE", 100_000)
@@ -516,6 +519,7 @@ def test_the_zigzags_of_hsva(shared_data, capsys):
     assert content["groups"][1]["kind"] == "open water"
 
 
+@pytest.mark.slow
 def test_the_tables_of_hmri(shared_data, capsys):
     _, content, _ = inspected(capsys, shared_data / "kvlcc2_hmri_pmm")
     by_file = {group["files"][0]: group for group in content["groups"]}

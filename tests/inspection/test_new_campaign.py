@@ -113,6 +113,7 @@ def test_a_saved_campaign_gives_all_its_runs_back(datasets, s175, tmp_path, caps
     np.testing.assert_array_equal(found["PY_U1.0_r0.4"].data["Y"], s175["PY_U1.0_r0.4"].data["Y"])
 
 
+@pytest.mark.slow
 def test_names_and_recorded_motion_give_all_runs(s175, tmp_path, capsys):
     folder = exported(s175, tmp_path / "tank", motion=True)
     status, content, words = drafted(capsys, folder)
@@ -125,6 +126,7 @@ def test_names_and_recorded_motion_give_all_runs(s175, tmp_path, capsys):
     np.testing.assert_allclose(run.data["Y"], s175[run.id].data["Y"], rtol=1e-5, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_recorded_motion_alone_gives_all_runs(s175, tmp_path, capsys):
     """Files that are only numbered: kind, speed, drift, period and amplitudes by the record."""
     numbers = {run.id: f"run_{place:03d}" for place, run in enumerate(s175)}
@@ -136,6 +138,7 @@ def test_recorded_motion_alone_gives_all_runs(s175, tmp_path, capsys):
     assert len(as_the_real_one(found, s175)) == 63
 
 
+@pytest.mark.slow
 def test_without_motion_the_amplitudes_are_left_to_a_person(s175, tmp_path, capsys):
     """Names and forces: static runs whole, of oscillating ones all but the amplitude."""
     folder = exported(s175, tmp_path / "tank", motion=False)
@@ -169,6 +172,7 @@ def test_what_is_unknown_is_asked_for_by_open_campaign(s175, tmp_path, capsys):
     assert len(caught.value.problems) == 2
 
 
+@pytest.mark.slow
 def test_a_library_ship_is_named(s175, tmp_path, capsys):
     folder = exported(s175.select("pure_sway"), tmp_path / "tank", motion=True)
     status, _, words = drafted(capsys, folder, "--ship", "s175")
@@ -181,6 +185,7 @@ def test_a_library_ship_is_named(s175, tmp_path, capsys):
     assert "has no ship 's177'" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_file_is_not_replaced_unless_told(s175, tmp_path, capsys):
     folder = exported(s175.select("pure_sway"), tmp_path / "tank", motion=True)
     (folder / "campaign.toml").write_text("mine", encoding="utf-8")
@@ -318,6 +323,7 @@ def test_cases_of_openfoam_are_runs(tmp_path, capsys):
     np.testing.assert_array_equal(run.data["Y"], np.full(len(t), 6.0))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="names that Windows does not allow")
 @settings(max_examples=40)
 @given(

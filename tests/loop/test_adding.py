@@ -87,6 +87,7 @@ def force_of(model, m):
     return water_forces(ready.structure, ready.k, history)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", [item.name for item in PHYSICS if item.name in SIZES])
 def test_an_effect_in_a_model_has_the_force_of_the_virtual_tank(effect):
     """The tank's truth is written by hand; resistance is compared where the speed is steady."""
@@ -112,6 +113,7 @@ def test_an_effect_in_a_model_has_the_force_of_the_virtual_tank(effect):
         np.testing.assert_allclose(one, other, atol=NEAR.get(effect, 1e-3) * scale + 1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ship", ["s175", "kvlcc2-l7", "kcs", "mariner", "esso190k"])
 @pytest.mark.parametrize("effect", TERMS, ids=lambda effect: effect.name)
 def test_derivatives_keep_their_force_in_the_convention_of_any_model(ship, effect):
@@ -170,6 +172,7 @@ def test_derivatives_keep_their_force_in_the_convention_of_any_model(ship, effec
         np.testing.assert_allclose(found, expected, atol=1e-10 * scale)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("candidate", PHYSICS, ids=lambda candidate: candidate.name)
 def test_an_effect_taken_out_leaves_the_model_as_it_was(candidate, tmp_path):
     model = bare("s175").with_(Fn=(0.15, 0.2, 0.25))
@@ -197,6 +200,7 @@ def test_a_name_alone_enters_with_zeros_and_changes_nothing():
     assert "assumed: zero" in better.parts["memory"].source
 
 
+@pytest.mark.slow
 def test_a_finding_of_the_diagnosis_enters_as_it_is():
     """Memory of the tank: the fitted part of Yv, in the hull of a model that does not have it."""
     found = diagnose_captive(hidden_campaign("full", {"memory": 1.0}, seed=11), "cubic")

@@ -58,6 +58,7 @@ def test_the_loop_ends_where_nothing_is_missing(session):
     assert session.fall().useless == ()
 
 
+@pytest.mark.slow
 def test_the_model_that_comes_out_has_the_values_of_the_virtual_ship(session):
     """Nv and Nvvr of Son and Nomoto, through the model's own convention (separate Coriolis)."""
     full = session
@@ -82,6 +83,7 @@ def test_the_model_that_comes_out_has_the_values_of_the_virtual_ship(session):
     ]
 
 
+@pytest.mark.slow
 def test_a_model_is_written_read_and_its_last_step_taken_back(session, tmp_path):
     made = session.add("yaw_sway_coupling").add("memory", "a remark").model()
     save_model(made, tmp_path / "model.toml")
@@ -97,6 +99,7 @@ def test_a_model_is_written_read_and_its_last_step_taken_back(session, tmp_path)
         undone(first)
 
 
+@pytest.mark.slow
 def test_the_steps_hold_what_the_fit_says_as_numbers(session):
     found = session.diagnose()
     finding = next(item for item in found.findings if item.effect == "memory")
@@ -118,12 +121,14 @@ def test_the_steps_hold_what_the_fit_says_as_numbers(session):
     assert len(memory.Fn) == 3
 
 
+@pytest.mark.slow
 def test_odds_without_a_remark_are_said_in_the_sentence(session):
     finding = next(item for item in session.diagnose().findings if item.effect == "memory")
     (step,) = session.add(finding).model().steps
     assert str(step).startswith(f"Added memory ({finding.evidence}): error")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect", ["yaw_sway_coupling", "froude_linear", "memory"])
 def test_an_undone_step_leaves_the_base_to_be_fitted_again(session, bare, effect, tmp_path):
     """Nvvr was in the base before the effect that has it too: it stays."""
@@ -168,6 +173,7 @@ def test_a_step_that_explains_nothing_is_said_so(session):
     assert (frame["share"].dropna() > 0).all()
 
 
+@pytest.mark.slow
 def test_steps_are_saved_and_replayed(session, bare, tmp_path):
     made = session.add("memory", "seen in sway").add("yaw_sway_coupling")
     made.save(tmp_path / "steps.toml")
@@ -233,6 +239,7 @@ def test_values_over_the_froude_number_stay_values_over_the_froude_number():
     assert diameters[0] == pytest.approx(diameters[1], rel=0.03)
 
 
+@pytest.mark.slow
 def test_an_effect_of_ones_own_is_named_added_and_fitted(bare, tmp_path):
     """Fins aft: one coefficient for force and moment, hidden as the catalogue's sway drag."""
     fins = own_effect("fins", "Y: a*v*|v|; N: -0.2*a*v*|v|; a ~ -0.02")

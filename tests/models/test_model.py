@@ -66,6 +66,7 @@ def s175_table(without=(), Fn=None, std=None, **changes):
 WRITABLE = st.text(st.characters(exclude_categories=["Cs"]), max_size=60)
 
 
+@pytest.mark.slow
 @given(
     data=st.recursive(
         st.dictionaries(

@@ -71,6 +71,7 @@ def test_steps_come_back_from_the_file_without_loss(action, tmp_path):
     assert model_text(again) == model_text(made)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=60)
 @given(texts=st.lists(st.text(max_size=80), min_size=3, max_size=3))
 def test_any_text_of_a_step_comes_back(texts, tmp_path_factory):

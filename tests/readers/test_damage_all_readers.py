@@ -13,6 +13,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(damage.FORMATS))
 def test_the_right_numbers_or_an_error_that_says_so(name):
     for kind in damage.kinds_of(damage.FORMATS[name]):

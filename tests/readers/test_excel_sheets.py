@@ -317,6 +317,7 @@ def test_a_row_far_down_with_cells_that_tell_no_place(path):
     refused(path, "bytes, the file has")
 
 
+@pytest.mark.slow
 def test_a_long_text_shared_by_many_cells(path):
     """Each cell gets a copy of its own: 30,000 times 30,000 letters."""
     workbook(path, [["text"] * 2 for _ in range(15_000)])

@@ -246,6 +246,7 @@ def test_a_chunk_that_expands_beyond_its_size_is_refused(tmp_path):
         read(path, "X")
 
 
+@pytest.mark.slow
 def test_a_chunk_that_the_tree_hides_is_still_read(tmp_path):
     """libhdf5 finds no chunk behind a damaged key and gives zeros; all that are listed are read."""
     path = tmp_path / "run.h5"
@@ -326,12 +327,14 @@ def test_a_classic_record_of_odd_length(tmp_path):
         assert values(path)["X"].tolist() == list(range(9))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_damage(every_kind):
     wanted = tuple(f"{name} [{unit}]" for name, unit in UNITS.items())
     assert check_damage(every_kind, wanted, 80) > 10
 
 
+@pytest.mark.slow
 def test_damage_to_records_and_groups(tmp_path):
     path = tmp_path / "run.h5"
     record = np.zeros(COUNT, dtype=[("t", "f8"), ("X", "f4")])

@@ -335,6 +335,7 @@ def test_a_dataset_that_was_never_written_is_not_zeros(tmp_path):
         read(path, "t (1000 values)")
 
 
+@pytest.mark.slow
 def test_damage(every_version):
     """Refused, or the right shape with no more wrong than the bytes that were damaged."""
     assert check_damage(every_version, CHANNELS, 150) > 20

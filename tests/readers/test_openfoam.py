@@ -418,6 +418,7 @@ def test_no_dictionary_is_too_odd(text):
     assert isinstance(parsed(text), dict)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bomb", ["{", "/*", '"', "#{", "(", "a{b{c;"])
 def test_a_dictionary_of_nothing_but_openings_takes_no_time(bomb):
     assert isinstance(parsed(bomb * 100_000), dict)

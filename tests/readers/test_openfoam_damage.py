@@ -39,6 +39,7 @@ def outcome(file: Path) -> np.ndarray | None:
         return None
 
 
+@pytest.mark.slow
 def test_truncated_anywhere(good):
     """The whole rows before the cut, or an error of ours: never a row in part."""
     file, whole, reference = good
@@ -67,6 +68,7 @@ def test_a_last_row_that_is_cut_off_is_noted(tmp_path):
     assert len(every(tmp_path)["Time [s]"]) == len(T)
 
 
+@pytest.mark.slow
 def test_flipped_bytes(good):
     """One bit changed in the rows: refused, or no more than one number and its sum changed."""
     file, whole, reference = good

@@ -130,6 +130,7 @@ def test_names_stay_unique(headers):
     assert len(set(names)) == len(names)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bom", [False, True])
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 @pytest.mark.parametrize(
@@ -412,6 +413,7 @@ def outcome(read, content: bytes):
     return np.stack([data[name].values for name in "tXYN"]), notes(data)
 
 
+@pytest.mark.slow
 def test_cut_anywhere(read):
     """The whole rows before the cut and nothing of the row that is cut; it is noted."""
     rng = np.random.default_rng(1)
@@ -456,6 +458,7 @@ def test_a_remark_behind_a_row_that_is_cut_off(read):
         read({"a.csv": GOOD.replace(b"\n0.2,", b"\n0.2;") + b"3.05,-29\n# stopped\n"}, "a.csv")
 
 
+@pytest.mark.slow
 def test_flipped_bits(read):
     rng = np.random.default_rng(2)
     start = GOOD.index(b"\n") + 1
@@ -470,6 +473,7 @@ def test_flipped_bits(read):
             assert np.sum(found != REFERENCE) <= 1
 
 
+@pytest.mark.slow
 def test_headers_with_a_flipped_bit(read):
     rng = np.random.default_rng(3)
     stop = GOOD.index(b"\n")

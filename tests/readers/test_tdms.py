@@ -181,6 +181,7 @@ def test_texts_stand_in_tables_and_are_told_where_a_channel_is_missed(tmp_path):
         run_of(path)
 
 
+@pytest.mark.slow
 def test_cut_short_anywhere_it_is_refused(run):
     """npTDMS takes what is left for the whole; a cut between segments cannot be seen."""
     whole = run.read_bytes()

@@ -322,6 +322,7 @@ def test_the_same_numbers_by_the_fast_and_the_careful_way(read):
     assert same(read(PREAMBLE + "a;b;c;d\n" + body.replace("\n", "\n# again\n", 3)), table)
 
 
+@pytest.mark.slow
 def test_flipped_bits_below_a_preamble(read):
     """One bit changed: refused, or the same shape with at most one other number."""
     table = np.round(np.random.default_rng(1).normal(size=(40, 4)), 4)

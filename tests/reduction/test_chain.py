@@ -30,6 +30,7 @@ def hmri(shared_data, datasets):
     return reduce_campaign(made)
 
 
+@pytest.mark.slow
 def test_the_checks_are_silent_on_the_clean_programme(s175):
     assert s175.findings == ()
     assert not any("misfit" in note for note in s175.notes)
@@ -59,6 +60,7 @@ def test_trends_of_the_turning_circle_are_found_back(s175):
         assert changes[1][name] == pytest.approx(published, abs=5e-4)
 
 
+@pytest.mark.slow
 def test_a_saved_campaign_reduces_to_the_same_table(s175, tmp_path):
     pk.save_campaign(s175.campaign, tmp_path / "all.h5")
     again = pk.reduce(pk.load_campaign(tmp_path / "all.h5"))
@@ -83,6 +85,7 @@ def test_hmri_as_published_is_refused_with_everything_at_once(shared_data, datas
         assert f"[{check}]" in message
 
 
+@pytest.mark.slow
 def test_hmri_static_drift_is_the_published_cubic(hmri):
     """Y' = -.0236 v' - .0393 v'³; moved from the LCG to midship, N' = -.0082 v' + .0022 v'³."""
     values = dict(

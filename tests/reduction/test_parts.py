@@ -235,6 +235,7 @@ def test_only_the_product_of_lift_slope_and_inflow_squared_is_measured():
     assert found["gamma_positive"] == pytest.approx(0.64 / math.sqrt(1.2), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_missing_is_named():
     with pytest.raises(MissingPartError, match=r"static_rudder.*resistance"):
         parts_of(reduced(*drift_tests()), **KNOWN)
@@ -243,6 +244,7 @@ def test_what_is_missing_is_named():
         parts_of(reduced(*runs, propeller={"D": 0.216}), **KNOWN)
 
 
+@pytest.mark.slow
 def test_a_rotating_arm_changes_nothing_in_the_thrust_deduction():
     """Circles without drift are no straight runs: their X holds Xrr r'²."""
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests(), *circle_tests(gauge=False))
@@ -250,6 +252,7 @@ def test_a_rotating_arm_changes_nothing_in_the_thrust_deduction():
     assert found.thrust_deduction == pytest.approx(0.22, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_rotating_arm_changes_nothing_in_wake_and_rudder():
     runs = (*resistance_tests(), *rudder_tests(), *drift_tests(), *circle_tests(gauge=True))
     found = parts_of(reduced(*runs), **KNOWN)
@@ -313,6 +316,7 @@ def measured(hmri):
     return parts_of(hmri, **given)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "published", "within"),
     [
@@ -368,6 +372,7 @@ def test_rudder_amidships_of_kvlcc2_steadies_it(hmri, measured):
     assert float(alone["Yv"][place]) == pytest.approx(-0.315, rel=0.1)
 
 
+@pytest.mark.slow
 def test_static_drift_of_kvlcc2_is_the_cubic_of_its_means(hmri):
     """Y' = -.0236 v' - .0393 v'³, N' = -.0073 v' + .0036 v'³ about LCG, 3.5 % of L forward."""
     found = reduce_campaign(hmri.campaign, structure="Yv Yvvv Nv Nvvv").families["static drift"]
@@ -418,6 +423,7 @@ UNSURE = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("uncertainty", [(), UNSURE], ids=["noise", "noise and settings"])
 def test_shares_sum_to_the_variance_of_the_result(uncertainty):
     found = few_tests(noise=noise(3), uncertainty=uncertainty)

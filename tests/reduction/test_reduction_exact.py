@@ -36,6 +36,7 @@ def worst(table, truth=SON_NOMOTO) -> float:
     return max(abs(value / truth[name] - 1) for name, value in values.items())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("balance", [False, True], ids=["hydrodynamic", "balance"])
 def test_all_methods_agree_with_the_truth(balance):
     found = reduce_campaign(captive(balance=balance), check=False)
@@ -46,11 +47,13 @@ def test_all_methods_agree_with_the_truth(balance):
         assert worst(table) < 1e-10
 
 
+@pytest.mark.slow
 def test_modulus_form():
     found = reduce_campaign(captive(MODULUS), structure="modulus", check=False)
     assert worst(found.table, MODULUS) < 1e-10
 
 
+@pytest.mark.slow
 def test_uneven_sampling_is_as_good_as_even():
     def jittered(t):
         step = t[1] - t[0]
@@ -60,6 +63,7 @@ def test_uneven_sampling_is_as_good_as_even():
     assert worst(found.table) < 1e-10
 
 
+@pytest.mark.slow
 def test_carriage_speed_option_is_exact_for_forces_made_with_it():
     found = reduce_campaign(captive(carriage=True), carriage_speed=True, check=False)
     sway = found.families["pure sway"]
@@ -67,6 +71,7 @@ def test_carriage_speed_option_is_exact_for_forces_made_with_it():
     assert sway.convention.U == "carriage"
 
 
+@pytest.mark.slow
 def test_carriage_speed_shortcut_has_its_known_bias():
     """Amplitudes V from .05 to .25 reduced with U = Uc give Yvvv -.1113 and Nvvv -.00045 for the
     S175, whose forces follow the instantaneous U with -.109 and +.001492: the sign flips."""
@@ -128,6 +133,7 @@ def test_classical_closed_forms_of_pure_sway_agree_with_the_balance():
     assert values["Xvv"] == pytest.approx(2 * x[3] / V**2, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reference", [-0.4, 0.243])
 def test_moments_about_another_point(reference):
     """The balance states moments about a point forward of midship: N_ref = N - x Y."""
@@ -140,6 +146,7 @@ def test_moments_about_another_point(reference):
     assert worst(reduce_campaign(moved, check=False).table) < 1e-10
 
 
+@pytest.mark.slow
 def test_motions_about_another_point():
     """The mechanism drives a point forward of midship: v there is v + x r at midship."""
     x = 0.3
@@ -154,6 +161,7 @@ def test_motions_about_another_point():
     assert worst(reduce_campaign(moved, check=False).table) < 1e-10
 
 
+@pytest.mark.slow
 def test_inertia_of_what_hangs_on_the_balance():
     """Centre of gravity off midship, and another mass on the balance than the displacement."""
     heavy = Ship(
@@ -173,12 +181,14 @@ def test_inertia_of_what_hangs_on_the_balance():
     assert worst(found.table) < 1e-10
 
 
+@pytest.mark.slow
 def test_pooled_speeds_give_one_set():
     found = reduce_campaign(captive(speeds=(1.0, 2.0)), fn="pooled", check=False)
     assert found.table.pooled
     assert worst(found.table) < 1e-10
 
 
+@pytest.mark.slow
 def test_each_speed_has_its_own_set():
     found = reduce_campaign(captive(speeds=(1.0, 1.5, 2.0)), check=False)
     assert found.table.Fn == pytest.approx([0.1448, 0.2172, 0.2896], abs=1e-4)

@@ -89,6 +89,7 @@ def test_fit_recovers_what_is_determined_and_only_that(count, extra, seed, expon
             assert found.value[place] == pytest.approx(truth[place], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_wrong_sign_of_added_mass_is_told():
     wrong = {**SON_NOMOTO, "Yvdot": 0.007}
     found = reduce_campaign(captive(wrong), check=False)

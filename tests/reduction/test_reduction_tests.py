@@ -173,6 +173,7 @@ def test_resistance_and_self_propulsion():
     assert found.propulsion.wake[1.5] == pytest.approx(0.25, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_means_and_harmonics_of_a_table_give_what_the_histories_give():
     """The same tests as histories and as a laboratory's table of means and harmonics."""
     full = captive()
@@ -195,6 +196,7 @@ def test_means_and_harmonics_of_a_table_give_what_the_histories_give():
         assert value == pytest.approx(SON_NOMOTO[name], rel=2e-3)
 
 
+@pytest.mark.slow
 def test_a_missing_mean_is_left_out_not_taken_as_zero():
     full = captive()
     runs = tuple(run.with_(use_means=False) if run.dynamic else run for run in full)
@@ -251,6 +253,7 @@ def test_a_wrong_period_is_found_in_the_record():
     assert found.runs[0].frequency == pytest.approx(run.settings.omega, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_a_few_derivatives_from_all_tests():
     """A list of sway derivatives leaves the yaw tests without anything to find."""
     found = reduce_campaign(captive(), structure="Yv Yvvv Nv Nvvv", check=False)

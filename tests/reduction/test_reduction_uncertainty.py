@@ -43,6 +43,7 @@ def test_small_coverage_study():
     assert 0.91 < np.mean(hits) < 0.985
 
 
+@pytest.mark.slow
 def test_errors_are_of_the_size_of_their_standard_deviations():
     found = reduce_campaign(captive(noise=autocorrelated, cycles=6.0), check=False)
     table = found.table
@@ -95,6 +96,7 @@ def test_shared_bias_does_not_average_out_but_scatter_does():
     assert private[place] == pytest.approx(1 / math.sqrt(2), abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_gauge_offset_that_is_not_declared_is_found_as_zero_offset():
     made = captive(noise=autocorrelated)
     runs = tuple(
@@ -108,6 +110,7 @@ def test_a_gauge_offset_that_is_not_declared_is_found_as_zero_offset():
     assert offset.drift_deg == pytest.approx(math.degrees(5.0 / unit / 0.0116), rel=0.15)
 
 
+@pytest.mark.slow
 def test_misfit_of_a_wrong_structure_widens_the_intervals_and_is_told():
     made = captive(noise=autocorrelated)
     right = reduce_campaign(made, check=False)
@@ -126,6 +129,7 @@ def test_like_noise_levels_borrow_strength_and_unlike_ones_do_not():
     assert own.min() > 0.95
 
 
+@pytest.mark.slow
 def test_same_input_same_output_whatever_the_threads():
     made = captive(noise=autocorrelated)
     one = reduce_campaign(made, check=False, jobs=1).table
@@ -134,6 +138,7 @@ def test_same_input_same_output_whatever_the_threads():
     assert np.array_equal(one.covariance, many.covariance)
 
 
+@pytest.mark.slow
 def test_repeats_that_scatter_widen_the_intervals():
     """Each run has an error of its own, 3 N, far above its record's noise: repeats show it."""
     angles = (-12, -8, -4, 0, 4, 8, 12)
@@ -156,6 +161,7 @@ def test_repeats_that_scatter_widen_the_intervals():
     assert abs(loud.value[0, 0] - SON_NOMOTO["Yv"]) < 3 * loud.std[0, 0]
 
 
+@pytest.mark.slow
 def test_numerical_uncertainty_of_a_solver_counts_as_a_common_zero_error():
     """CFD has no noise: what is stated as U_SN is what the intervals rest on."""
     made = captive()

@@ -85,6 +85,7 @@ def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once
     assert len(asked) == RUNS - 1
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_takes_no_run_with_it(folder, undisturbed, at_once, monkeypatch):
     started = workers._started
 
@@ -109,6 +110,7 @@ def test_problems_of_all_runs_come_back_from_the_processes(folder, tmp_path, at_
     assert found == ["static_drift_0002", "pure_sway_0007"]
 
 
+@pytest.mark.slow
 def test_runs_that_live_in_memory_only_are_read_in_this_process(folder, undisturbed, at_once):
     campaign = pk.open_campaign(folder)
     runs = tuple(run.with_(loader=lambda data=run.data: data) for run in campaign.runs)
@@ -118,6 +120,7 @@ def test_runs_that_live_in_memory_only_are_read_in_this_process(folder, undistur
     )
 
 
+@pytest.mark.slow
 def test_an_interrupted_reduction_goes_on(folder, undisturbed, at_once, tmp_path, monkeypatch):
     kept = tmp_path / "kept"
     stopped_after(folder, kept, 10)
@@ -134,6 +137,7 @@ def test_an_interrupted_reduction_goes_on(folder, undisturbed, at_once, tmp_path
     assert everything(reduced(folder, jobs=1, resume=kept)) == undisturbed
 
 
+@pytest.mark.slow
 def test_damaged_results_and_those_of_other_content_are_read_anew(
     folder, undisturbed, at_once, tmp_path
 ):
@@ -158,6 +162,7 @@ def test_damaged_results_and_those_of_other_content_are_read_anew(
     assert everything(reduced(place, jobs=1, resume=kept)) == undisturbed
 
 
+@pytest.mark.slow
 def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
     stopped_after(folder, tmp_path / "kept", 5)
     told = []
@@ -171,6 +176,7 @@ def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
     assert told[0][0] == 1
 
 
+@pytest.mark.slow
 def test_a_small_campaign_leaves_nothing_and_starts_nothing(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(all_runs, "PATIENCE", 60.0)
     monkeypatch.setattr(workers, "_started", None)
@@ -255,6 +261,7 @@ def test_a_file_is_there_whole_or_not_at_all_however_saving_is_killed(tmp_path):
     assert content(target.parent) == new
 
 
+@pytest.mark.slow
 def test_the_command_keeps_beside_its_output_and_clears_away(
     folder, tmp_path, at_once, capsys, monkeypatch
 ):
@@ -288,6 +295,7 @@ def columns(path, options):
     return read.headers, read.dropped, [values.tobytes() for values in read.values]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_a_file_in_pieces_is_the_file_whole(seed, tmp_path, monkeypatch):
     """Same numbers, same faults with the same rows, wherever a piece ends."""

@@ -28,6 +28,7 @@ def ar1(shape, rho, seed):
     return lfilter([1.0], [1.0, -rho], white, axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rho", "n"), [(0.0, 300), (0.8, 600), (0.95, 2000), (0.98, 5000)])
 def test_intervals_of_a_steady_mean_hold_the_truth(rho, n):
     t = np.arange(n) * 0.1
@@ -71,6 +72,7 @@ def test_an_impulsive_start_and_a_braking_carriage_are_left_out():
     assert t[window.stop - 1] <= 42.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("rho", "cycles"), [(0.0, 3), (0.8, 4), (0.95, 4), (0.9, 2)])
 def test_intervals_of_harmonics_hold_the_truth(rho, cycles):
     per = 120

@@ -220,6 +220,7 @@ def test_turning_criteria_are_for_turning_circles():
 # Probability of passing
 
 
+@pytest.mark.slow
 def test_a_probability_is_the_share_of_ships_within_the_limit():
     found = by_name(imo_verdicts("kvlcc2-l7", 1.179, n=400, spread=0.1, seed=3))
     turns = monte_carlo("kvlcc2-l7", speed=1.179, n=400, spread=0.1, seed=3, rudder_deg=35.0)

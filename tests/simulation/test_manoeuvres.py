@@ -97,6 +97,7 @@ def zigzag_by_scipy(name, rudder_deg, switch_deg, executes, lag):
     return overshoots, times
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rudder_deg", "switch_deg", "lag"),
     [
@@ -636,6 +637,7 @@ def test_air_and_water_that_move_together_are_calm():
 # Every manoeuvre
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("manoeuvre", sorted(set(manoeuvres()) - {"turning", "zigzag"}))
 @pytest.mark.parametrize("name", ["s175", "esso190k"])
 def test_interpreted_and_compiled_agree(name, manoeuvre):

@@ -237,6 +237,7 @@ def van_berlekom_goddard(u, v, r, delta, n, depth):
     return X / (1.05 + 0.05 * z), Y / (2.02 + 0.387 * z), N / (0.1232 + 0.0045 * z)
 
 
+@pytest.mark.slow
 @given(
     u=st.floats(2.0, 9.0),
     v=st.floats(-2.0, 2.0),

@@ -375,6 +375,7 @@ class TestRoundTrips:
         },
     )
 
+    @pytest.mark.slow
     @given(start=changes, end=changes, seed=st.integers(0, 99))
     @settings(max_examples=60, deadline=None)
     def test_there_and_back_is_where_it_was(self, start, end, seed):

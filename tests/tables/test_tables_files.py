@@ -115,6 +115,7 @@ class TestReadBack:
     def test_the_same_whatever_it_holds(self, tmp_path, suffix, table):
         assert identical(read_table(write_table(table, tmp_path / f"t.{suffix}")), table)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("suffix", [*SUFFIXES, "tex"])
     def test_the_same_table_gives_the_same_bytes_in_another_process(self, tmp_path, suffix):
         write_table(example(), tmp_path / f"a.{suffix}")
@@ -468,6 +469,7 @@ def damaged(content: bytes, rng: random.Random) -> bytes:
 class TestDamage:
     """Whatever happens to a file, reading gives an error of ours or exactly what was written."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("seed", range(10))
     @pytest.mark.parametrize(
         ("suffix", "victim"), [("csv", "csv"), ("csv", "json"), ("nc", "nc"), ("xlsx", "xlsx")]

@@ -53,6 +53,7 @@ def test_a_trend_in_the_square_of_the_froude_number_is_met_by_parabolas(k):
     np.testing.assert_allclose(beyond["Yv"], truth(0.35))
 
 
+@pytest.mark.slow
 @given(
     y=st.lists(st.floats(-1, 1).map(lambda v: round(v, 3)), min_size=3, max_size=5),
     at=st.lists(st.floats(0, 1), min_size=1, max_size=6),

@@ -140,6 +140,7 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 # What runs tell adds up
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("given", [(), ("memory", "even_hull_terms")])
 def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
@@ -231,6 +232,7 @@ def test_the_advised_run_leaves_the_truth_alone():
     assert observed.min() > 0
 
 
+@pytest.mark.slow
 def test_rivals_that_no_run_separates_get_a_check():
     """A turned model and a current at one speed, with drift runs at that speed alone."""
     campaign = hidden_campaign("small", {"fault_misalignment": 1.0}, seed=5)
@@ -241,6 +243,7 @@ def test_rivals_that_no_run_separates_get_a_check():
     assert "180°" in advice.words
 
 
+@pytest.mark.slow
 def test_an_invisible_effect_is_shown_by_another_speed():
     campaign = hidden_campaign("small", seed=6)
     offered = [
@@ -255,6 +258,7 @@ def test_an_invisible_effect_is_shown_by_another_speed():
     assert all(run.option.settings.speed != 1.5 for run in advice.runs)
 
 
+@pytest.mark.slow
 def test_what_is_asked_for_must_be_there():
     campaign = hidden_campaign("small", seed=6)
     with pytest.raises(UnknownNameError, match="nonsense"):
@@ -270,6 +274,7 @@ def test_what_is_asked_for_must_be_there():
 # Programmes
 
 
+@pytest.mark.slow
 def test_a_plan_shows_at_least_what_the_usual_programmes_show():
     """13 runs against `small`, 27 against `middle`: one plan, whose first runs are the shorter."""
     model = cubic_model()
@@ -289,6 +294,7 @@ def test_a_plan_shows_at_least_what_the_usual_programmes_show():
     assert max(np.unique([x.id for x in made.options], return_counts=True)[1]) <= 2
 
 
+@pytest.mark.slow
 def test_a_plan_keeps_to_its_hours_and_begins_with_what_is_made():
     campaign = hidden_campaign("small", seed=7)
     few = [x for x in slow_runs() if x.settings.speed == 1.0]

@@ -685,6 +685,7 @@ def test_the_command_writes_measures_paths_and_figures(folder, tmp_path, capsys)
     assert by_run["S"]["current"]["speed"] == pytest.approx(CURRENT[0], abs=0.02)
 
 
+@pytest.mark.slow
 def test_the_command_for_one_run(folder, tmp_path, capsys):
     out = tmp_path / "o"
     asked = ["trial", str(folder), "--run", "S", "--order", "1000", "--out", str(out)]
@@ -700,6 +701,7 @@ def test_the_command_for_one_run(folder, tmp_path, capsys):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "status"),
     [

@@ -84,6 +84,7 @@ def by_hand(view):
 # What is predicted
 
 
+@pytest.mark.slow
 def test_the_prediction_is_the_sum_of_terms_written_by_hand(small, one_set):
     runs, _ = compare_captive(one_set, small, floor=0.005)
     assert {run.view.run.test for run in runs} >= {"static_drift", "pure_sway", "pure_yaw"}
@@ -96,6 +97,7 @@ def test_the_prediction_is_the_sum_of_terms_written_by_hand(small, one_set):
             )
 
 
+@pytest.mark.slow
 def test_a_ship_of_full_scale_with_separate_coriolis_terms_predicts_the_same(small):
     """The library's S175 is 175 m long and has mx, my apart; captive tests measure both together.
 
@@ -113,6 +115,7 @@ def test_a_ship_of_full_scale_with_separate_coriolis_terms_predicts_the_same(sma
             assert np.max(np.abs(run.history[name] - expected[name])) < 2e-3 * scale
 
 
+@pytest.mark.slow
 def test_a_hull_towed_without_its_rudder_is_predicted_without_it(small):
     """Taking propeller and rudder off the model by hand changes nothing."""
     model = pk.load_model("s175-3dof")
@@ -139,6 +142,7 @@ def test_any_effect_of_the_model_is_predicted(small, one_set):
         assert a.predicted["Y"][0] - b.predicted["Y"][0] == pytest.approx(expected, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_memory_of_the_model_is_predicted(small, one_set):
     """Pure sway: with T = lag L/U the late part of Yv has (1 - 1/(1 + iωT)) of its force too much.
 
@@ -172,6 +176,7 @@ def test_a_model_of_another_ship_is_refused(s175):
         pk.compare("kcs", s175)
 
 
+@pytest.mark.slow
 def test_speeds_outside_the_model_are_named_and_left_out(s175, truth):
     low = load_truth().table([0.1448, 0.2172])
     found = pk.compare(pk.to_model(low, parts="s175-3dof"), s175.select("pure_yaw"))
@@ -193,6 +198,7 @@ def test_a_floor_is_a_share(s175, floor):
 # What may differ anyway
 
 
+@pytest.mark.slow
 def test_the_model_that_made_the_forces_differs_by_no_more_than_the_uncertainty(perfect):
     """Expanded uncertainties hold at least 95 % of the errors, and are not far too wide."""
     found = perfect.harmonics()
@@ -202,6 +208,7 @@ def test_the_model_that_made_the_forces_differs_by_no_more_than_the_uncertainty(
     assert perfect.standouts() == ()
 
 
+@pytest.mark.slow
 def test_the_rows_of_a_run_are_the_root_mean_squares_of_its_harmonics(s175, truth):
     found = pk.compare(truth, s175.select("pure_sway"))
     row = found.to_pandas().iloc[1]
@@ -256,6 +263,7 @@ def test_the_covariance_of_a_model_counts(small, one_set):
         assert run.shares["model"]["N"][0] == 0.0
 
 
+@pytest.mark.slow
 def test_the_covariance_between_two_speeds_is_that_of_the_mean(s175, truth):
     """Half way between two Froude numbers with equal, independent errors: σ/√2."""
     names = truth.Fn[0], truth.Fn[2]
@@ -356,6 +364,7 @@ def test_the_scatter_of_repeats_is_found():
 # What stands out
 
 
+@pytest.mark.slow
 def test_a_missing_coupling_is_named_with_what_it_grows_with(lacking):
     """N_vvr v²r excites nothing but yaw with drift, in phase with the yaw rate."""
     found = lacking
@@ -371,6 +380,7 @@ def test_a_missing_coupling_is_named_with_what_it_grows_with(lacking):
     assert (table["ratio"].drop(own.index) < 2.0).all()
 
 
+@pytest.mark.slow
 def test_a_cubic_damping_is_told_by_its_power(s175, truth):
     found = {
         (item.channel, item.test, item.harmonic): item
@@ -390,6 +400,7 @@ def test_a_missing_inertia_is_in_phase_with_the_displacement(s175, truth):
     assert (first["with_displacement"] > 10 * first["with_velocity"]).all()
 
 
+@pytest.mark.slow
 def test_a_law_of_speed_is_told_where_it_is(s175, truth):
     """Resistance that does not follow the speed: the mean of X, not at the lowest speed."""
     flat = truth.parts["hull_polynomial"].values["Xuu"][0]
@@ -462,10 +473,12 @@ def loud_in_the_tank(effects, seed):
     return pk.compare(model, campaign).outstanding()
 
 
+@pytest.mark.slow
 def test_nothing_stands_out_of_a_tank_without_hidden_effects():
     assert loud_in_the_tank({}, 6) == ()
 
 
+@pytest.mark.slow
 def test_effects_hidden_in_the_tank_stand_out_where_they_act():
     """A yaw-sway coupling in yaw with drift; an asymmetric hull in all means and nowhere else."""
     coupled = loud_in_the_tank({"yaw_sway_coupling": 1.0}, 5)
@@ -476,6 +489,7 @@ def test_effects_hidden_in_the_tank_stand_out_where_they_act():
     assert {item.test for item in crooked} >= {"static_drift", "pure_sway", "pure_yaw"}
 
 
+@pytest.mark.slow
 def test_the_error_falls_when_the_missing_effect_is_added():
     """To what is left with nothing hidden: errors of about half an expanded uncertainty."""
     campaign, model = in_the_tank({"memory": 1.0}, 4)
@@ -599,6 +613,7 @@ def test_a_model_sails_its_own_records(tanker, sea):
     assert len(found.residuals("zigzag")) > 100
 
 
+@pytest.mark.slow
 def test_too_much_yaw_damping_shows_in_overshoots_and_in_the_moment(tanker, sea):
     damped = tanker.with_values("hull_polynomial", Nr=-0.049 * 1.6)
     found = pk.compare(damped, sea)
@@ -627,6 +642,7 @@ def test_a_record_without_revolutions_is_left_out_with_the_reason(tanker, sea):
 # Real measurements
 
 
+@pytest.mark.slow
 def test_hmri_tables_have_forces_and_an_unknown_noise(shared_data, datasets):
     campaign = pk.open_campaign(datasets / "kvlcc2_hmri", data=shared_data)
     found = pk.compare("kvlcc2-l7", campaign)
@@ -641,6 +657,7 @@ def test_hmri_tables_have_forces_and_an_unknown_noise(shared_data, datasets):
     assert again[again.channel == "N"]["known"].all()
 
 
+@pytest.mark.slow
 def test_hsva_zigzags_are_sailed(shared_data, datasets):
     campaign = pk.open_campaign(datasets / "kvlcc2_hsva", data=shared_data)
     some = campaign.with_(runs=tuple(r for r in campaign if r.id in ("Z_20_10_P", "Z_35_05")))
@@ -655,6 +672,7 @@ def test_hsva_zigzags_are_sailed(shared_data, datasets):
 # Figures
 
 
+@pytest.mark.slow
 def test_every_figure_of_captive_tests_says_what_and_in_which_unit(lacking):
     figures = comparison_figures(lacking)
     assert set(figures) == {"misfit", "residuals", "loops", "in_time"}
@@ -678,6 +696,7 @@ def test_the_measured_loop_is_that_of_its_harmonics(s175, truth):
     assert np.mean(Y[:-1]) == pytest.approx(run.view.force["Y"][0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_figures_of_free_running_tests(tanker, sea):
     figures = comparison_figures(pk.compare(tanker, sea))
     assert set(figures) == {"sailed", "force_residuals"}

@@ -38,6 +38,7 @@ def written(form: damage.Format, folder: Path) -> Path:
     return folder / form.file
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS, ids=[form.name for form in FORMS])
 def test_every_reader_keeps_its_word(form, tmp_path):
     path = written(form, tmp_path)
@@ -307,6 +308,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("reader", "rule", "fault"), WRONG)
 def test_a_reader_that_breaks_its_word_is_caught(reader, rule, fault, log):
     with pytest.raises(AssertionError) as caught:
@@ -345,6 +347,7 @@ def test_the_documentation_lists_all_formats():
 # What is not needed is not imported.
 
 
+@pytest.mark.slow
 def test_a_text_file_needs_no_library_of_another_format(tmp_path):
     damage.good_folder(damage.FORMATS["csv"], tmp_path)
     code = (
