@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -83,6 +85,13 @@ def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder,
         assert (item.std, item.shared) == (pytest.approx(expected), item.name in WHOLE)
     pk.export(opened, tmp_path / "again")
     assert set(pk.open_campaign(tmp_path / "again").uncertainty) == set(opened.uncertainty)
+
+
+def test_the_page_on_files_lists_all_that_can_be_stated():
+    page = Path(__file__).parents[2] / "docs" / "formats.md"
+    section = page.read_text(encoding="utf-8").partition("### `[uncertainty]`")[2].partition("###")
+    listed = section[0].partition("What can be stated")[2]
+    assert set(re.findall(r"`(\w+)`", listed)) == {item.key for item in STATABLE.values()}
 
 
 def test_what_cannot_be_stated_is_refused_with_the_nearest_name():
