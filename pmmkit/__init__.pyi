@@ -1,5 +1,6 @@
 """The public words of pmmkit, listed here and nowhere else, each with its home."""
 
+from pmmkit.api import citation as citation
 from pmmkit.api import model_of as model_of
 from pmmkit.api import reduce as reduce
 from pmmkit.campaigns.file.campaign_file import open_campaign as open_campaign
@@ -11,8 +12,12 @@ from pmmkit.checks import examine as examine
 from pmmkit.checks import refuse as refuse
 from pmmkit.diagnosis.diagnose import diagnose as diagnose
 from pmmkit.effects.catalogue import catalogue as catalogue
-from pmmkit.effects.own import own_effect as own_effect
-from pmmkit.effects.own import own_effects as own_effects
+from pmmkit.effects.catalogue import effect as effect
+from pmmkit.effects.catalogue import register_effect as register_effect
+from pmmkit.effects.effect import Effect as Effect
+from pmmkit.effects.effect import Parameter as Parameter
+from pmmkit.effects.grammar import own_effect as own_effect
+from pmmkit.effects.grammar import own_effects as own_effects
 from pmmkit.empirical import estimate as estimate
 from pmmkit.errors import PmmkitError as PmmkitError
 from pmmkit.exports import export as export

@@ -50,7 +50,7 @@ def _run(given: list[str]) -> int:
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__
     try:
-        status = application()(given, prog_name="pmmkit", standalone_mode=False)
+        status = application(*given[:1])(given, prog_name="pmmkit", standalone_mode=False)
         sys.stdout.flush()
     except (typer.Abort, KeyboardInterrupt):
         status = STOPPED

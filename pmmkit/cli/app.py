@@ -21,8 +21,14 @@ Json = Annotated[
 ]
 
 
-def application() -> typer.Typer:
-    """The application with every command of the folder ``commands``."""
+def application(asked: str = "") -> typer.Typer:
+    """The application with the command that is asked for, else with all of them.
+
+    Parameters
+    ----------
+    asked : str
+        First word of a command line. A name of a command spares the time to load the others.
+    """
     app = typer.Typer(
         name="pmmkit",
         help="Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres.",
@@ -32,9 +38,13 @@ def application() -> typer.Typer:
         rich_markup_mode=None,
     )
     app.callback()(_options)
-    for found in pkgutil.iter_modules(commands.__path__):
-        module = import_module(f"{commands.__name__}.{found.name}")
-        app.command(found.name.replace("_", "-"))(_ending(getattr(module, found.name)))
+    found = {
+        module.name.replace("_", "-"): module.name
+        for module in pkgutil.iter_modules(commands.__path__)
+    }
+    for name in [asked] if asked in found else found:
+        module = import_module(f"{commands.__name__}.{found[name]}")
+        app.command(name)(_ending(getattr(module, found[name])))
     return app
 
 

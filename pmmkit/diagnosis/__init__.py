@@ -1,5 +1,6 @@
 """Where a model fails, and which effect or fault is missing."""
 
+from pmmkit.diagnosis.captive.asked import captive_candidates
 from pmmkit.diagnosis.captive.candidate import Candidate, polynomial
 from pmmkit.diagnosis.captive.diagnose import diagnose_captive
 from pmmkit.diagnosis.diagnose import diagnose
@@ -12,6 +13,7 @@ __all__ = [
     "Diagnosis",
     "Finding",
     "Visible",
+    "captive_candidates",
     "diagnose",
     "diagnose_captive",
     "diagnose_free",

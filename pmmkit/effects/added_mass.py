@@ -9,10 +9,12 @@ from pmmkit.conventions import Convention, force_unit, parse_derivative, speed_u
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.ship import Ship, Water
 
+INERTIA: Final = "added_mass"
 ADDED_MASS: Final = Effect(
-    name="added_mass",
+    name=INERTIA,
     family="added_mass",
     kind="mass",
+    roles=("inertia",),
     summary="Forces of the water in proportion to the ship's accelerations.",
     parameters=(
         Parameter(
@@ -23,7 +25,7 @@ ADDED_MASS: Final = Effect(
         ),
     ),
     derivatives=True,
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
 EFFECTS: Final = (ADDED_MASS,)
 _PLACES: Final = {

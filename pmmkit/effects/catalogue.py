@@ -1,33 +1,37 @@
-"""The catalogue: every effect that the files of this folder define."""
+"""The catalogue: the effects of this folder, of installed packages, and those registered here."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
+from importlib.metadata import entry_points
+from inspect import signature
 from types import MappingProxyType
+from typing import Any, Final
 
 import pmmkit.effects as folder
+from pmmkit.channels import did_you_mean
 from pmmkit.effects.effect import Effect
-from pmmkit.errors import UnknownNameError
+from pmmkit.errors import ModelError, UnknownNameError
+
+GROUP: Final = "pmmkit.effects"
+"""Entry points under which installed packages offer an effect, or a sequence of them."""
+_registered: Final[dict[str, Effect]] = {}
+_editions: Final[dict[str, int]] = {}
 
 
-@cache
 def catalogue() -> Mapping[str, Effect]:
-    """All effects by name, in the order of their files.
+    """All effects by name: those of pmmkit in the order of their files, then those of others.
 
     Examples
     --------
     >>> catalogue()["propeller"].family
     'propeller'
     """
-    found: dict[str, Effect] = {}
-    for module in pkgutil.iter_modules(folder.__path__):
-        if module.name != "catalogue":
-            loaded = importlib.import_module(f"{folder.__name__}.{module.name}")
-            found |= {effect.name: effect for effect in getattr(loaded, "EFFECTS", ())}
-    return MappingProxyType(found)
+    return MappingProxyType({**_installed(), **_registered})
 
 
 def effect_of(name: str) -> Effect:
@@ -43,10 +47,137 @@ def effect_of(name: str) -> Effect:
     >>> effect_of("added_mass").kind
     'mass'
     """
-    known = catalogue()
-    if name not in known:
-        raise UnknownNameError(f"There is no effect {name!r}; there are: {', '.join(known)}.")
-    return known[name]
+    known = _registered.get(name) or _installed().get(name)
+    if known is None:
+        every = catalogue()
+        raise UnknownNameError(
+            f"There is no effect {name!r}{did_you_mean(name, every) or '.'} "
+            f"There are: {', '.join(every)}."
+        )
+    return known
+
+
+def register_effect(effect: Effect) -> Effect:
+    """Let an effect of one's own take part wherever one of pmmkit does, for this session.
+
+    Parameters
+    ----------
+    effect : Effect
+        `pmmkit.testing.check_effect` says whether it keeps what an effect promises. To have it in
+        every session and on the command line, offer it from an installed package under the entry
+        point ``pmmkit.effects``. Registered again under its name, it replaces the one before.
+
+    Returns
+    -------
+    Effect
+        The same.
+
+    Raises
+    ------
+    ModelError
+        If the name is one of pmmkit's own, or no name.
+    """
+    if effect.name in _installed():
+        raise ModelError(f"There is an effect {effect.name!r} already: choose another name.")
+    if not effect.name.isidentifier():
+        raise ModelError(f"{effect.name!r} is no name: take letters, digits and _.")
+    if _registered.get(effect.name) is not effect:
+        _editions[effect.name] = edition_of(effect.name) + 1
+    _registered[effect.name] = effect
+    return effect
+
+
+def edition_of(name: str) -> int:
+    """How often an effect of a name was registered in this session; 0 for those of pmmkit."""
+    return _editions.get(name, 0)
+
+
+def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
+    """A function as an effect of one's own, registered.
+
+    Parameters
+    ----------
+    **declared
+        Fields of `Effect` but ``force``, which is the function; ``name`` is that of the function
+        and ``summary`` the first line of its docstring where they are not given; ``kind`` is
+        ``force``, and ``outputs`` must be given.
+
+    Returns
+    -------
+    callable
+        A decorator.
+
+    Examples
+    --------
+    >>> from pmmkit.effects.effect import Parameter
+    >>> from pmmkit.effects.primitives import fabs
+    >>> @effect(family="own", outputs=("Y",), check="static drift to 20°",
+    ...         parameters=(Parameter(name="size", text="of the keel", typical=-0.01),))
+    ... def doc_keel(v: float, L: float, rho: float, size: float) -> tuple[float]:
+    ...     "Drag of a keel."
+    ...     return (0.5 * rho * L * L * v * fabs(v) * size,)
+    >>> doc_keel
+    <Effect doc_keel: force of own, asked captive and free running>
+    """
+
+    def made(function: Callable[..., Any]) -> Effect:
+        said = (function.__doc__ or "").strip().split("\n")[0]
+        fields = {"name": function.__name__, "kind": "force", "summary": said} | declared
+        return register_effect(Effect(force=function, **fields))
+
+    return made
+
+
+def forget_effect(name: str) -> None:
+    """Take a registered effect out of the catalogue again; nothing where there is none."""
+    _registered.pop(name, None)
+
+
+def arguments_of(effect: Effect) -> tuple[str, ...]:
+    """What the force of an effect asks for, by name; nothing where it has none."""
+    return _arguments(effect.force) if effect.force is not None else ()
+
+
+@cache
+def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
+    return tuple(signature(function).parameters)
+
+
+@cache
+def _installed() -> Mapping[str, Effect]:
+    found: dict[str, Effect] = {}
+    for module in sorted(_modules()):
+        for item in getattr(importlib.import_module(module), "EFFECTS", ()):
+            found[item.name] = item
+    for item in _offered():
+        if item.name in found:
+            warnings.warn(
+                f"An installed package offers an effect {item.name!r}, which there is already: "
+                f"it is left out.",
+                stacklevel=2,
+            )
+        else:
+            found[item.name] = item
+    return MappingProxyType(found)
+
+
+def _modules() -> Iterator[str]:
+    for module in pkgutil.walk_packages(folder.__path__, f"{folder.__name__}."):
+        if module.name != __name__:
+            yield module.name
+
+
+def _offered() -> Iterator[Effect]:
+    """Effects of installed packages; one that cannot be loaded is named, not fatal."""
+    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
+        try:
+            given = point.load()
+            for item in (given,) if isinstance(given, Effect) else tuple(given):
+                if not isinstance(item, Effect):
+                    raise TypeError(f"{item!r:.60} is no Effect")
+                yield item
+        except Exception as error:
+            warnings.warn(f"The effects of {point.value} cannot be used: {error}", stacklevel=2)
 
 
 def is_fault(name: str) -> bool:
@@ -57,5 +188,5 @@ def is_fault(name: str) -> bool:
     >>> is_fault("fault_gauge_zero"), is_fault("memory")
     (True, False)
     """
-    known = catalogue().get(name)
-    return known is not None and known.kind == "observation"
+    known = _registered.get(name) or _installed().get(name)
+    return known is not None and known.faulty

@@ -142,7 +142,11 @@ CROSSFLOW_DRAG: Final = Effect(
     summary="Drag of the flow across each section, summed over the length.",
     parameters=(
         Parameter(
-            name="CD", text="drag coefficient of a section on its draught", low=0.0, typical=0.55
+            name="CD",
+            text="drag coefficient of a section on its draught",
+            low=0.0,
+            typical=0.55,
+            uncertain=True,
         ),
         Parameter(name="CrY", text="factor of the yaw rate in the force", default=1.0),
         Parameter(name="CrN", text="factor of the yaw rate in the moment", default=1.0),
@@ -165,9 +169,10 @@ CROSSFLOW_DRAG: Final = Effect(
     ),
     options={"form": ("full", "without-sway"), "shape": ("constant", "table", "ends")},
     force=force,
+    grows_with={"CD": "Yvvv"},
     outputs=("Y", "N"),
-    source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
-    "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",
+    sources=("hooft_1994", "faltinsen_1990", "sea_trial_identification"),
+    remark="the form without sway: the last, equations of the hull at low speed",
     check="yaw with drift at large r/v, so that the flow changes side inside the hull",
 )
 EFFECTS: Final = (CROSSFLOW_DRAG,)

@@ -1,16 +1,24 @@
-"""What the catalogue says of an effect: its name, family, kind, parameters and source."""
+"""What the catalogue says of an effect: all that anybody asks of it, in one place."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Final, Literal, get_args
 
+from pmmkit.bibliography import cite
 from pmmkit.conventions import parse_derivative
+from pmmkit.effects.seen import Move, Observed, Vessel
 from pmmkit.errors import UnknownNameError
+from pmmkit.numerics import Array
 
-Kind = Literal["force", "mass", "state", "terms", "observation"]
+Kind = Literal["force", "mass", "state", "terms", "freed", "fault"]
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+Role = Literal["hull", "inertia", "roll", "propulsion", "shaft", "steering", "wind", "depth"]
+"""What a part does for a ship: manoeuvres and tests ask for parts by their role."""
+BY_SPEED: Final = " F"
+"""Mark of a derivative that is multiplied by F = (Fn/Fn0)² - 1."""
 
 _DIMENSIONS: Mapping[str, tuple[int, int, int]] = MappingProxyType(
     {
@@ -59,6 +67,14 @@ class Parameter:
         Usual size, signed where nature has a sign; None for what no diagnosis looks for.
     grid : tuple of float
         Values at which a diagnosis tries a parameter that does not act linearly; none for others.
+    continuous : bool
+        Whether values between those of the grid have a meaning.
+    of_the_tests : bool
+        Whether its grid is that of the speeds tested [m/s].
+    expected : float
+        Value about which a coefficient is expected, where that is not zero.
+    uncertain : bool
+        Whether no model knows it exactly, so that a fit to records may move it.
     """
 
     name: str
@@ -71,6 +87,10 @@ class Parameter:
     table: bool = False
     typical: float | None = None
     grid: tuple[float, ...] = ()
+    continuous: bool = True
+    of_the_tests: bool = False
+    expected: float = 0.0
+    uncertain: bool = False
 
     @property
     def scaling(self) -> float:
@@ -87,17 +107,25 @@ class Parameter:
         return length + time / 2 + 3 * mass
 
 
+def _none() -> Mapping[str, Any]:
+    return MappingProxyType({})
+
+
 @dataclass(frozen=True, kw_only=True)
 class Effect:
     """One entry of the catalogue.
+
+    Both diagnoses, the simulator, the filter, `with_effect`, scaling and the documentation take
+    what they need from here, and nothing of an effect stands anywhere else.
 
     Parameters
     ----------
     name, family : str
         Name in models; the family its file stands for.
-    kind : {"force", "mass", "state", "terms", "observation"}
+    kind : {"force", "mass", "state", "terms", "freed", "fault"}
         What it does: a force, a share of the mass matrix, states of its own; derivatives of the
-        hull polynomial under one name; a fault of the measurement.
+        hull polynomial under one name; values of another effect that may be off; a fault of the
+        measurement.
     summary : str
         One sentence.
     parameters : tuple of Parameter
@@ -106,10 +134,14 @@ class Effect:
         Words that choose between forms; the first is the default.
     derivatives : bool
         Whether it takes derivatives by their names.
+    roles : tuple of str
+        What it does for a ship as a part of a model.
     needs : tuple of str
         What the state must hold: ``phi``, ``delta``, ``n`` …
-    source : str
-        Where the form comes from.
+    sources : tuple of str
+        Where the form comes from: keys of the bibliography.
+    remark : str
+        What is to be said of the sources.
     force : callable, optional
         A function of plain floats, written in the words of `effects.primitives`. It is given each
         of its arguments by name: motion, controls, particulars, conditions, signals of other
@@ -121,10 +153,34 @@ class Effect:
         States that the effect brings.
     astern : bool
         Whether it says what propulsion does astern.
+    estimates : callable, optional
+        From a vessel to values for parameters without a default, where it enters a model unasked.
+    shares : mapping of str to (mapping of str to float)
+        Of kind terms: by coefficient, the derivatives that it stands for, each with its share of
+        it; coefficients that are absent stand for themselves.
+    stands_in : tuple of str
+        Derivatives whose change with the Froude number holds the effect too.
+    grows_with : mapping of str to str
+        Parameters that grow as the water gets shallow, each with the derivative whose factor it
+        takes.
+    frees : str
+        Of kind freed: the part whose values it moves.
+    moves : callable, optional
+        From a vessel to how each coefficient moves its values, where that does not follow from
+        the kind; of a fault, what it does to a model that was made from faulty tests.
+    columns : callable, optional
+        Of kind fault: from a run and a value of the nonlinear parameter to the harmonics of each
+        coefficient by channel.
+    each_run : bool
+        Of kind fault: whether each run and channel draws a size of its own.
     check : str
         A run, or a check at the bench, that shows it.
     excites : tuple of str
-        What tests must hold to show it at all: ``several speeds``, ``roll``, ``rudder``.
+        What tests must hold to show it at all, words of `effects.seen.EXCITES`.
+    not_captive, not_free_running : str
+        Why captive tests, or free-running records, are not asked for it; empty where they are.
+    text : str
+        The words in which a user wrote it down.
     """
 
     name: str
@@ -132,16 +188,48 @@ class Effect:
     kind: Kind
     summary: str
     parameters: tuple[Parameter, ...] = ()
-    options: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+    options: Mapping[str, tuple[str, ...]] = field(default_factory=_none)
     derivatives: bool = False
+    roles: tuple[Role, ...] = ()
     needs: tuple[str, ...] = ()
-    source: str = ""
+    sources: tuple[str, ...] = ()
+    remark: str = ""
     force: Callable[..., Any] | None = None
     outputs: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
     astern: bool = False
+    estimates: Callable[[Vessel], Mapping[str, float]] | None = None
+    shares: Mapping[str, Mapping[str, float]] = field(default_factory=_none)
+    stands_in: tuple[str, ...] = ()
+    grows_with: Mapping[str, str] = field(default_factory=_none)
+    frees: str = ""
+    moves: Callable[[Vessel], Mapping[str, Move]] | None = None
+    columns: Callable[[Observed, float], Mapping[str, Sequence[Array]]] | None = None
+    each_run: bool = False
     check: str = ""
     excites: tuple[str, ...] = ()
+    not_captive: str = ""
+    not_free_running: str = ""
+    text: str = ""
+
+    def __repr__(self) -> str:
+        asked = [
+            word
+            for word, reason in (
+                ("captive", self.not_captive),
+                ("free running", self.not_free_running),
+            )
+            if self.coefficients and not reason
+        ]
+        return (
+            f"<Effect {self.name}: {self.kind} of {self.family.replace('_', ' ')}"
+            f"{', asked ' + ' and '.join(asked) if asked else ''}>"
+        )
+
+    @property
+    def source(self) -> str:
+        """The sources as a sentence names them."""
+        return "; ".join(filter(None, (cite(*self.sources) if self.sources else "", self.remark)))
 
     @property
     def enters(self) -> bool:
@@ -154,9 +242,52 @@ class Effect:
         return tuple(item for item in self.parameters if item.typical is not None)
 
     @property
+    def typical(self) -> Mapping[str, float]:
+        """Usual sizes of the coefficients."""
+        return MappingProxyType(
+            {item.name: item.typical for item in self.parameters if item.typical is not None}
+        )
+
+    @property
     def nonlinear(self) -> Parameter | None:
         """The parameter that a diagnosis tries on a grid; None where there is none."""
-        return next((item for item in self.parameters if item.grid), None)
+        return next((item for item in self.parameters if item.grid or item.of_the_tests), None)
+
+    @property
+    def varies_with_speed(self) -> frozenset[str]:
+        """Derivatives that change with the Froude number where it is in a model."""
+        return frozenset(self.stands_in) | frozenset(
+            name.removesuffix(BY_SPEED)
+            for label in self.typical
+            for name in self.derivatives_of(label)
+            if name.endswith(BY_SPEED)
+        )
+
+    @property
+    def faulty(self) -> bool:
+        """Whether it is a fault of the measurement, which corrects data and enters no model."""
+        return self.kind == "fault"
+
+    def derivatives_of(self, coefficient: str) -> Mapping[str, float]:
+        """The derivatives that a coefficient stands for, each with its share of it."""
+        return self.shares.get(coefficient, {coefficient: 1.0})
+
+    def sizes(self, coefficients: Mapping[str, float]) -> dict[str, float]:
+        """Values of the derivatives from those of the coefficients.
+
+        Examples
+        --------
+        >>> keel = Effect(name="keel", family="own", kind="terms", summary="",
+        ...               shares={"a": {"Yv|v|": 1.0, "Nv|v|": -0.4}},
+        ...               parameters=(Parameter(name="a", text="", typical=-0.01),))
+        >>> keel.sizes({"a": -0.02})
+        {'Yv|v|': -0.02, 'Nv|v|': 0.008}
+        """
+        found: dict[str, float] = {}
+        for label in self.typical:
+            for name, share in self.derivatives_of(label).items():
+                found[name] = found.get(name, 0.0) + share * coefficients.get(label, 0.0)
+        return found
 
     def parameter(self, name: str) -> Parameter | None:
         """The parameter of a name; None where the effect has none of it."""
@@ -196,15 +327,20 @@ class Effect:
 
     def problems(self, values: Mapping[str, object], options: Mapping[str, str]) -> list[str]:
         """What is wrong with values and options given for this effect, in words."""
-        if self.kind == "observation":
+        if self.kind == "fault":
             return [
                 f"{self.name} is a fault of a measurement: it corrects data, it is no part of a "
                 f"model."
             ]
         if self.kind == "terms":
-            names = ", ".join(dict.fromkeys(item.name.split(" ")[0] for item in self.parameters))
+            names = ", ".join(name.removesuffix(BY_SPEED) for name in self.sizes(self.typical))
             return [
-                f"{self.name} stands for derivatives: give {names} to hull_polynomial "
+                f"{self.name} stands for derivatives: give {names} to the polynomial of the hull "
+                f"(pmmkit.with_effect does)."
+            ]
+        if self.kind == "freed":
+            return [
+                f"{self.name} stands for values of {self.frees}: change them there "
                 f"(pmmkit.with_effect does)."
             ]
         found = []

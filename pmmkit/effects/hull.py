@@ -14,18 +14,22 @@ from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 
+HULL: Final = "hull_polynomial"
+RUDDER_POLYNOMIAL: Final = "rudder_abkowitz"
 HULL_POLYNOMIAL: Final = Effect(
-    name="hull_polynomial",
+    name=HULL,
     family="hull",
     kind="force",
+    roles=("hull",),
     summary="Hull forces as a polynomial in the motion, term by term as the literature names them.",
     derivatives=True,
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
 )
 RUDDER_ABKOWITZ: Final = Effect(
-    name="rudder_abkowitz",
+    name=RUDDER_POLYNOMIAL,
     family="hull",
     kind="force",
+    roles=("steering",),
     summary="Rudder forces as a polynomial in the rudder angle and the motion.",
     parameters=(
         Parameter(
@@ -39,7 +43,7 @@ RUDDER_ABKOWITZ: Final = Effect(
     ),
     derivatives=True,
     needs=("delta",),
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
 )
 EFFECTS: Final = (HULL_POLYNOMIAL, RUDDER_ABKOWITZ)
 

@@ -7,28 +7,6 @@ from typing import Final
 from pmmkit.effects.effect import Effect, Parameter
 
 
-def kept(order: int, omega: float, lag: float, L: float, speed: float) -> complex:
-    """What a lag leaves of a harmonic: 1/(1 + i n ω T), the steady solution of its state.
-
-    Parameters
-    ----------
-    order : int
-        Number n of the harmonic.
-    omega : float
-        Angular frequency of the motion [rad/s].
-    lag : float
-        Lag over L/U.
-    L, speed : float
-        Ship length [m] and speed [m/s]: T = lag L/U.
-
-    Examples
-    --------
-    >>> kept(1, 0.5, 0.5, 4.0, 1.0)
-    (0.5-0.5j)
-    """
-    return 1.0 / (1.0 + 1j * order * omega * lag * L / speed)
-
-
 def late_sway_force(
     v: float,
     U: float,
@@ -90,12 +68,14 @@ def added_mass_in_drift(
     return unit * Yvvvdot, unit * L * Nvvvdot
 
 
+_SLOW: Final = "a lag of less than a ship length is what the filter's unknown forces stand for"
 _PRIME: Final = "(½ρL²U², ½ρL³U² with the speed of the instant)"
 _LAG: Final = Parameter(name="lag", text="lag in L/U", low=1e-3, grid=(0.15, 0.3, 0.5, 0.8))
 MEMORY: Final = Effect(
     name="memory",
     family="memory",
     kind="state",
+    not_free_running=_SLOW,
     summary="Part of the sway force builds up late, so that damping falls with frequency.",
     parameters=(
         Parameter(name="Yv_late", text=f"part of Yv that is late {_PRIME}", typical=-0.2 * 0.0116),
@@ -105,13 +85,14 @@ MEMORY: Final = Effect(
     force=late_sway_force,
     outputs=("Y", "N", "late_sway_rate"),
     states=("late_sway",),
-    source="van Leeuwen 1964; Nomoto 1975",
+    sources=("van_leeuwen_1964", "nomoto_1975"),
     check="pure sway at ω' = 1 and 6 beside static drift",
 )
 LAGGED_CROSSFLOW: Final = Effect(
     name="lagged_crossflow",
     family="memory",
     kind="state",
+    not_free_running=_SLOW,
     summary="The cubic sway force lags behind the motion.",
     parameters=(
         Parameter(
@@ -123,13 +104,15 @@ LAGGED_CROSSFLOW: Final = Effect(
     force=late_cross_flow_force,
     outputs=("Y", "N", "late_cube_rate"),
     states=("late_cube",),
-    source="a one-pole lag of the cubic force, as of lift that builds up (Wagner 1925)",
+    sources=("wagner_1925",),
+    remark="a one-pole lag, as of lift that builds up",
     check="pure sway at two frequencies and one large amplitude",
 )
 NONLINEAR_ADDED_MASS: Final = Effect(
     name="nonlinear_added_mass",
     family="memory",
     kind="mass",
+    not_free_running="sway accelerations of a free ship are too small: pure sway shows it",
     summary="Added mass that changes with the sway velocity.",
     parameters=(
         Parameter(name="Yvvvdot", text=f"multiplies v² v̇ in Y {_PRIME}", typical=-0.020),
@@ -137,7 +120,7 @@ NONLINEAR_ADDED_MASS: Final = Effect(
     ),
     force=added_mass_in_drift,
     outputs=("Yvdot", "Nvdot"),
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
     check="pure sway at more amplitudes",
 )
 EFFECTS: Final = (MEMORY, LAGGED_CROSSFLOW, NONLINEAR_ADDED_MASS)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.hull import HULL
 from pmmkit.effects.primitives import exp, fabs, interpolate, maximum, minimum, where
+from pmmkit.effects.seen import Move, Vessel
 
 
 def wake_inflow(
@@ -125,6 +127,7 @@ PROPELLER: Final = Effect(
     name="propeller",
     family="propeller",
     kind="force",
+    roles=("propulsion",),
     summary="Thrust of one propeller ahead, from KT over J, with wake and thrust deduction.",
     parameters=(
         Parameter(name="D", text="diameter", unit="m", low=1e-6),
@@ -140,7 +143,9 @@ PROPELLER: Final = Effect(
         ),
         Parameter(name="KT", text="KT at each J", form=_TABLE, table=True),
         Parameter(name="KQ", text="KQ at each J", form=_TABLE, table=True),
-        Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
+        Parameter(
+            name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99, uncertain=True
+        ),
         Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
         Parameter(
             name="tau",
@@ -161,6 +166,58 @@ PROPELLER: Final = Effect(
     needs=("n",),
     force=force,
     outputs=("X", "propeller_inflow", "thrust", "torque", "loading"),
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
-EFFECTS: Final = (PROPELLER,)
+_TOWED: Final = "captive tests measure the force on the model: thrust enters by its gauge"
+
+
+def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -> Effect:
+    return Effect(
+        name=name,
+        family="propeller",
+        kind="freed",
+        frees=PROPELLER.name,
+        summary=summary,
+        parameters=tuple(
+            Parameter(name=own, text=f"change of {own} of the propeller", typical=size)
+            for own, size in sizes.items()
+        ),
+        sources=("yasukawa_yoshimura_2015", "son_nomoto_1981"),
+        check=check,
+        not_captive=_TOWED,
+    )
+
+
+def resistance_of_the_model(vessel: Vessel) -> Mapping[str, Move]:
+    """The resistance of a model off, by its own derivative."""
+    known = vessel.derivatives()
+    name = next((name for name in ("Xuu", "Xu") if name in known), None)
+    if name is None:
+        return {}
+    return {name: Move(values={name: 1.0}, typical=0.15 * abs(known[name]) or 1e-4)}
+
+
+WAKE_IN_DRIFT: Final = _freed(
+    "wake_in_drift",
+    "Flow into the propeller in drift and turn.",
+    {"C2_positive": 0.3, "C2_negative": 0.3, "tau": 0.4, "cp": 0.3},
+    check="captive drift with the thrust measured",
+)
+PROPELLER_LOAD: Final = _freed(
+    "propeller_load",
+    "Thrust at the revolutions of the runs: wake and thrust deduction.",
+    {"wp": 0.08, "t": 0.05},
+    check="captive straight runs at three revolutions",
+)
+SCALE_EFFECT: Final = Effect(
+    name="scale_effect",
+    family="propeller",
+    kind="freed",
+    frees=HULL,
+    summary="Resistance of another scale or surface.",
+    moves=resistance_of_the_model,
+    sources=("ittc_7.5-02-03-01.4",),
+    check="a resistance test of this model",
+    not_captive="one model has one scale: its resistance is measured",
+)
+EFFECTS: Final = (PROPELLER, WAKE_IN_DRIFT, PROPELLER_LOAD, SCALE_EFFECT)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import fabs, sin
+from pmmkit.effects.primitives import fabs, sin, sqrt
+from pmmkit.effects.seen import Move, Vessel
 
 
 def force(
@@ -30,10 +32,12 @@ def force(
     return (-rho * g * volume * GM * heel - (damping + damping_quadratic * fabs(p)) * p,)
 
 
+ROLL_PART: Final = "roll"
 ROLL: Final = Effect(
-    name="roll",
+    name=ROLL_PART,
     family="roll",
     kind="force",
+    roles=("roll",),
     summary="Righting moment by the metacentric height, and roll damping.",
     parameters=(
         Parameter(name="damping", text="moment per roll rate", unit="N m s", default=0.0, low=0.0),
@@ -49,6 +53,29 @@ ROLL: Final = Effect(
     needs=("phi", "p"),
     force=force,
     outputs=("K",),
-    source="Son and Nomoto 1981",
+    sources=("son_nomoto_1981",),
 )
-EFFECTS: Final = (ROLL,)
+
+
+def damping_of_the_ship(vessel: Vessel) -> Mapping[str, Move]:
+    """Roll damping off by a twentieth of the critical one."""
+    ship, water = vessel.ship, vessel.water
+    if not (ship.GM and ship.Ixx):
+        return {}
+    critical = 2.0 * sqrt(water.rho * water.g * ship.volume * ship.GM * ship.Ixx)
+    return {"damping": Move(values={f"{ROLL_PART}.damping": 1.0}, typical=0.05 * critical)}
+
+
+ROLL_DAMPING: Final = Effect(
+    name="roll_damping",
+    family="roll",
+    kind="freed",
+    frees=ROLL_PART,
+    summary="Damping of roll by keels and hull.",
+    moves=damping_of_the_ship,
+    sources=("ikeda_himeno_tanaka_1978",),
+    check="a roll decay test",
+    excites=("roll",),
+    not_captive="captive tests measure X, Y and N; roll moments are not diagnosed",
+)
+EFFECTS: Final = (ROLL, ROLL_DAMPING)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
@@ -169,26 +170,40 @@ RUDDER_MMG: Final = Effect(
     name="rudder_mmg",
     family="rudder",
     kind="force",
+    roles=("steering",),
     summary="Rudder force from the flow at the rudder, with the force it raises on the hull.",
     parameters=(
         Parameter(name="area", text="rudder area", unit="m2", low=1e-9),
         Parameter(name="lift_slope", text="gradient fα of the normal force coefficient", low=0.0),
-        Parameter(name="epsilon", text="wake at the rudder over wake at the propeller", low=0.0),
+        Parameter(
+            name="epsilon",
+            text="wake at the rudder over wake at the propeller",
+            low=0.0,
+            uncertain=True,
+        ),
         Parameter(name="kappa", text="share of the slipstream's acceleration at the rudder"),
         Parameter(name="eta", text="propeller diameter over rudder height", form=_MMG),
-        Parameter(name="gamma_positive", text="flow straightening, inflow from port", form=_MMG),
         Parameter(
-            name="gamma_negative", text="flow straightening, inflow from starboard", form=_MMG
+            name="gamma_positive",
+            text="flow straightening, inflow from port",
+            form=_MMG,
+            uncertain=True,
+        ),
+        Parameter(
+            name="gamma_negative",
+            text="flow straightening, inflow from starboard",
+            form=_MMG,
+            uncertain=True,
         ),
         Parameter(
             name="lR", text="effective lever of the yaw rate at the rudder over L", form=_MMG
         ),
-        Parameter(name="gamma", text="flow straightening of v'", form=_SN),
-        Parameter(name="cRr", text="cross flow per r'", form=_SN),
+        Parameter(name="gamma", text="flow straightening of v'", form=_SN, uncertain=True),
+        Parameter(name="cRr", text="cross flow per r'", form=_SN, uncertain=True),
         Parameter(name="cRrrr", text="cross flow per r'³", default=0.0, form=_SN),
         Parameter(name="cRrrv", text="cross flow per r'² v'", default=0.0, form=_SN),
         Parameter(name="tR", text="steering resistance deduction"),
-        Parameter(name="aH", text="hull force over rudder force"),
+        Parameter(name="aH", text="hull force over rudder force", uncertain=True),
         Parameter(name="xH", text="point of the hull force forward of midship over L"),
         Parameter(name="xR", text="rudder forward of midship over L", default=-0.5),
         Parameter(name="zR", text="rudder force below the origin over L", default=0.0),
@@ -213,6 +228,45 @@ RUDDER_MMG: Final = Effect(
     needs=("delta", "n"),
     force=force,
     outputs=("X", "Y", "N", "K", "rudder_force"),
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
-EFFECTS: Final = (RUDDER_MMG,)
+
+
+def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -> Effect:
+    return Effect(
+        name=name,
+        family="rudder",
+        kind="freed",
+        frees=RUDDER_MMG.name,
+        summary=summary,
+        parameters=tuple(
+            Parameter(name=own, text=text, typical=size)
+            for own, size in sizes.items()
+            if (known := RUDDER_MMG.parameter(own)) is not None
+            for text in [f"change of the {known.text}"]
+        ),
+        sources=("yasukawa_yoshimura_2015", "son_nomoto_1981"),
+        check=check,
+        not_captive="captive tests are reduced to derivatives, which hold the rudder as it is",
+    )
+
+
+FLOW_STRAIGHTENING: Final = _freed(
+    "flow_straightening",
+    "How much of the flow across the stern the rudder feels, to port and to starboard.",
+    {"gamma_positive": 0.15, "gamma_negative": 0.15, "lR": 0.2, "gamma": 0.1, "cRr": 0.1},
+    check="captive drift with rudder at the four corners ±β, ±δ",
+)
+RUDDER_SLIPSTREAM: Final = _freed(
+    "rudder_slipstream",
+    "Speed of the flow at the rudder behind the propeller.",
+    {"epsilon": 0.15, "kappa": 0.15},
+    check="captive rudder at three propeller loads",
+)
+RUDDER_HULL_INTERACTION: Final = _freed(
+    "rudder_hull_interaction",
+    "Force that the rudder raises on the hull.",
+    {"aH": 0.1, "xH": 0.15, "tR": 0.1},
+    check="captive rudder with a rudder gauge",
+)
+EFFECTS: Final = (RUDDER_MMG, FLOW_STRAIGHTENING, RUDDER_SLIPSTREAM, RUDDER_HULL_INTERACTION)

@@ -138,6 +138,7 @@ SHAFT: Final = Effect(
     name="shaft",
     family="shaft",
     kind="state",
+    roles=("shaft",),
     summary="Revolutions as a state: an engine with governor, limits of torque and power, and a "
     "reversal that has to wait.",
     parameters=(
@@ -201,13 +202,14 @@ SHAFT: Final = Effect(
     force=force,
     outputs=("n_rate",),
     states=("n",),
-    source="Equation of the shaft and constant limit of the torque: Estimation of Hydrodynamic "
-    "Derivatives from Sea Trial Data Using System Identification Technique",
+    sources=("sea_trial_identification",),
+    remark="equation of the shaft and constant limit of the torque",
 )
 SHAFT_LAG: Final = Effect(
     name="shaft_lag",
     family="shaft",
     kind="state",
+    roles=("shaft",),
     summary="Revolutions as a state that follows its order with a time constant.",
     parameters=(
         Parameter(
@@ -246,6 +248,7 @@ SHAFT_LAG: Final = Effect(
     force=lag,
     outputs=("n_rate",),
     states=("n",),
-    source="Van Berlekom and Goddard 1972; by turns: Son and Nomoto 1981 as in the MSS toolbox",
+    sources=("van_berlekom_goddard_1972", "son_nomoto_1981"),
+    remark="by turns as the MSS toolbox has it",
 )
 EFFECTS: Final = (SHAFT, SHAFT_LAG)

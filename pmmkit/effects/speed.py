@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import sqrt
+from pmmkit.effects.primitives import exp
 from pmmkit.effects.terms import terms
 
 
@@ -23,19 +23,21 @@ def resistance(
     return (0.5 * rho * L * L * U * U * F * (X_F + X_FF * F),)
 
 
-def force(
-    U: float, L: float, rho: float, g: float, X_F: float, X_FF: float, Fn0: float
+def hump(
+    U: float, Fn: float, L: float, rho: float, X_hump: float, Fn_hump: float, width: float
 ) -> tuple[float]:
-    """`resistance` of a free ship, whose waves are those of its speed at the instant.
+    """X [N]: ½ρL²U² X_hump exp(-((Fn - Fn_hump)/width)²), waves of bow and stern in step.
 
     Examples
     --------
-    >>> round(force(2.0, 4.0, 1000.0, 10.0, -1e-4, 0.0, 0.2)[0], 9)
-    -4.8
+    >>> hump(2.0, 0.3, 4.0, 1000.0, -1e-4, 0.3, 0.02)
+    (-3.2,)
     """
-    return resistance(U, U / sqrt(g * L), L, rho, X_F, X_FF, Fn0)
+    away = (Fn - Fn_hump) / width
+    return (0.5 * rho * L * L * U * U * X_hump * exp(-away * away),)
 
 
+_APPROACH: Final = "the values of a model are those of its approach speed throughout a manoeuvre"
 RESISTANCE_CURVE: Final = Effect(
     name="resistance_curve",
     family="speed",
@@ -46,46 +48,82 @@ RESISTANCE_CURVE: Final = Effect(
         Parameter(name="X_FF", text="multiplies F² in X over ½ρL²U²", typical=-2.5e-5),
         Parameter(name="Fn0", text="Froude number at which F = (Fn/Fn0)² - 1 is zero", low=1e-3),
     ),
-    force=force,
+    force=resistance,
+    stands_in=("Xuu",),
     outputs=("X",),
-    source="ITTC 7.5-02-02-01",
+    sources=("ittc_7.5-02-02-01",),
     check="resistance at more speeds",
     excites=("several speeds",),
+    not_free_running=_APPROACH,
+)
+WAVE_MAKING_HUMP: Final = Effect(
+    name="wave_making_hump",
+    family="speed",
+    kind="force",
+    summary="A hump of the resistance about one Froude number.",
+    parameters=(
+        Parameter(name="X_hump", text="height over ½ρL²U²", typical=-1e-4),
+        Parameter(
+            name="Fn_hump",
+            text="Froude number of the hump",
+            low=0.05,
+            high=1.0,
+            grid=(0.18, 0.22, 0.26, 0.30),
+        ),
+        Parameter(name="width", text="of the hump in Froude numbers", default=0.02, low=1e-3),
+    ),
+    force=hump,
+    outputs=("X",),
+    sources=("havelock_1909",),
+    check="resistance at Froude numbers between those tested",
+    excites=("four speeds",),
+    not_free_running=_APPROACH,
 )
 FROUDE_LINEAR: Final = terms(
     "froude_linear",
     "speed",
     "Linear derivatives that change with the Froude number.",
     {"Yv F": -0.0010, "Nv F": 0.0003, "Yr F": -0.00045, "Nr F": -0.00012},
-    source="Yoon 2009",
+    sources=("yoon_2009",),
     check="a third speed",
     excites=("several speeds",),
+    not_free_running=_APPROACH,
 )
 FROUDE_NONLINEAR: Final = terms(
     "froude_nonlinear",
     "speed",
     "Cubic derivatives that change with the Froude number.",
     {"Yvvv F": -0.035, "Nvvv F": 0.0006, "Yrrr F": 0.004, "Nrrr F": -0.0008},
-    source="Yoon 2009",
+    sources=("yoon_2009",),
     check="amplitude steps at the extreme speeds",
     excites=("several speeds",),
+    not_free_running=_APPROACH,
 )
 FROUDE_COUPLING: Final = terms(
     "froude_coupling",
     "speed",
     "Products of sway and yaw that change with the Froude number.",
     {"Yvvr F": 0.005, "Yvrr F": -0.010, "Nvvr F": -0.010, "Nvrr F": 0.0004, "Xvr F": 0.0008},
-    source="Yoon 2009",
+    sources=("yoon_2009",),
     check="yaw with drift at the extreme speeds",
     excites=("several speeds",),
+    not_free_running=_APPROACH,
 )
 FROUDE_SURGE: Final = terms(
     "froude_surge",
     "speed",
     "Resistance of sway and yaw that changes with the Froude number.",
     {"Xvv F": -0.0006, "Xrr F": 0.0001},
-    source="Yoon 2009",
+    sources=("yoon_2009",),
     check="static drift and pure yaw at the extreme speeds",
     excites=("several speeds",),
+    not_free_running=_APPROACH,
 )
-EFFECTS: Final = (RESISTANCE_CURVE, FROUDE_LINEAR, FROUDE_NONLINEAR, FROUDE_COUPLING, FROUDE_SURGE)
+EFFECTS: Final = (
+    RESISTANCE_CURVE,
+    WAVE_MAKING_HUMP,
+    FROUDE_LINEAR,
+    FROUDE_NONLINEAR,
+    FROUDE_COUPLING,
+    FROUDE_SURGE,
+)

@@ -28,6 +28,9 @@ class State:
         Propeller revolutions per second.
     thrust : array (n,)
         Propeller thrust [N]; zero without a propeller.
+    sinkage, trim : array (n,)
+        Sinkage of midship [m], positive down, and trim [rad], positive bow up; zero where they
+        are not measured.
     """
 
     u: Array
@@ -42,6 +45,8 @@ class State:
     delta: Array
     rps: Array
     thrust: Array
+    sinkage: Array
+    trim: Array
 
     @classmethod
     def of(cls, size: int | None = None, **given: float | Array) -> State:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, pi, sin, where
+from pmmkit.effects.seen import Vessel
 
 
 def relative_wind(
@@ -107,12 +108,23 @@ def force(
     )
 
 
+def windage(vessel: Vessel) -> Mapping[str, float]:
+    """Areas above water as large as those below, where nothing is known of them [m²]."""
+    ship = vessel.ship
+    return {"AF": ship.B * ship.d, "AL": ship.L * ship.d}
+
+
 _SIMPLE: Final = ("coefficients", "simple")
 _TABLE: Final = ("coefficients", "table", "table-with-roll")
 WIND: Final = Effect(
     name="wind",
     family="environment",
     kind="force",
+    roles=("wind",),
+    excites=("wind",),
+    not_captive="wind on a towed model is that of the carriage: it goes with U² like the water's",
+    estimates=windage,
+    check="the same run in a calm",
     summary="Forces of the wind past the ship, by coefficients over its angle.",
     parameters=(
         Parameter(name="rho_air", text="density of the air [kg/m³]", default=1.225, low=0.0),
@@ -125,14 +137,26 @@ WIND: Final = Effect(
             name="lever", text="height of the side force above the origin", unit="m", default=0.0
         ),
         Parameter(
-            name="cx", text="size of CX in wind from ahead, 0.5 to 0.9", default=0.7, form=_SIMPLE
+            name="cx",
+            text="size of CX in wind from ahead, 0.5 to 0.9",
+            typical=0.7,
+            uncertain=True,
+            default=0.7,
+            form=_SIMPLE,
         ),
         Parameter(
-            name="cy", text="size of CY in wind from abeam, 0.7 to 0.95", default=0.8, form=_SIMPLE
+            name="cy",
+            text="size of CY in wind from abeam, 0.7 to 0.95",
+            typical=0.8,
+            uncertain=True,
+            default=0.8,
+            form=_SIMPLE,
         ),
         Parameter(
             name="cn",
             text="size of CN in wind 45° off the bow, 0.05 to 0.2",
+            typical=0.1,
+            uncertain=True,
             default=0.1,
             form=_SIMPLE,
         ),
@@ -159,7 +183,8 @@ WIND: Final = Effect(
     needs=("wind_speed", "wind_direction"),
     force=force,
     outputs=("X", "Y", "N", "K"),
-    source="Isherwood 1972, Blendermann 1994 (what the coefficients refer to); simple: Fossen "
-    "2011, section 8.1, as in public programs that quote it",
+    sources=("isherwood_1972", "blendermann_1994", "fossen_2011"),
+    remark="the first two: what the coefficients refer to; the last: the simple form, section "
+    "8.1, as public programs quote it",
 )
 EFFECTS: Final = (WIND,)

@@ -8,12 +8,15 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
+from pmmkit.effects import primitives
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.grammar import source_of
 from pmmkit.effects.hull import FACTOR_PLACES
 from pmmkit.equations import layouts
 from pmmkit.equations.layouts import POLYNOMIAL, ROLLING, STATES, Constant, State, StepField
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 
-MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta")
+MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
 PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
 CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
@@ -77,12 +80,7 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
     """
     lines = ["import math", "from math import atan2, cos, fabs, sin, sqrt"]
     for item in structure.used:
-        function = item.known.force
-        assert function is not None
-        lines += [
-            f"from {function.__module__} import {function.__name__} as plain_{item.effect}",
-            f"effect_{item.effect} = use(plain_{item.effect})",
-        ]
+        lines += [*_taken_in(item), f"effect_{item.effect} = use(plain_{item.effect})"]
     free, balance = _balanced(structure)
     states = structure.states
     lines += [
@@ -99,6 +97,19 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
         _functions(files),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _taken_in(item: Used) -> list[str]:
+    """The plain function of an effect: imported, or written out where a user's text makes it."""
+    name = f"plain_{item.effect}"
+    if item.text:
+        words = ", ".join(primitives.__all__)
+        source = source_of(item.effect, item.text).replace("def force(", f"def {name}(", 1)
+        return [f"from {primitives.__name__} import {words}", source]
+    return [
+        f"from {effect_of.__module__} import effect_of",
+        f"{name} = effect_of({item.effect!r}).force",
+    ]
 
 
 def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
@@ -143,6 +154,8 @@ def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[
     body = [f"{name} = k[{Constant[name]}]" for name in (*PARTICULARS, *CONDITIONS)]
     if any("beta" in item.arguments for item in structure.used):
         body.append("beta = atan2(-v, u)")
+    if any("Fn" in item.arguments for item in structure.used):
+        body.append("Fn = U / sqrt(g * L)")
     body.append("X, Y, N, K = " + ", ".join(f"k[{Constant[f'more_{x}']}]" for x in FORCES))
     body += _polynomial(structure)
     places = structure.places()

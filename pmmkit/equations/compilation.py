@@ -74,23 +74,26 @@ def _same(function: Any) -> Any:
 def _fingerprint(structure: Structure, text: str) -> str:
     """Hash of all that the compiled code depends on."""
     digest = hashlib.sha256(text.encode())
-    files = {str(primitives.__file__)}
+    digest.update(Path(str(primitives.__file__)).read_bytes())
     for item in structure.used:
-        files |= _files_of(item.known.force)
-    for file in sorted(files):
-        digest.update(Path(file).read_bytes())
+        if not item.text:
+            for code in sorted(_codes_of(item.known.force)):
+                digest.update(code)
     return digest.hexdigest()[:20]
 
 
-def _files_of(function: Any) -> set[str]:
-    """The file of a function and those of the functions that it calls."""
+def _codes_of(function: Any) -> set[bytes]:
+    """The files of a function and of those that it calls; their code where there is no file."""
     assert isinstance(function, FunctionType)
-    called = (function.__globals__.get(name) for name in function.__code__.co_names)
-    files = {function.__code__.co_filename}
-    for other in called:
+    code = function.__code__
+    file = Path(code.co_filename)
+    written = file.read_bytes() if file.is_file() else repr((code.co_code, code.co_consts)).encode()
+    found = {written}
+    for name in code.co_names:
+        other = function.__globals__.get(name)
         if isinstance(other, FunctionType):
-            files |= _files_of(other)
-    return files
+            found |= _codes_of(other)
+    return found
 
 
 _HEAD = '''"""Equations of motion of one structure of model, written by pmmkit."""

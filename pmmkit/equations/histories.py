@@ -255,7 +255,7 @@ def _text(structure: Structure) -> str:
     for name in ACCELERATIONS:
         shares = " + ".join([f"k[{Constant[name]}]", *extra_mass.get(name, ())])
         body.append(f"{name[0]} = {name[0]} + ({shares}) * {name[1:]}")
-    assert set(MOTION) - {"U", "beta"} <= set(HISTORY)
+    assert set(MOTION) - {"U", "beta", "Fn"} <= set(HISTORY)
     arguments = ", ".join((*HISTORY, *(name for name in structure.brought if name not in HISTORY)))
     body.append(
         f"return (X, Y, N, K), {{{', '.join(f'{n!r}: {rate}' for n, rate in rates.items())}}}"

@@ -13,14 +13,17 @@ import numpy as np
 
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import added_mass
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.hull import Monomial, polynomial
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.catalogue import edition_of, effect_of
+from pmmkit.effects.hull import HULL, Monomial, polynomial
+from pmmkit.effects.shallow_water import SHALLOW_WATER, apply, factors
 from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
 from pmmkit.equations.layouts import Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
 from pmmkit.errors import DataError, MissingPartError, ModelError
 from pmmkit.models import Model
+from pmmkit.models.roles import in_role, parts_of
 from pmmkit.numerics import Array
 
 Numbers = Mapping[str, Mapping[str, Any]]
@@ -315,11 +318,11 @@ def packed(
         )
     values = _in_shallow_water(model, values, depth)
     added = added_mass.resolve(
-        values.get("added_mass", {}), ship=ship, water=water, convention=convention
+        values.get(INERTIA, {}), ship=ship, water=water, convention=convention
     )
     terms: dict[str, Any] = {}
     for effect in POLYNOMIALS:
-        known = catalogue()[effect]
+        known = effect_of(effect)
         for name, value in values.get(effect, {}).items():
             if known.parameter(name) is None:
                 terms[name] = terms.get(name, 0.0) + value
@@ -384,7 +387,7 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
     """The structure of a model; without `monomials` that of the kernel for all polynomials."""
     used = {}
     for effect, part in sorted(model.parts.items()):
-        known = catalogue()[effect]
+        known = part.known
         if known.force is None:
             continue
         chosen = known.chosen(part.options)
@@ -397,6 +400,8 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
                 (name, len(table) if isinstance(table := values[effect].get(name), tuple) else 1)
                 for name in sorted(known.tables)
             ),
+            text=part.text,
+            edition=edition_of(effect),
         )
     products = None
     if monomials is not None:
@@ -405,40 +410,31 @@ def structure_of(model: Model, values: Numbers, monomials: Sequence[Monomial] | 
 
 
 def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
-    if "shallow_water" not in model.parts or math.isinf(depth):
+    name = SHALLOW_WATER.name
+    if name not in model.parts or math.isinf(depth):
         return values
-    from pmmkit.effects.shallow_water import apply, factors
-
-    ship, powers = model.ship, values["shallow_water"]
+    ship, powers = model.ship, values[name]
     found = {effect: dict(own) for effect, own in values.items()}
-    for effect in ("hull_polynomial", "added_mass"):
+    for effect in (HULL, INERTIA):
         found[effect] = apply(values[effect], ship=ship, depth=depth, **powers)
-    if "crossflow_drag" in found:
-        grown = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)["Yvvv"]
-        found["crossflow_drag"]["CD"] = values["crossflow_drag"]["CD"] * grown
+    for effect, part in model.parts.items():
+        for parameter, derivative in part.known.grows_with.items():
+            grown = factors(depth, ship.d, ship.L, ship.B, ship.block, **powers)[derivative]
+            found[effect][parameter] = values[effect][parameter] * grown
     return found
 
 
 def feels_depth(model: Model) -> bool:
     """Whether the depth of the water changes the forces of a model."""
-    return any("depth" in catalogue()[effect].needs for effect in model.parts)
+    return any("depth" in part.known.needs for part in model.parts.values())
 
 
 def _check_parts(model: Model) -> None:
-    parts = model.parts
-    outputs = {
-        output
-        for effect in parts
-        if catalogue()[effect].force
-        for output in catalogue()[effect].outputs
-    }
-    missing = [name for name in ("hull_polynomial", "added_mass") if name not in parts]
-    drives = {"thrust", "propelled"} & outputs or model.convention.surge == "delta-u"
-    if not drives:
-        missing.append("propeller")
-    steers = {"rudder_force", "steered"} & outputs or "rudder_abkowitz" in parts
-    if not steers:
-        missing.append("rudder_mmg (or rudder_abkowitz)")
+    missing = [name for name in (HULL, INERTIA) if name not in model.parts]
+    if not parts_of(model, "propulsion") and model.convention.surge != "delta-u":
+        missing.append(" or ".join(in_role("propulsion")))
+    if not parts_of(model, "steering"):
+        missing.append(" or ".join(in_role("steering")))
     if missing:
         raise MissingPartError(
             f"Model {model.name!r} cannot be simulated: it has no part "

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
-from inspect import signature
+from functools import cached_property
 from typing import Final
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import arguments_of, catalogue, effect_of
 from pmmkit.effects.effect import Effect
+from pmmkit.effects.grammar import written_effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.equations.layouts import ROLLING, STATES, Constant
 from pmmkit.errors import MissingPartError, ModelError
 
-POLYNOMIALS: Final = ("hull_polynomial", "rudder_abkowitz")
+POLYNOMIALS: Final = (HULL, RUDDER_POLYNOMIAL)
 FORCES: Final = ("X", "Y", "N", "K")
 ACCELERATIONS: Final = (
     "Xudot",
@@ -33,22 +34,27 @@ Products = tuple[tuple[tuple[int, ...], tuple[str, ...]], ...]
 
 @dataclass(frozen=True, kw_only=True)
 class Used:
-    """One effect as a model uses it: its options as (name, index), its tables as (name, length)."""
+    """One effect as a model uses it: its options as (name, index), its tables as (name, length).
+
+    Where a user's text makes the effect, `text` holds it; `edition` tells effects that were
+    registered one after another under one name.
+    """
 
     effect: str
     options: tuple[tuple[str, int], ...] = ()
     tables: tuple[tuple[str, int], ...] = ()
+    text: str = ""
+    edition: int = 0
 
     @property
     def known(self) -> Effect:
         """What the catalogue says of it."""
-        return catalogue()[self.effect]
+        return written_effect(self.effect, self.text) if self.text else effect_of(self.effect)
 
     @property
     def arguments(self) -> tuple[str, ...]:
         """What its function asks for, by name."""
-        function = self.known.force
-        return _arguments(function) if function else ()
+        return arguments_of(self.known)
 
     @property
     def own(self) -> tuple[str, ...]:
@@ -103,11 +109,6 @@ class Structure:
                 found[item.effect, name] = slice(place, place + length)
                 place += length
         return found
-
-
-@cache
-def _arguments(function: Callable[..., object]) -> tuple[str, ...]:
-    return tuple(signature(function).parameters)
 
 
 def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) -> tuple[Used, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, TableError
 from pmmkit.exports.text import comment, plain, written_by
@@ -131,7 +131,7 @@ def _check_parts(model: Model) -> None:
         ("rudder_mmg", "stall", "none"),
     ):
         if effect in model.parts:
-            chosen = catalogue()[effect].chosen(model.parts[effect].options)[option]
+            chosen = model.parts[effect].known.chosen(model.parts[effect].options)[option]
             if chosen != word:
                 problems.append(f"{option} of {effect} is {chosen!r}; shipmmg has {word!r} only.")
     if problems:
@@ -140,7 +140,7 @@ def _check_parts(model: Model) -> None:
 
 def _derivatives(model: Model, effect: str, Fn: float) -> dict[str, Any]:
     values = model.values(effect, Fn if model.Fn else None)
-    known = catalogue()[effect]
+    known = effect_of(effect)
     return {name: value for name, value in values.items() if known.parameter(name) is None}
 
 

@@ -17,9 +17,9 @@ from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.parameters import Place, places, replaced
 from pmmkit.models import Model
+from pmmkit.models.roles import parts_of
 from pmmkit.numerics import Array
 
-DRIVES: Final = ("shaft", "shaft_lag")
 """Parts that move the revolutions; where these are measured, they are left out."""
 AROUND: Final = ("current_x", "current_y")
 """Constants that may be looked for too: the current to north and east [m/s]."""
@@ -63,9 +63,10 @@ class Binding:
 
 def driven(model: Model) -> Model:
     """The model without the parts that move its revolutions: these are measured."""
-    if not set(DRIVES) & set(model.parts):
+    shafts = parts_of(model, "shaft")
+    if not shafts:
         return model
-    kept = {name: part for name, part in model.parts.items() if name not in DRIVES}
+    kept = {name: part for name, part in model.parts.items() if name not in shafts}
     return replace(model, parts=MappingProxyType(kept))
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from pmmkit.conventions import canonical
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
@@ -71,7 +70,7 @@ def _fittable(model: Model) -> tuple[str, ...]:
     """Every name that may be identified."""
     names = []
     for effect, part in model.parts.items():
-        known = catalogue()[effect]
+        known = part.known
         single = [item.name for item in known.parameters if not item.table]
         if effect in DERIVATIVE_PARTS:
             names += [name for name in part.values if name not in single]

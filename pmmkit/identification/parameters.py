@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations.prepared import Numbers
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
@@ -33,10 +32,10 @@ def places(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
     for name in names:
         effect, dot, own = name.partition(".")
         if dot:
-            known = catalogue().get(effect)
-            parameter = known.parameter(own) if known else None
-            there = effect in model.parts and (
-                (parameter is not None and not parameter.table) or own in model.parts[effect].values
+            part = model.parts.get(effect)
+            parameter = part.known.parameter(own) if part is not None else None
+            there = part is not None and (
+                (parameter is not None and not parameter.table) or own in part.values
             )
             found.append((effect, own)) if there else lost.append(name)
             continue

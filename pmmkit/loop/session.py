@@ -18,7 +18,9 @@ from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis, Finding
-from pmmkit.effects.own import OwnEffect
+from pmmkit.diagnosis.free_running.refit import fit_to_records
+from pmmkit.diagnosis.free_running.weighing import FLOOR as FREE_FLOOR
+from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text
 from pmmkit.loop.error_fall import ErrorFall
@@ -56,7 +58,7 @@ class Session(Described):
         Effects that the base has from the beginning.
     steps : tuple of Step
         What was added.
-    own : tuple of OwnEffect
+    own : tuple of Effect
         Effects of the user.
     """
 
@@ -66,7 +68,7 @@ class Session(Described):
     floor: float
     begun: tuple[str, ...] = ()
     steps: tuple[Step, ...] = ()
-    own: tuple[OwnEffect, ...] = ()
+    own: tuple[Effect, ...] = ()
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -243,7 +245,7 @@ def begin(
     floor: float | None = None,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """A session about a model and captive tests.
 
@@ -274,7 +276,7 @@ def begin(
         campaign=campaign,
         system=system,
         floor=system.floor,
-        begun=base.effects,
+        begun=system.taking_part(base.effects),
         own=tuple(own),
     )
 
@@ -286,7 +288,7 @@ def replay(
     *,
     candidates: Sequence[Candidate] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Session:
     """The steps of a file carried out again on a model and a campaign.
 
@@ -328,34 +330,37 @@ def fit(
         Says what is fitted: its derivatives of hull and added mass, and those of its effects that
         have usual sizes. Propeller, rudder and inertia stay as they are.
     campaign : Campaign
-        Captive tests with histories.
+        Captive tests with histories, or free-running records.
     floor : float, optional
-        As for `diagnose_captive`; it widens the uncertainty.
+        As for `diagnose_captive`, where it widens the uncertainty, or for `diagnose_free`.
     noise : float, optional
         As for `diagnose_captive`.
 
     Returns
     -------
     Model
-        With covariance, and a step more.
+        With a step more, and of captive tests with covariance.
 
     Raises
     ------
     DataError
-        If the campaign is free-running, or holds no run with a known noise.
+        If the campaign holds no run with a known noise, or no record.
     """
     loaded = model if isinstance(model, Model) else load_model(model)
+    if campaign.kind == "free-running":
+        least = FREE_FLOOR if floor is None else floor
+        return fit_to_records(loaded, campaign, floor=least).model
     return begin(loaded, campaign, floor=floor, noise=noise).model()
 
 
-def undone(model: Model, own: Sequence[OwnEffect] = ()) -> tuple[Model, str]:
+def undone(model: Model, own: Sequence[Effect] = ()) -> tuple[Model, str]:
     """A model without the effect that was added last, and its name; its values are to be refitted.
 
     Parameters
     ----------
     model : Model
         With a step that added an effect, or corrected a fault.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
 
     Returns

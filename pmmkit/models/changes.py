@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Value
 
@@ -140,7 +139,7 @@ def _pooled(model: Model) -> Model:
         f"{effect}.{name}": value
         for effect, part in model.parts.items()
         for name, value in part.values.items()
-        if isinstance(value, tuple) and name not in catalogue()[effect].tables
+        if isinstance(value, tuple) and name not in part.known.tables
     }
     if any(len(set(value)) > 1 for value in over_speed.values()):
         return model

@@ -9,13 +9,13 @@ from typing import Literal, Protocol
 
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.effect import Effect
-from pmmkit.effects.own import OwnEffect
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
 from pmmkit.errors import ModelError, UnknownNameError
-from pmmkit.models import Model, Part
+from pmmkit.models.changes import before_of, restored
+from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
-from pmmkit.models.terms import Asked, reference, with_terms, without_terms
+from pmmkit.models.terms import Asked, home_of, reference, with_terms, without_terms
+from pmmkit.models.vessel import Sailing, moves_of
 
 
 class Found(Protocol):
@@ -34,7 +34,7 @@ class Found(Protocol):
         """Grid value of its nonlinear parameter."""
 
 
-Named = str | OwnEffect | Found
+Named = str | Effect | Found
 Sizes = Mapping[str, float] | Literal["typical"] | None
 
 
@@ -53,7 +53,7 @@ def with_effect(
     ----------
     model : Model
         The model.
-    effect : str, Finding, OwnEffect or sequence of them
+    effect : str, Finding, Effect or sequence of them
         A name of the catalogue, a finding of `diagnose`, an effect of one's own, or several at
         once (``finding.best``).
     coefficients : mapping of str to float, or "typical", optional
@@ -96,10 +96,12 @@ def with_effect(
         raise ModelError("Coefficients and values are given for one effect at a time.")
     for item in several:
         asked = _asked(item, coefficients, value, tuple(float(x) for x in Fn), source)
-        entry = catalogue().get(asked.name)
-        model = (
-            _with_part(model, asked, entry) if entry and entry.enters else with_terms(model, asked)
-        )
+        if asked.effect.enters:
+            model = _with_part(model, asked)
+        elif asked.effect.kind == "freed":
+            model = _with_moved(model, asked)
+        else:
+            model = with_terms(model, asked)
     return model
 
 
@@ -110,7 +112,7 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
     ----------
     model : Model
         The model.
-    effect : str, Finding, OwnEffect or sequence of them
+    effect : str, Finding, Effect or sequence of them
         As for `with_effect`.
 
     Returns
@@ -131,11 +133,11 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
     >>> "Nvvr" in plain.values("hull_polynomial")
     False
     """
-    several = _listed(effect)
-    for item in several:
+    for item in _listed(effect):
         asked = _asked(item, None, None, (), "")
-        entry = catalogue().get(asked.name)
-        if entry and entry.enters:
+        if asked.effect.kind == "freed":
+            model = _moved_back(model, asked.name)
+        elif asked.effect.enters:
             if asked.name not in model.parts:
                 raise ModelError(f"Model {model.name!r} has no part {asked.name!r}.")
             parts = {name: part for name, part in model.parts.items() if name != asked.name}
@@ -156,58 +158,68 @@ def _asked(
     effect: Named, coefficients: Sizes, value: float | None, Fn: tuple[float, ...], source: str
 ) -> Asked:
     """What is asked for, checked against what there is."""
-    typical: Mapping[str, float]
     given: Mapping[str, float] | None = None
-    if isinstance(effect, OwnEffect):
-        name, shares, typical = effect.name, effect.shares, effect.typical
+    if isinstance(effect, Effect):
+        entry = effect
+    elif isinstance(effect, str):
+        entry = effect_of(effect)
     else:
-        if isinstance(effect, str):
-            name = effect
-        else:
-            name, given = effect.effect, effect.coefficients
-            value = effect.value if value is None else value
-        if name in catalogue() or given is None:
-            entry = effect_of(name)
-            _refuse(entry)
-            typical = {item.name: item.typical or 0.0 for item in entry.coefficients}
-            shares = {label: {label: 1.0} for label in typical}
-        else:
-            typical, shares = given, {label: {label: 1.0} for label in given}
-            lost = [label for label in given if not _derivative(label)]
-            if lost:
-                raise ModelError(
-                    f"The finding {name} has coefficients that are no derivatives "
-                    f"({', '.join(lost)}). Give the own effect itself, with coefficients = those "
-                    f"of the finding; one written in Python needs a file in pmmkit/effects/."
-                )
+        given = effect.coefficients
+        value = effect.value if value is None else value
+        entry = effect_of(effect.effect) if effect.effect in catalogue() else _found(effect)
+    _refuse(entry)
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
-        given, origin = typical, "assumed: usual size"
+        given, origin = None, "assumed: usual size"
     elif isinstance(coefficients, Mapping):
         given, origin = coefficients, "given"
-    stray = [label for label in given or {} if label not in shares]
+    stray = [label for label in given or {} if entry.typical and label not in entry.typical]
     if stray:
         raise UnknownNameError(
-            f"{name} has no coefficient {', '.join(stray)}; it has {', '.join(shares)}."
+            f"{entry.name} has no coefficient {', '.join(stray)}; it has "
+            f"{', '.join(entry.typical)}."
         )
+    sizes = dict(given or {})
+    if coefficients == "typical":
+        sizes = dict(entry.typical)
     return Asked(
-        name=name,
-        shares=shares,
-        coefficients={label: (given or {}).get(label, 0.0) for label in shares},
-        known=given is not None,
+        effect=entry,
+        coefficients=MappingProxyType({**dict.fromkeys(entry.typical, 0.0), **sizes}),
+        known=given is not None or coefficients == "typical",
         value=value,
         Fn=Fn,
-        source=source or f"{origin} ({name})",
+        source=source or f"{origin} ({entry.name})",
+    )
+
+
+def _found(finding: Found) -> Effect:
+    """A finding that is in no catalogue, if its coefficients are derivatives."""
+    lost = [label for label in finding.coefficients if not _derivative(label)]
+    if lost:
+        raise ModelError(
+            f"The finding {finding.effect} has coefficients that are no derivatives "
+            f"({', '.join(lost)}). Give the own effect itself, with coefficients = those of the "
+            f"finding, or register it first (pmmkit.register_effect)."
+        )
+    return Effect(
+        name=finding.effect,
+        family="own",
+        kind="terms",
+        summary="",
+        parameters=tuple(
+            Parameter(name=label, text="", typical=size)
+            for label, size in finding.coefficients.items()
+        ),
     )
 
 
 def _refuse(entry: Effect) -> None:
-    if entry.kind == "observation":
+    if entry.faulty:
         raise ModelError(
             f"{entry.name} is a fault of the measurement: it corrects the data, it does not enter "
             f"a model. {entry.summary} To be sure: {entry.check}."
         )
-    if not entry.coefficients:
+    if not entry.coefficients and entry.moves is None:
         raise ModelError(
             f"{entry.name} is a part with particulars of its own: write it into the model file "
             f"([effects.{entry.name}]) or take it from a library ship."
@@ -221,10 +233,9 @@ def _derivative(label: str) -> bool:
         return False
 
 
-# An effect with a function: a part of its own
-
-
-def _with_part(model: Model, asked: Asked, entry: Effect) -> Model:
+def _with_part(model: Model, asked: Asked) -> Model:
+    """The model with an effect that is a part of its own."""
+    entry = asked.effect
     if asked.name in model.parts:
         raise ModelError(
             f"Model {model.name!r} has the effect {asked.name} already: change its values, or take "
@@ -245,6 +256,7 @@ def _with_part(model: Model, asked: Asked, entry: Effect) -> Model:
         values=MappingProxyType(values),
         options=MappingProxyType(options),
         source=asked.source,
+        text=entry.text,
     )
     made = replace(model, parts=MappingProxyType({**model.parts, asked.name: part}))
     tried = values.get(inner.name) if inner is not None else None
@@ -262,3 +274,55 @@ def _with_part(model: Model, asked: Asked, entry: Effect) -> Model:
             before=Before(absent=(asked.name,)),
         )
     )
+
+
+def _with_moved(model: Model, asked: Asked) -> Model:
+    """The model with values that an effect moves."""
+    moves = moves_of(asked.effect, Sailing(model, 1.0))
+    if not moves:
+        raise ModelError(
+            f"{asked.name} moves values of {asked.effect.frees}, which model {model.name!r} does "
+            f"not have."
+        )
+    parts = dict(model.parts)
+    for label, size in asked.coefficients.items():
+        for place, share in moves[label].values.items() if label in moves else ():
+            home, _, name = place.rpartition(".")
+            home = home or home_of(model, name)
+            part = parts[home]
+            before = part.known.parameter(name)
+            known = part.values.get(name, before.default if before is not None else 0.0) or 0.0
+            parts[home] = replace(
+                part,
+                values=MappingProxyType({**part.values, name: _more(known, share * size)}),
+                sources=MappingProxyType(
+                    {**part.sources, name: f"{part.source_of(name)}; {asked.source}"}
+                ),
+            )
+    made = replace(model, parts=MappingProxyType(parts))
+    return made.stepped(
+        Step(
+            action="effect_added",
+            effect=asked.name,
+            coefficients=MappingProxyType(
+                {x: y for x, y in asked.coefficients.items() if x in moves}
+            ),
+            source=asked.source,
+            before=before_of(model, made),
+        )
+    )
+
+
+def _more(value: Value, size: float) -> Value:
+    return tuple(x + size for x in value) if isinstance(value, tuple) else value + size
+
+
+def _moved_back(model: Model, name: str) -> Model:
+    """The model with the values that the last step of an effect moved as they were."""
+    own = [step for step in model.steps if step.effect == name and step.before is not None]
+    if not own or own[-1].before is None:
+        raise ModelError(
+            f"The history of {model.name!r} does not say what {name} changed: give the values "
+            f"themselves."
+        )
+    return restored(model, own[-1].before)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -12,13 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention, canonical, parse_derivative
-from pmmkit.effects.added_mass import unknown_places
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.added_mass import INERTIA, unknown_places
+from pmmkit.effects.catalogue import catalogue, effect_of
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.grammar import written_effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
+from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 
-DERIVATIVE_PARTS: Final = ("hull_polynomial", "rudder_abkowitz", "added_mass")
+WIDE: Final = 1.96
+"""Standard deviations of half of a 95 % interval."""
+DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
 
@@ -31,20 +38,22 @@ def _frozen() -> Mapping[str, Any]:
 class Part:
     """One effect of a model with its values.
 
-    Parameters
-    ----------
-    effect : str
-        Name in the catalogue.
-    values : mapping of str to float or tuple of float
-        Parameters and derivatives; a tuple holds a value per Froude number of the model.
-    options : mapping of str to str
-        Words that choose a form of the effect.
-    source : str
-        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
-    references : tuple of str
-        The same as keys of the bibliography, where it stands there.
-    sources : mapping of str to str
-        In words for single values, where it differs.
+        Parameters
+        ----------
+        effect : str
+            Name in the catalogue.
+        values : mapping of str to float or tuple of float
+            Parameters and derivatives; a tuple holds a value per Froude number of the model.
+        options : mapping of str to str
+            Words that choose a form of the effect.
+        source : str
+            Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+        references : tuple of str
+            The same as keys of the bibliography, where it stands there.
+        sources : mapping of str to str
+            In words for single values, where it differs.
+    text : str
+        The words of a user that the effect was made from; empty for one of the catalogue.
     """
 
     effect: str
@@ -53,14 +62,20 @@ class Part:
     source: str = ""
     references: tuple[str, ...] = ()
     sources: Mapping[str, str] = field(default_factory=_frozen)
+    text: str = ""
+
+    @property
+    def known(self) -> Effect:
+        """What the catalogue, or the user's text, says of the effect."""
+        return written_effect(self.effect, self.text) if self.text else effect_of(self.effect)
 
     def source_of(self, name: str) -> str:
         """Where one value comes from."""
         return self.sources.get(name, self.source)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Model:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Model(Described):
     """A manoeuvring model, complete and checked.
 
     Parameters
@@ -121,9 +136,73 @@ class Model:
         return replace(self, steps=(*self.steps, *steps))
 
     @property
+    def std(self) -> Mapping[str, tuple[float, ...]]:
+        """Standard uncertainties of the derivatives in the covariance, one per Froude number."""
+        if self.covariance is None:
+            return MappingProxyType({})
+        roots = np.sqrt(np.diagonal(self.covariance)).reshape(-1, len(self.covariance_names))
+        each = zip(self.covariance_names, roots.T.tolist(), strict=True)
+        return MappingProxyType({name: tuple(values) for name, values in each})
+
+    def _headline(self) -> str:
+        count = sum(len(part.values) for part in self._hull())
+        return (
+            f"{self.name}: {counted(count, 'derivative')}, {counted(len(self.parts), 'part')}, "
+            f"L = {self.ship.L:g} m, {self._speeds()}"
+        )
+
+    def _speeds(self) -> str:
+        if not self.Fn:
+            return "one set of values for all speeds"
+        low, high = (self.ship.speed(Fn, self.water.g) for Fn in (self.Fn[0], self.Fn[-1]))
+        return f"Fn {self.Fn[0]:.3f} to {self.Fn[-1]:.3f} ({low:.2f} to {high:.2f} m/s)"
+
+    def _hull(self) -> list[Part]:
+        """The parts that hold derivatives."""
+        return [self.parts[name] for name in DERIVATIVE_PARTS if name in self.parts]
+
+    def _sections(self) -> Sequence[Section]:
+        about = [self.title, self.ship.words, self.scale, f"Derivatives: {self.convention.meaning}"]
+        others = [part for part in self.parts.values() if part not in self._hull()]
+        told = [
+            Section(title="History", points=self.history),
+            Section(title="Notes", points=self.notes),
+        ]
+        return [
+            Section(paragraphs=[text for text in about if text]),
+            Section(title="Parts", tables=[self._parts()]),
+            Section(title="Derivatives", tables=[self._derivatives()]),
+            Section(title="Other values", points=[_values(part) for part in others if part.values]),
+            *(section for section in told if section.points),
+        ]
+
+    def _parts(self) -> Grid:
+        """Each part, how many values it has, and where they come from."""
+        rows = []
+        for name, part in self.parts.items():
+            rows.append([name, str(len(part.values)), part.source or "no source is stated"])
+            rows += [[f"  {value}", "", source] for value, source in part.sources.items()]
+        return Grid(head=["part", "values", "source"], groups=[Group(rows=rows)], texts=(2,))
+
+    def _derivatives(self) -> Grid:
+        """Values with half of their 95 % interval where it is known, and how they were found."""
+        std = self.std
+        rows = []
+        for part in self._hull():
+            for name, value in part.values.items():
+                values = value if isinstance(value, tuple) else (value,) * max(len(self.Fn), 1)
+                halves = [WIDE * x for x in std.get(name, (math.nan,) * len(values))]
+                kind = part.source_of(name).partition(":")[0] or "unknown"
+                rows.append([name, *map(plus_minus, values, halves), kind])
+        speeds = [f"Fn {Fn:.3f}" for Fn in self.Fn] or ["value"]
+        head = ["", *speeds, "origin"]
+        caption = "Value ± half of the 95 % interval" if std else "No uncertainty is known"
+        return Grid(head=head, groups=[Group(rows=rows)], caption=caption, texts=(len(head) - 1,))
+
+    @property
     def rolls(self) -> bool:
         """Whether the model has roll as a fourth degree of freedom."""
-        return "roll" in self.parts
+        return ROLL_PART in self.parts
 
     def part(self, effect: str, need: str = "the request") -> Part:
         """One part.
@@ -166,7 +245,7 @@ class Model:
             If `Fn` is outside the range and `extrapolate` is not set.
         """
         part = self.part(effect)
-        known = catalogue()[effect]
+        known = part.known
         filled: dict[str, Any] = {
             item.name: item.default for item in known.parameters if item.default is not None
         }
@@ -222,6 +301,19 @@ class Model:
         return replace(self, parts=MappingProxyType({**self.parts, effect: changed}))
 
 
+def _values(part: Part) -> str:
+    """The values of a part that holds no derivatives, with their units."""
+    known = part.known
+    told = [part.text] if part.text else []
+    for name, value in part.values.items():
+        parameter = known.parameter(name)
+        unit = parameter.unit if parameter and parameter.unit != "-" else ""
+        ends = [f"{x:.4g}" for x in (value if isinstance(value, tuple) else (value,))]
+        told.append(f"{name} = {' … '.join(dict.fromkeys((ends[0], ends[-1])))} {unit}".rstrip())
+    told += [f"{name}: {word}" for name, word in part.options.items()]
+    return f"{part.effect}: {', '.join(told)}"
+
+
 def problems(model: Model) -> list[str]:
     """Everything that is wrong with a model, in words."""
     found = []
@@ -245,11 +337,11 @@ def problems(model: Model) -> list[str]:
 
 
 def _part_problems(part: Part, rows: int) -> list[str]:
-    known = catalogue().get(part.effect)
-    if known is None:
+    if not part.text and part.effect not in catalogue():
         return [f"There is no effect {part.effect!r}; there are: {', '.join(catalogue())}."]
+    known = part.known
     found = known.problems(part.values, part.options)
-    if part.effect == "added_mass" and (lost := unknown_places(part.values)):
+    if part.effect == INERTIA and (lost := unknown_places(part.values)):
         found.append(f"The equations of motion have no place for {', '.join(lost)}.")
     for name, value in part.values.items():
         place = f"{part.effect}.{name}"
@@ -289,10 +381,12 @@ def _roll_problems(model: Model) -> list[str]:
             if needs_roll(name)
         )
         return (
-            [f"{', '.join(needed)} need roll, but the model has no part 'roll'."] if needed else []
+            [f"{', '.join(needed)} need roll, but the model has no part {ROLL_PART!r}."]
+            if needed
+            else []
         )
     absent = [name for name in ("GM", "Ixx") if getattr(model.ship, name) is None]
-    return [f"The part 'roll' needs {' and '.join(absent)} of the ship."] if absent else []
+    return [f"The part {ROLL_PART!r} needs {' and '.join(absent)} of the ship."] if absent else []
 
 
 def needs_roll(name: str) -> bool:

@@ -6,16 +6,15 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final
+from typing import Any
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.hull import HULL
 from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
 from pmmkit.errors import MissingPartError, ModelError
 from pmmkit.models.model import Model, Part
+from pmmkit.models.roles import drives
 from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water, viscosity
-
-PROPULSION: Final = frozenset({"propeller", "four_quadrant_propeller", "waterjet"})
 
 
 def scaled(model: Model, length: float) -> Model:
@@ -70,7 +69,7 @@ def scaled(model: Model, length: float) -> Model:
             part,
             values=MappingProxyType(
                 {
-                    key: _times(value, ratio ** _scaling(name, key))
+                    key: _times(value, ratio ** _scaling(part, key))
                     for key, value in part.values.items()
                 }
             ),
@@ -91,8 +90,8 @@ def scaled(model: Model, length: float) -> Model:
     )
 
 
-def _scaling(effect: str, name: str) -> float:
-    parameter = catalogue()[effect].parameter(name)
+def _scaling(part: Part, name: str) -> float:
+    parameter = part.known.parameter(name)
     return 0.0 if parameter is None else parameter.scaling
 
 
@@ -171,8 +170,8 @@ def full_scale(
     (0.328, -0.0143)
     """
     carried = scaled(model, length)
-    hull = carried.part("hull_polynomial", "the correction of friction").values
-    if "Xuu" not in hull or not PROPULSION & set(model.parts):
+    hull = carried.part(HULL, "the correction of friction").values
+    if "Xuu" not in hull or not any(drives(part.known) for part in model.parts.values()):
         raise MissingPartError(
             f"Model {model.name!r} does not keep the resistance of its hull (Xuu) apart from the "
             f"thrust of a propeller: there is no friction to correct. Take scaled()."

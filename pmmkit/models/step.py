@@ -213,7 +213,8 @@ def _added(step: Step) -> str:
     values = {**step.coefficients, **inner, **step.numbers}
     said = ", ".join(f"{name} = {_listed(x, '.4g', ' | ')}" for name, x in values.items())
     left = f" It had {', '.join(step.left_out)} before." if step.left_out else ""
-    return f"Effect {step.effect} added: {said}.{left}"
+    note = f" {step.note[0].upper()}{step.note[1:]}." if step.note else ""
+    return f"Effect {step.effect} added: {said}.{left}{note}"
 
 
 def _explained(step: Step) -> str:

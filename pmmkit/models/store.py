@@ -38,7 +38,7 @@ _TOP: Final = (
     "effects",
     "covariance",
 )
-_PART: Final = ("source", "references", "options", "values", "sources")
+_PART: Final = ("source", "references", "text", "options", "values", "sources")
 
 
 def load_model(name_or_path: str | Path) -> Model:
@@ -131,6 +131,8 @@ def _part_data(part: Part) -> dict[str, Any]:
     data["values"] = {name: _plain(value) for name, value in part.values.items()}
     if part.sources:
         data["sources"] = dict(part.sources)
+    if part.text:
+        data["text"] = part.text
     return data
 
 
@@ -230,6 +232,7 @@ def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:
         values=MappingProxyType(values),
         options=reader.words(data, "options", f"{place}.options"),
         source=reader.text(data, "source", f"{place}."),
+        text=reader.text(data, "text", f"{place}."),
         references=reader.texts(data, "references", f"{place}."),
         sources=reader.words(data, "sources", f"{place}.sources"),
     )

@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final
 
 import numpy as np
 
 from pmmkit.conventions import Convention, parse_derivative
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.effect import BY_SPEED, Effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, Part
 from pmmkit.models.changes import before_of, without_values
@@ -19,9 +21,6 @@ from pmmkit.models.step import Step, Value
 from pmmkit.numerics import Array
 from pmmkit.tables import converted, from_values
 
-HULL: Final = "hull_polynomial"
-RUDDER: Final = "rudder_abkowitz"
-
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
@@ -29,10 +28,8 @@ class Asked:
 
     Parameters
     ----------
-    name : str
-        Of the effect.
-    shares : mapping of str to (mapping of str to float)
-        By coefficient, the derivatives that it stands for, each with its share of it.
+    effect : Effect
+        What it is.
     coefficients : mapping of str to float
         As the diagnosis gives them.
     known : bool
@@ -45,22 +42,21 @@ class Asked:
         Where the values come from.
     """
 
-    name: str
-    shares: Mapping[str, Mapping[str, float]]
+    effect: Effect
     coefficients: Mapping[str, float]
     known: bool
     value: float | None
     Fn: tuple[float, ...]
     source: str
 
+    @property
+    def name(self) -> str:
+        """Of the effect."""
+        return self.effect.name
+
     def derivatives(self) -> dict[str, float]:
         """Values of the derivatives from those of the coefficients."""
-        found: dict[str, float] = {}
-        for label, own in self.shares.items():
-            for derivative, share in own.items():
-                size = share * self.coefficients.get(label, 0.0)
-                found[derivative] = found.get(derivative, 0.0) + size
-        return found
+        return self.effect.sizes(self.coefficients)
 
 
 def reference(model: Model, asked: Asked) -> float:
@@ -85,7 +81,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
     if roll and not model.rolls:
         raise ModelError(
             f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} has no part "
-            f"'roll'. Take a ship that rolls, as to_model(table, parts=\"s175\") does."
+            f'{ROLL_PART!r}. Take a ship that rolls, as to_model(table, parts="s175") does.'
         )
     by_speed = {
         label.removesuffix(BY_SPEED): size
@@ -124,9 +120,17 @@ def with_terms(model: Model, asked: Asked) -> Model:
     )
 
 
+def home_of(model: Model, name: str) -> str:
+    """The part in which a derivative stands, or would."""
+    derivative = parse_derivative(name)
+    if any(factor.endswith("dot") for factor in derivative.factors):
+        return INERTIA
+    steered = derivative.count("d") and RUDDER_POLYNOMIAL in model.parts
+    return RUDDER_POLYNOMIAL if steered else HULL
+
+
 def _home(model: Model, name: str) -> Part:
-    steered = parse_derivative(name).count("d") and RUDDER in model.parts
-    return model.part(RUDDER if steered else HULL, "an effect of derivatives")
+    return model.part(home_of(model, name), "an effect of derivatives")
 
 
 def _parts(model: Model, values: Mapping[str, Value], source: str) -> Mapping[str, Part]:
@@ -197,7 +201,7 @@ def _apart(model: Model, name: str) -> Array | float:
     """What a derivative gains where the Coriolis terms of the added mass stand apart."""
     if model.convention.coriolis == "in-derivatives" or name not in ("Yr", "Xvr"):
         return 0.0
-    added = model.part("added_mass", "a derivative with Coriolis terms").values
+    added = model.part(INERTIA, "a derivative with Coriolis terms").values
     mx, my = (-np.asarray(added.get(item, 0.0)) for item in ("Xudot", "Yvdot"))
     return mx if name == "Yr" else -my
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Final, Literal
 
@@ -57,6 +58,8 @@ class View:
         Which of them it has.
     expected : mapping of channel to array (k,)
         All harmonics of the forces that a fitted base predicts; empty before the fit.
+    day : float
+        Where the run stands between the first (0) and the last (1) of its campaign.
     """
 
     run: Run
@@ -72,6 +75,7 @@ class View:
     every: Array | None = None
     kept: NDArray[np.bool_] | None = None
     expected: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
+    day: float = 0.0
 
     def known(self, channel: str) -> bool:
         """Whether anything is known of the noise of a channel."""
@@ -109,6 +113,13 @@ class View:
         """C0, C1, S1 … of a history, those too that the forces lack."""
         found: Array = (self.projection if self.every is None else self.every) @ history
         return found
+
+    @cached_property
+    def basis(self) -> Array:
+        """From all harmonics to the samples, (n, k): what `harmonics` undoes."""
+        return np.asarray(
+            np.linalg.pinv(self.projection if self.every is None else self.every), float
+        )
 
     def pick(self, harmonics: Array) -> Array:
         """Of all harmonics those that the forces have."""
@@ -151,11 +162,13 @@ def views_of(
         raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
     rig = rig_of(campaign)
     found: list[View] = []
-    for run in campaign.runs:
+    last = max(len(campaign.runs) - 1, 1)
+    for number, run in enumerate(campaign.runs):
         if pieces:
-            found += _pieces(run, campaign, rig, unknown_noise)
+            own = _pieces(run, campaign, rig, unknown_noise)
         else:
-            found.append(_view(prepare(run, campaign), rig, unknown_noise))
+            own = [_view(prepare(run, campaign), rig, unknown_noise)]
+        found += [replace(view, day=number / last) for view in own]
     pooled = _pooled(found)
     return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Status
 from pmmkit.equations.prepared import packed, stacked, values_at
@@ -244,7 +244,7 @@ def spread_of(
         name: value
         for effect in DERIVATIVE_PARTS
         for name, value in values.get(effect, {}).items()
-        if catalogue()[effect].parameter(name) is None
+        if effect_of(effect).parameter(name) is None
     }
     if spread is not None:
         if not 0.0 < spread < 1.0:

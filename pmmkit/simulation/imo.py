@@ -316,7 +316,7 @@ def _stopping(
     model: Model, speed: float, settings: Mapping[str, Any], metric: Metric, criterion: Criterion
 ) -> Verdict:
     """Track reach of a full astern stop, if the model knows what happens astern."""
-    if not any(catalogue()[part].astern for part in model.parts):
+    if not any(part.known.astern for part in model.parts.values()):
         return judge(
             metric,
             criterion,

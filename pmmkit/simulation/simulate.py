@@ -12,7 +12,6 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.equations import CALM, Conditions, prepare
 from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth
@@ -235,10 +234,10 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
 def steering(model: Model) -> Mapping[str, float]:
     """Rate [deg/s] and largest angle [deg] of what steers a model, where it states them."""
     found: dict[str, float] = {}
-    for part in model.parts:
-        if catalogue()[part].parameter("rate_deg_s") is not None:
-            values = model.values(part, model.Fn[0] if model.Fn else None)
-            found |= {name: values[name] for name in ("rate_deg_s", "max_deg") if name in values}
+    for name, part in model.parts.items():
+        if part.known.parameter("rate_deg_s") is not None:
+            values = model.values(name, model.Fn[0] if model.Fn else None)
+            found |= {key: values[key] for key in ("rate_deg_s", "max_deg") if key in values}
     return found
 
 

@@ -9,9 +9,10 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.asked import contestants
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
-from pmmkit.diagnosis.captive.diagnose import captive_system, contestants, derivatives_of
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.system import System, channels_of
 from pmmkit.errors import DataError
@@ -21,7 +22,7 @@ from pmmkit.observations.views import View
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
 from pmmkit.structures import Structure, structure_of
-from pmmkit.test_planning.information import FADING, Known, Rows, known, rows_of
+from pmmkit.test_planning.information import Known, Rows, drawn_once, known, rows_of
 from pmmkit.test_planning.options import Limits, Option, limits_of, options_of
 from pmmkit.test_planning.planned import (
     NoiseOf,
@@ -160,6 +161,7 @@ def _with_tests(
     noise: float | None,
 ) -> Ground:
     system = captive_system(campaign, structure, floor=floor, candidates=candidates, noise=noise)
+    given = system.taking_part(given)
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]
@@ -249,4 +251,5 @@ def _contestants(
 ) -> tuple[Candidate, ...]:
     if candidates is not None:
         return tuple(candidates)
-    return (*contestants(base, sorted({round(speed, 6) for speed in speeds})), FADING)
+    every = contestants(base, sorted({round(speed, 6) for speed in speeds}))
+    return tuple(drawn_once(item) for item in every)

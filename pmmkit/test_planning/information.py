@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
+from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
@@ -160,21 +160,18 @@ def _blocks(candidates: Sequence[Candidate]) -> tuple[tuple[Block, ...], Array]:
     return tuple(blocks), np.concatenate(centres)
 
 
-def _fading(view: View, base: Base, decay: float) -> Mapping[str, Array]:
-    """A share of a run's force that dies away, one for all runs."""
-    if not view.run.dynamic:
-        return {}
-    forces = base.forces(view.motion, view.speed)
-    part = view.project(np.exp(-view.t * view.speed / (decay * base.ship.L)))
-    return {
-        name: (float(np.linalg.norm(view.project(forces[name]))) * part)[:, None]
-        for name in view.force
-        if name in forces
-    }
+def drawn_once(candidate: Candidate) -> Candidate:
+    """A candidate that each run draws, as one share of the force of all runs."""
 
+    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
+        forces = base.forces(view.motion, view.speed)
+        return {
+            name: float(np.linalg.norm(view.project(forces[name]))) * own
+            for name, own in candidate.columns(view, base, value).items()
+            if name in forces
+        }
 
-FADING: Final = replace(TRANSIENT_FAULT, columns=_fading)
-"""The start that has not died away, as one candidate among others."""
+    return replace(candidate, columns=columns, each_run=False) if candidate.each_run else candidate
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.state import State
 from pmmkit.equations import CALM
 from pmmkit.equations.histories import repeating_states, water_forces
@@ -16,6 +15,7 @@ from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, scaled
 from pmmkit.models.model import Part
+from pmmkit.models.roles import drives, steers
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
@@ -24,8 +24,6 @@ Forces = Callable[[State, Array], dict[str, Array]]
 PROPORTIONS: Final = {"B/L": 0.03, "d/L": 0.03, "block coefficient": 0.05}
 """Shares by which two hulls of one form may differ."""
 SAME_LENGTH: Final = 1e-3
-NOT_IN_A_TANK: Final = frozenset({"wind", "shaft", "shaft_lag"})
-"""Effects that a towed model does not feel: its revolutions are given, and the air is still."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,11 +62,12 @@ class Predictor:
         ExtrapolationError
             If the speed is outside the range of the model's values.
         """
-        hull = {name for name in self.model.parts if not drives(name)}
+        parts = self.model.parts
+        hull = {name for name, part in parts.items() if not drives(part.known)}
         if turning or len(hull) == len(self.model.parts):
             return self._of(set(self.model.parts), speed)
-        towed = {name for name in hull if not steers(name)}
-        if not _asks_for_propeller(hull):
+        towed = {name for name in hull if not steers(parts[name].known)}
+        if not _asks_for_propeller(parts[name] for name in hull):
             return self._of(hull, speed)
         whole, still, bare = (
             self._of(set(self.model.parts), speed),
@@ -106,23 +105,14 @@ def history_of(motion: State) -> dict[str, Array]:
     } | {"n": motion.rps}
 
 
-def drives(effect: str) -> bool:
-    """Whether a part is a propeller or another drive, and nothing else."""
-    outputs = set(catalogue()[effect].outputs)
-    return bool({"thrust", "propelled"} & outputs) and "Xudot" not in outputs
-
-
-def steers(effect: str) -> bool:
-    """Whether a part is a rudder."""
-    outputs = set(catalogue()[effect].outputs)
-    return effect == "rudder_abkowitz" or (
-        bool({"rudder_force", "steered"} & outputs) and "Xudot" not in outputs
-    )
-
-
-def _asks_for_propeller(names: set[str]) -> bool:
+def _asks_for_propeller(parts: Iterable[Part]) -> bool:
     """Whether one of the parts needs the flow behind a propeller."""
-    return any("n" in catalogue()[name].needs for name in names if steers(name))
+    return any("n" in part.known.needs for part in parts if steers(part.known))
+
+
+def _in_the_air(part: Part) -> bool:
+    """Whether a towed model does not feel a part: its revolutions are given, the air is still."""
+    return bool({"wind", "shaft"} & set(part.known.roles))
 
 
 def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) -> Predictor:
@@ -151,11 +141,12 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
     turning = any(run.settings.propeller_rps for run in campaign)
     ruddered = bool(campaign.rudder) or any(run.settings.rudder for run in campaign)
     left: list[str] = []
-    for name in made.parts:
-        idle = (drives(name) and not turning and not ruddered) or (steers(name) and not ruddered)
-        if idle or name in NOT_IN_A_TANK:
+    for name, part in made.parts.items():
+        driving, steering = drives(part.known), steers(part.known)
+        idle = (driving and not turning and not ruddered) or (steering and not ruddered)
+        if idle or _in_the_air(part):
             left.append(name)
-    if told := [name for name in left if name not in NOT_IN_A_TANK]:
+    if told := [name for name in left if not _in_the_air(made.parts[name])]:
         notes.append(f"The tests have no {' and no '.join(told)}: left out of the prediction.")
     kept = {name: part for name, part in made.parts.items() if name not in left}
     return Predictor(

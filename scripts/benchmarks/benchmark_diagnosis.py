@@ -23,10 +23,8 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
+from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.observations.views import views_of
 
@@ -73,7 +71,7 @@ def campaign(runs: int) -> Campaign:
 
 def contestants(count: int, speeds: Sequence[float]) -> list[Candidate]:
     """The catalogue, cut or filled up with polynomials."""
-    known = [*PHYSICS, *FAULTS, carriage_fault(tuple(speeds))]
+    known = captive_candidates(tuple(speeds))
     factors = ("v", "r", "|v|", "|r|")
     products = (
         "".join(sorted(product, key=factors.index))

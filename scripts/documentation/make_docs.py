@@ -13,8 +13,7 @@ from pathlib import Path
 
 import pmmkit as pk
 from pmmkit.checks import CHECKS
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
@@ -45,13 +44,14 @@ Coefficients are those of the prime system with the speed of the instant, Coriol
 SECTIONS = {
     "Parts of a model": lambda effect: effect.enters and not effect.coefficients,
     "Effects that a diagnosis looks for": lambda effect: (
-        effect.kind != "observation" and bool(effect.coefficients)
+        not effect.faulty and bool(effect.coefficients or effect.moves)
     ),
-    "Faults of a measurement": lambda effect: effect.kind == "observation",
+    "Faults of a measurement": lambda effect: effect.faulty,
 }
 KINDS = {
+    "freed": "values of another part that may be off",
     "terms": "derivatives of the hull polynomial (of the rudder's where there is one)",
-    "observation": "fault of a measurement, never part of a model",
+    "fault": "fault of a measurement, never part of a model",
 }
 
 CHECKS_HEAD = """\
@@ -107,6 +107,7 @@ def effect_page(effect: Effect, signature: Signature | None = None) -> str:
         lines += [parameter_row(effect, item) for item in effect.parameters]
     if effect.derivatives:
         lines += ["", "Takes derivatives by name."]
+    lines += asked_lines(effect)
     if effect.check:
         lines += ["", f"To be sure: {effect.check}."]
     return "\n".join([*lines, *(signature_lines(signature) if signature else ())])
@@ -133,8 +134,44 @@ def signature_lines(signature: Signature) -> list[str]:
 @cache
 def known_signatures() -> dict[str, Signature]:
     speed = load_model("s175-3dof").ship.speed(FROUDE[-1]) * (LENGTH / 175.0) ** 0.5
-    every = [*PHYSICS, *FAULTS, carriage_fault((speed,))]
+    every = [item for item in captive_candidates((speed,)) if not item.each_run]
     return {item.name: item for item in signatures(every)}
+
+
+WITHOUT_ENTRY = {
+    "munk_moment": "It stands in Nv, Yr and Xvr, from which no run of a rigid hull tells it. "
+    "Compare Nv with strip theory.",
+    "appendage_lift": "Lift goes with u v and u r, as Yv, Yr, Nv and Nr do. Runs with and "
+    "without the appendages tell it.",
+    "bank_suction": "Tests in the middle of a tank have no bank, and records do not say how far "
+    "one is.",
+    "blockage": "The reduction corrects it from the tank's width and depth; in one tank no "
+    "residual is left of it.",
+    "tank_waves": "Waves of earlier runs have another phase in each run: whole cycles average "
+    "them out, what is left is noise between the harmonics. Wait longer.",
+    "wave_drift": "Needs the waves beside the record: it comes with the ship in waves.",
+    "engine_limit": "Records hold the revolutions, so the engine is not asked. In a model it is "
+    "the part `shaft`.",
+    "rudder_rate": "Records hold the rudder, so its gear is not asked. In a model it is "
+    "`rate_deg_s` of the rudder.",
+    "fault_units": "Refused before anything is fitted: see [checks.md](checks.md).",
+}
+"""Effects of the literature that no residual can show here, and why."""
+
+
+def asked_lines(effect: Effect) -> list[str]:
+    """Where a diagnosis asks for an effect, or why not."""
+    if not (effect.coefficients or effect.moves):
+        return []
+    reasons = {"captive tests": effect.not_captive, "free running": effect.not_free_running}
+    asked = " and ".join(where for where, reason in reasons.items() if not reason)
+    why = [f"Not in {where}: {reason}." for where, reason in reasons.items() if reason]
+    return ["", " ".join([f"Asked in {asked or 'no tests'}.", *why])]
+
+
+def without_entry() -> str:
+    rows = "\n".join(f"| {name} | {why} |" for name, why in WITHOUT_ENTRY.items())
+    return f"## Effects without an entry\n\n| effect | why |\n|---|---|\n{rows}"
 
 
 def effects_page() -> str:
@@ -144,7 +181,7 @@ def effects_page() -> str:
         + "\n\n".join(effect_page(x, found.get(x.name)) for x in catalogue().values() if chosen(x))
         for title, chosen in SECTIONS.items()
     ]
-    return f"{EFFECTS_HEAD}\n" + "\n\n".join(sections) + "\n"
+    return f"{EFFECTS_HEAD}\n" + "\n\n".join([*sections, without_entry()]) + "\n"
 
 
 def pages() -> dict[str, str]:

@@ -18,7 +18,8 @@ import time
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.diagnosis.free_running.diagnose import base_prior, diagnose_free
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.weighing import base_prior
 from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model

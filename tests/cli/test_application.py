@@ -33,6 +33,12 @@ def test_every_file_is_a_command_with_help_and_json():
         assert [item.opts for item in command.params][-1] == ["--json"]
 
 
+def test_a_command_that_is_asked_for_is_loaded_alone():
+    found = typer.main.get_command(app.application("new-campaign"))
+    assert list(found.commands) == ["new-campaign"]
+    assert len(typer.main.get_command(app.application("new_campaign")).commands) == len(NAMES)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_no_option_is_without_words(name):
     command = group().commands[name.replace("_", "-")]

@@ -10,9 +10,10 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.diagnosis.free_running.candidates import candidates_for
-from pmmkit.diagnosis.free_running.diagnose import base_prior, diagnose_free
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.evidence import basis_of, point_at
 from pmmkit.diagnosis.free_running.system import build_free, held, residuals
+from pmmkit.diagnosis.free_running.weighing import base_prior
 from pmmkit.errors import DataError
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
@@ -81,6 +82,7 @@ def asymmetric():
     return asked(0, ASYMMETRY, held_out=sailed(ASYMMETRY, 7, runs=((-20.0, 20.0),)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_named_where_nothing_is_hidden(seed):
     found = asked(seed)
@@ -90,6 +92,7 @@ def test_nothing_is_named_where_nothing_is_hidden(seed):
     assert found.entries[0].log_evidence < 0.0
 
 
+@pytest.mark.slow
 def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
     assert asymmetric.verdict == "missing_effect"
     assert asymmetric.group[0] == (("asymmetry",), 1.0)
@@ -114,6 +117,7 @@ def test_the_model_carries_the_effect(asymmetric):
     assert asymmetric.model.covariance is None
 
 
+@pytest.mark.slow
 def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
     """Both push the ship to one side: these records must not tell one from the other."""
     found = asked(0, zero=math.radians(1.5))
@@ -123,12 +127,14 @@ def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
     assert rivals["fault_rudder_zero"]["asymmetry"] > 0.9
 
 
+@pytest.mark.slow
 def test_a_hull_term_is_named_against_an_asymmetry():
     found = asked(1, YAW_DRAG)
     assert found.group == ((("modulus_yaw_drag",), 1.0),)
     assert found.findings[0].coefficients["Nr|r|"] == pytest.approx(-0.076, rel=0.3)
 
 
+@pytest.mark.slow
 def test_what_no_candidate_explains_is_not_named():
     """A yaw drag with only asymmetries to choose from."""
     found = asked(0, YAW_DRAG, few=("asymmetry", "fault_rudder_zero"), tolerance=(1e-3, 1e-3))
@@ -217,6 +223,7 @@ def container(shared_data):
 FAST = {"x": 1.0, "y": 1.0, "psi": 2e-3, "u": 0.03, "v": 0.03, "r": 2e-4, "p": 2e-4, "phi": 2e-3}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hidden", [(), ("Nvvr", "Nvrr", "Yvvr", "Yvrr")])
 def test_an_independent_ship(shared_data, hidden):
     """Trajectories that pmmkit did not make: with the full model nothing, else the coupling."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from pmmkit.diagnosis.captive.faults import FAULTS
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import signatures
 
 
 @pytest.fixture(scope="module")
 def found():
-    return {item.name: item for item in signatures([*PHYSICS, *FAULTS])}
+    asked = [item for item in captive_candidates() if not item.each_run]
+    return {item.name: item for item in signatures(asked)}
 
 
 def test_harmonics_have_their_ratios(found):

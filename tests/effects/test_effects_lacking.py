@@ -12,7 +12,7 @@ from scipy.integrate import quad, solve_ivp
 
 import pmmkit as pk
 from pmmkit.effects.cross_flow import force as crossflow
-from pmmkit.effects.memory import kept, late_cross_flow_force, late_sway_force
+from pmmkit.effects.memory import late_cross_flow_force, late_sway_force
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.identification.forces import ForceRecord
@@ -44,7 +44,6 @@ def test_forced_sway_sees_the_frequency_response_of_the_lag(omega, lag):
     """C1 falls by ω²T²/(1+ω²T²) and S1 grows to ωT/(1+ω²T²): 1/(1+iωT) - 1."""
     expected = 1 / (1 + 1j * omega * lag * L / U) - 1
     assert response(late_sway_force, omega, lag) == pytest.approx(expected, abs=1e-5)
-    assert kept(1, omega, lag, L, U) - 1 == pytest.approx(expected)
     cubic = 0.75 * (0.1 / U) ** 2 * expected
     assert response(late_cross_flow_force, omega, lag) == pytest.approx(cubic, abs=1e-8)
 

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 import pmmkit as pk
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import Candidate, diagnose_captive, polynomial
+from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.own import candidate_of
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis.captive.candidate import candidate_of
 from pmmkit.errors import DataError, ModelError
 from pmmkit.models import load_model
 from pmmkit.observations.views import views_of
@@ -43,9 +42,7 @@ def test_text_becomes_derivatives(text, names):
 def test_a_named_coefficient_stands_for_several_terms():
     fins = pk.own_effect("fins", "Y: a*v*|v| + -0.5*a*v*r; N: -0.4 * a*v*|v|; a ~ -1e-2")
     assert fins.typical == {"a": -0.01}
-    assert fins.derivatives({"a": -0.02}) == pytest.approx(
-        {"Yv|v|": -0.02, "Yvr": 0.01, "Nv|v|": 0.008}
-    )
+    assert fins.sizes({"a": -0.02}) == pytest.approx({"Yv|v|": -0.02, "Yvr": 0.01, "Nv|v|": 0.008})
 
 
 def test_usual_sizes_are_given_or_a_tenth_of_a_usual_force():
@@ -199,8 +196,8 @@ def test_an_own_effect_wins_where_the_catalogue_has_no_such_thing():
         family="own",
         typical={"Yvvr": 0.02, "Yvrr": -0.04, "Nvvr": -0.04, "Nvrr": 0.002},
     )
-    others = [x for x in PHYSICS if x.name != "yaw_sway_coupling"]
-    found = diagnose_captive(SMALL, "cubic", candidates=[*others, candidate_of(mine)])
+    others = [x for x in captive_candidates() if x.name != "yaw_sway_coupling"]
+    found = diagnose_captive(SMALL, "cubic", candidates=[*others, mine])
     assert found.group[0][0] == ("mine",)
     (finding,) = found.findings
     model = pk.without_effect(load_model("s175-3dof"), "yaw_sway_coupling")

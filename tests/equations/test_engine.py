@@ -251,7 +251,7 @@ EFFECTS = (
     Effect(
         name="sea_anchor", family="made_up", kind="force", summary="A brake nobody has built.",
         parameters=(Parameter(name="brake", text="force over ½ρLdu²"),), force=force,
-        outputs=("X",), source="this test",
+        outputs=("X",), remark="this test",
     ),
 )
 '''
@@ -278,7 +278,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
     monkeypatch.setenv("PMMKIT_CACHE", str(tmp_path / "cache"))
-    catalogue.cache_clear()
+    catalogue_module._installed.cache_clear()
     try:
         assert "sea_anchor" in catalogue()
         braked = TANKER.with_(
@@ -301,7 +301,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
         assert "force over ½ρLdu²" in effect_page(catalogue()["sea_anchor"])
     finally:
         sys.modules.pop("pmmkit.effects.sea_anchor", None)
-        catalogue_module.catalogue.cache_clear()
+        catalogue_module._installed.cache_clear()
 
 
 def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypatch):
@@ -315,7 +315,7 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
     (tmp_path / "extra_mass.py").write_text(text, encoding="utf-8")
     package = importlib.import_module("pmmkit.effects")
     monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
-    catalogue.cache_clear()
+    catalogue_module._installed.cache_clear()
     try:
         for name in ("kvlcc2-l7", "s175"):
             model = load_model(name)
@@ -336,7 +336,7 @@ def test_added_mass_that_depends_on_the_motion_is_solved_for(tmp_path, monkeypat
             assert one == pytest.approx(other, rel=1e-9, abs=1e-12)
     finally:
         sys.modules.pop("pmmkit.effects.extra_mass", None)
-        catalogue.cache_clear()
+        catalogue_module._installed.cache_clear()
 
 
 # The cache

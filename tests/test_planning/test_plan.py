@@ -17,13 +17,11 @@ from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.campaigns.settings import Settings
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis import diagnose_captive
+from pmmkit.diagnosis import captive_candidates, diagnose_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.conditioning import knowing
-from pmmkit.diagnosis.captive.faults import FAULTS
 from pmmkit.diagnosis.captive.grid import best_blocks
-from pmmkit.diagnosis.captive.physics import PHYSICS
 from pmmkit.errors import CampaignError, DataError, UnknownNameError
 from pmmkit.models import load_model
 from pmmkit.observations.views import views_of
@@ -146,7 +144,7 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
     views = views_of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
-    every = [*PHYSICS, *FAULTS]
+    every = captive_candidates()
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
@@ -209,6 +207,7 @@ def made(effect, seed, advice):
     return diagnose_captive(campaign, BASE)
 
 
+@pytest.mark.slow
 def test_the_advised_run_leaves_the_truth_alone():
     """Zero error or asymmetry, memory or amplitude: groups with one speed, one frequency."""
     resolved, gains = [], []

@@ -604,6 +604,7 @@ def sea(tanker):
     return free_campaign(tanker, noise=0.003)
 
 
+@pytest.mark.slow
 def test_a_model_sails_its_own_records(tanker, sea):
     found = pk.compare(tanker, sea)
     table = found.to_pandas().set_index(["run", "channel"])

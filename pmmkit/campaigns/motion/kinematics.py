@@ -41,7 +41,14 @@ __all__ = [
 
 _RATES: Final = ("udot", "vdot", "rdot", "pdot")
 _OSCILLATING: Final = ("u", "v", "r", "p", *_RATES, "x", "y", "psi")
-_HELD: Final = {"phi": "phi", "delta": "delta", "n": "rps", "T": "thrust"}
+_HELD: Final = {
+    "phi": "phi",
+    "delta": "delta",
+    "n": "rps",
+    "T": "thrust",
+    "sinkage": "sinkage",
+    "trim": "trim",
+}
 _CLEAR: Final = 5.0
 
 

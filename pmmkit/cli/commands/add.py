@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign, stated
+from pmmkit.cli.output import Outcome, say
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
+    from pmmkit.diagnosis.free_running.refit import FreeRefit
     from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
 
@@ -46,7 +47,7 @@ def add(
     out: Out = None,
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
-    from pmmkit.effects.own import own_effects
+    from pmmkit.effects.grammar import own_effects
     from pmmkit.files import check_folder, write_results
     from pmmkit.loop.session import begin, undone
     from pmmkit.models import load_model, save_model
@@ -62,6 +63,18 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
+    if opened.kind == "free-running":
+        return _to_records(
+            before,
+            opened,
+            effects or [],
+            written,
+            out,
+            taken,
+            floor=floor,
+            why=why,
+            own=effects_of_user,
+        )
     session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
     for effect in effects or ():
         session = session.add(effect, why)
@@ -82,6 +95,41 @@ def add(
     files = write_results(out, _files(fall, figures)) if out is not None else []
     lines = _words(fall, taken, turns)
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
+    lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
+    return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+
+
+def _to_records(
+    before: Model,
+    campaign: Campaign,
+    effects: Sequence[str],
+    written: Path,
+    out: Path | None,
+    taken: str,
+    *,
+    floor: float | None,
+    **given: Any,
+) -> Outcome:
+    """The model fitted with effects to free-running records."""
+    from pmmkit.diagnosis.free_running.refit import fit_to_records
+    from pmmkit.files import write_results
+    from pmmkit.models import save_model
+
+    found = fit_to_records(before, campaign, effects, progress=say, **stated(floor=floor), **given)
+    save_model(found.model, written)
+    turns = _turns(before, found.model, campaign)
+    files = write_results(out, [("error_fall.csv", found.to_pandas())]) if out is not None else []
+    content = {
+        "model": str(written),
+        "added": list(effects),
+        "taken_out": taken,
+        "errors": found.to_pandas().to_dict("records"),
+        "useless": list(found.useless),
+        "turning": turns,
+        "notes": list(found.model.notes),
+        "history": list(found.model.history),
+    }
+    lines = _words(found, taken, turns)
     lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
 
@@ -118,7 +166,9 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     return found
 
 
-def _words(fall: ErrorFall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
+def _words(
+    fall: ErrorFall | FreeRefit, taken: str, turns: Mapping[str, Mapping[str, float]]
+) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
     lines = [f"Taken out: {taken}.", ""] if taken else []

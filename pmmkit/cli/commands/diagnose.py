@@ -176,7 +176,7 @@ def _of_captive_tests(
     given: Sequence[str],
     drawn: bool,
 ) -> _Answer:
-    from pmmkit.effects.own import own_effects
+    from pmmkit.effects.grammar import own_effects
     from pmmkit.loop.session import begin
     from pmmkit.report.loop import loop_of, write_diagnosis
 

@@ -20,7 +20,7 @@ def effects() -> Outcome:
             "parameters": [part.name for part in item.parameters],
             "usual_sizes": {part.name: part.typical for part in item.coefficients},
             "check": item.check,
-            "enters_a_model": item.kind != "observation",
+            "enters_a_model": not item.faulty,
         }
         for item in found
     ]
@@ -28,8 +28,6 @@ def effects() -> Outcome:
     lines = []
     for title, faults in (("Effects", False), ("Faults of a measurement", True)):
         lines += [f"{title}:"] + [
-            f"  {item.name:<{width}}  {item.summary}"
-            for item in found
-            if (item.kind == "observation") is faults
+            f"  {item.name:<{width}}  {item.summary}" for item in found if item.faulty is faults
         ]
     return Outcome(content={"effects": entries}, lines=lines)

@@ -25,7 +25,6 @@ from pmmkit.cli.options import (
     stem,
 )
 from pmmkit.cli.output import Outcome
-from pmmkit.metrics import in_lengths
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -103,6 +102,8 @@ def sweep(
 
 def _told(found: xr.Dataset) -> list[str]:
     """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
+    from pmmkit.metrics import in_lengths
+
     names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
     return [name for name in in_lengths(names) if found[name].notnull().any()][:MOST]
 

@@ -10,20 +10,17 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.faults import fault_of
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
-    TRANSIENT,
-    TYPICAL_TRANSIENT,
     WIDER,
     Block,
     System,
     candidate_columns,
     channels_of,
+    each_run_columns,
     floor_features,
     offset_column,
     run_columns,
-    transient_columns,
 )
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
@@ -64,9 +61,11 @@ def build(
     predicted = {
         c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
     }
+    for_all = [item for item in candidates if not item.each_run]
+    for_each = [item for item in candidates if item.each_run]
     raw = [
         _Raw(candidate, value, candidate_columns(candidate, value, channels, views, base))
-        for candidate in candidates
+        for candidate in for_all
         for value in candidate.grid
     ]
     own = run_columns(channels, views, base, predicted)
@@ -74,11 +73,12 @@ def build(
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
         scatter = estimated_scatter(channels, own, models, floors)
+    drawn = [(item, value) for item in for_each for value in item.grid]
     fading = [
-        [transient_columns(c, views, base, predicted[c.name], decay) for decay in TRANSIENT]
+        [each_run_columns(item, value, c, views, base, predicted[c.name]) for item, value in drawn]
         for c in channels
     ]
-    layout = _layout(raw, [x[0].shape[1] for x in fading])
+    layout = _layout(raw, drawn, [[x.shape[1] for x in own] for own in fading])
     gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
     square, rows = 0.0, 0
     pieces: list[Piece] = []
@@ -90,7 +90,7 @@ def build(
                 for item in raw
                 if c.name in item.columns
             ]
-            + [WIDER * TYPICAL_TRANSIENT * x for x in fading[number]]
+            + [prior_sizes(item) * x for (item, _), x in zip(drawn, fading[number], strict=True)]
             + [floors[c.name]]
         )
         projection = _projection(c, floors[c.name], own[c.name], scatter)
@@ -184,20 +184,23 @@ class _Layout:
         return np.concatenate([*own, *self.transients[number], self.floors[number]])
 
 
-def _layout(raw: Sequence[_Raw], runs: Sequence[int]) -> _Layout:
+def _layout(
+    raw: Sequence[_Raw], drawn: Sequence[tuple[Candidate, float]], runs: Sequence[Sequence[int]]
+) -> _Layout:
+    """Places of candidates, of those that each run draws (by channel and draw), and features."""
     blocks, at = [], 0
     for item in raw:
         end = at + item.candidate.size
         blocks.append(Block(candidate=item.candidate, value=item.value, columns=slice(at, end)))
         at = end
     transients: list[list[Places]] = [[] for _ in runs]
-    for decay in TRANSIENT:
+    for place, (candidate, value) in enumerate(drawn):
         begin = at
-        for number, count in enumerate(runs):
-            transients[number].append(np.arange(at, at + count))
-            at += count
+        for number, counts in enumerate(runs):
+            transients[number].append(np.arange(at, at + counts[place]))
+            at += counts[place]
         if at > begin:
-            blocks.append(Block(candidate=TRANSIENT_FAULT, value=decay, columns=slice(begin, at)))
+            blocks.append(Block(candidate=candidate, value=value, columns=slice(begin, at)))
     begin = at
     floors = []
     for _ in runs:
@@ -238,11 +241,3 @@ def _pivoted(matrix: Array) -> tuple[Array, Array, Places]:
         matrix, mode="economic", pivoting=True, check_finite=False
     )
     return found
-
-
-def _no_columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
-    del view, base, value
-    return {}
-
-
-TRANSIENT_FAULT: Final = fault_of("fault_transient", _no_columns, grid=TRANSIENT)

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Literal
 
-import numpy as np
-
 from pmmkit.channels import did_you_mean
-from pmmkit.diagnosis.captive.base import Base
+from pmmkit.diagnosis.captive.columns import Columns, columns_of, of_terms
+from pmmkit.effects.effect import Effect
 from pmmkit.errors import UnknownNameError
-from pmmkit.numerics import Array
-from pmmkit.observations.views import View
-
-Columns = Callable[[View, Base, float], Mapping[str, Array]]
-"""Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +39,8 @@ class Candidate:
         Whether values between those of the grid have a meaning.
     centre : tuple of float
         Values about which coefficients are expected; zeros where absent.
+    each_run : bool
+        Whether each run and channel draws a size of its own.
     check : str
         A check at the bench or a run that shows it, in words.
     excites : tuple of str
@@ -63,6 +58,7 @@ class Candidate:
     parameter: str = ""
     continuous: bool = False
     centre: tuple[float, ...] = ()
+    each_run: bool = False
     check: str = ""
     excites: tuple[str, ...] = field(default=())
 
@@ -79,7 +75,6 @@ def polynomial(
     sizes: Mapping[str, float],
     *,
     check: str = "",
-    law: Callable[[Base, float], Mapping[str, float]] | None = None,
     excites: tuple[str, ...] = (),
 ) -> Candidate:
     """An effect whose forces are derivatives that the base does not have.
@@ -92,8 +87,6 @@ def polynomial(
         Derivatives with their typical sizes.
     check : str
         A run or a check that shows it.
-    law : callable, optional
-        From the base and the speed to a factor of each derivative, for dependence on speed.
     excites : tuple of str
         What a campaign must hold.
 
@@ -106,51 +99,57 @@ def polynomial(
     >>> polynomial("sway_drag", "hull", "Drag of sway.", {"Yv|v|": -0.02}).coefficients
     ('Yv|v|',)
     """
-    names = tuple(sizes)
-
-    def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
-        del value
-        found: dict[str, Array] = {}
-        factors = law(base, view.speed) if law is not None else {}
-        for channel in dict.fromkeys(label[0] for label in names):
-            if channel not in view.force:
-                continue
-            own = [plain(label) for label in names if label[0] == channel]
-            part = view.project(base.columns(own, view.motion, view.speed))
-            block = np.zeros((view.rows, len(names)))
-            at = [i for i, label in enumerate(names) if label[0] == channel]
-            block[:, at] = part * [factors.get(names[i], 1.0) for i in at]
-            found[channel] = block
-        return MappingProxyType(found)
-
     return Candidate(
         name=name,
         family=family,
         kind="physics",
         summary=summary,
-        coefficients=names,
+        coefficients=tuple(sizes),
         typical=tuple(sizes.values()),
-        columns=columns,
+        columns=of_terms([{label: 1.0} for label in sizes]),
         check=check,
         excites=excites,
     )
 
 
-def plain(label: str) -> str:
-    """The derivative of a label: what stands after a mark of speed dependence is cut off."""
-    return label.split(" ")[0]
+def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
+    """An effect as captive tests are asked for it.
 
+    Parameters
+    ----------
+    effect : Effect
+        With coefficients.
+    speeds : sequence of float
+        Of the tests [m/s], where its grid is theirs.
 
-def spread_over(
-    view: View, parts: Mapping[str, Sequence[Array]], count: int
-) -> Mapping[str, Array]:
-    """Columns by channel from single columns: channel to one array per coefficient."""
-    return MappingProxyType(
-        {
-            channel: np.stack([np.asarray(part, float) for part in own], axis=1)
-            for channel, own in parts.items()
-            if channel in view.force and len(own) == count
-        }
+    Examples
+    --------
+    >>> from pmmkit.effects.catalogue import effect_of
+    >>> candidate_of(effect_of("memory")).coefficients
+    ('Yv_late', 'Nv_late')
+    """
+    inner, sizes = effect.nonlinear, effect.coefficients
+    expected = tuple(item.expected for item in sizes)
+    grid: tuple[float, ...] = (0.0,)
+    if inner is not None:
+        grid = tuple(speeds) if inner.of_the_tests else inner.grid
+    return Candidate(
+        name=effect.name,
+        family=effect.family.replace("_", " "),
+        kind="fault" if effect.faulty else "physics",
+        summary=effect.summary,
+        coefficients=tuple(
+            f"{item.name} [{item.unit}]" if effect.faulty else item.name for item in sizes
+        ),
+        typical=tuple(effect.typical.values()),
+        columns=columns_of(effect),
+        grid=grid,
+        parameter=inner.text if inner is not None else "",
+        continuous=inner is not None and inner.continuous,
+        centre=expected if any(expected) else (),
+        each_run=effect.each_run,
+        check=effect.check,
+        excites=effect.excites,
     )
 
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
@@ -51,13 +50,27 @@ def coverage(system: System) -> tuple[Visible, ...]:
                 mimics=_mimics(system, block, signal, best) if shown else {},
             )
         )
-    return tuple(sorted(found, key=lambda item: -item.signal))
+    return (*sorted(found, key=lambda item: -item.signal), *map(_not_held, system.unasked))
+
+
+def _not_held(candidate: Candidate) -> Visible:
+    """An effect for which the runs hold nothing."""
+    return Visible(
+        name=candidate.name,
+        family=candidate.family,
+        signal=0.0,
+        without_a_run=0.0,
+        hides=math.inf,
+        shown=False,
+        why=_why(candidate, 0.0, ""),
+        mimics={},
+    )
 
 
 def _at_usual_size(block: Block) -> Array:
     """Coefficients at the usual size, in units of the prior."""
     count = block.columns.stop - block.columns.start
-    if block.candidate is TRANSIENT_FAULT:
+    if block.candidate.each_run:
         return np.full(count, 1.0 / WIDER)
     sizes = np.array(block.candidate.typical)
     centre = block.candidate.centre

@@ -12,18 +12,18 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention
+from pmmkit.diagnosis.captive.asked import contestants, excited
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.faults import FAULTS, carriage_fault
-from pmmkit.diagnosis.captive.own import candidate_of
-from pmmkit.diagnosis.captive.physics import PHYSICS
+from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
 from pmmkit.diagnosis.captive.refit import effects_of
 from pmmkit.diagnosis.captive.system import LEAST, System
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.own import OwnEffect
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, Problem
 from pmmkit.models import Model, load_model
 from pmmkit.observations.views import View, views_of
@@ -69,10 +69,10 @@ def derivatives_of(model: Model | str | Path | Sequence[str] | Structure) -> Bas
         return BaseModel(source=tuple(model), structure=tuple(model))
     names = tuple(
         name
-        for effect in ("hull_polynomial", "added_mass")
+        for effect in (HULL, INERTIA)
         if effect in model.parts
         for name in model.parts[effect].values
-        if catalogue()[effect].parameter(name) is None
+        if effect_of(effect).parameter(name) is None
     )
     return BaseModel(source=model, structure=names, effects=effects_of(model))
 
@@ -82,10 +82,10 @@ def diagnose_captive(
     structure: str | Sequence[str] | Structure = "cubic",
     *,
     floor: float | None = None,
-    candidates: Sequence[Candidate] | None = None,
+    candidates: Sequence[Candidate | Effect] | None = None,
     given: Sequence[str] = (),
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
     seed: int = 0,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
@@ -101,15 +101,15 @@ def diagnose_captive(
         Everything smooth in the motion below this share of the rms force of a channel does not
         matter: the user's uncertainty of the forces beside noise. By default the numerical
         uncertainty U_SN of the campaign file, 0.005 for measured forces; CFD without U_SN must say.
-    candidates : sequence of Candidate, optional
+    candidates : sequence of Candidate or Effect, optional
         Who takes part; by default the whole catalogue of effects and faults.
     given : sequence of str
         Effects that the base has already, beside its derivatives: they are fitted with it.
     noise : float, optional
         Standard uncertainty of a mean or harmonic over the rms force of its channel, of runs that
         state none (tables, CFD).
-    own : sequence of OwnEffect
-        Effects of the user, who take part on equal terms.
+    own : sequence of Effect
+        Effects beside the catalogue, on equal terms.
     seed : int
         Of the draws that calibrate chance.
 
@@ -136,7 +136,7 @@ def diagnose_captive(
     system = captive_system(
         campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
-    return answer(system, given, floor=system.floor, seed=seed)
+    return answer(system, system.taking_part(given), floor=system.floor, seed=seed)
 
 
 def captive_system(
@@ -144,9 +144,9 @@ def captive_system(
     structure: str | Sequence[str] | Structure = "cubic",
     *,
     floor: float | None = None,
-    candidates: Sequence[Candidate] | None = None,
+    candidates: Sequence[Candidate | Effect] | None = None,
     noise: float | None = None,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once.
 
@@ -178,10 +178,27 @@ def captive_system(
         convention=Convention(),
         reference=float(np.median(speeds)),
     )
-    every = contestants(base, speeds) if candidates is None else tuple(candidates)
-    every = (*every, *(candidate_of(item) for item in own))
+    if candidates is None:
+        every = contestants(base, speeds, own)
+        held = excited(usable, base)
+        asked = [item for item in every if held.issuperset(item.excites)]
+    else:
+        mine = [item if isinstance(item, Candidate) else candidate_of(item) for item in candidates]
+        every = (*mine, *(candidate_of(item, speeds) for item in own), *_drawn(mine, base, speeds))
+        asked = list(every)
     with threadpool_limits(1):
-        return build(usable, base, every, floor=floor_for(campaign, usable, floor))
+        system = build(usable, base, asked, floor=floor_for(campaign, usable, floor))
+    return replace(system, unasked=tuple(item for item in every if item not in asked))
+
+
+def _drawn(
+    given: Sequence[Candidate], base: Base, speeds: Sequence[float]
+) -> tuple[Candidate, ...]:
+    """What every run draws for itself takes part whoever else does."""
+    names = {item.name for item in given}
+    return tuple(
+        item for item in contestants(base, speeds) if item.each_run and item.name not in names
+    )
 
 
 def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) -> float:
@@ -267,20 +284,3 @@ def _with_stated(view: View, scale: Mapping[str, float], noise: float) -> View:
         if not view.known(name)
     }
     return replace(view, covariance={**view.covariance, **given})
-
-
-def contestants(base: Base, speeds: Sequence[float]) -> tuple[Candidate, ...]:
-    """The catalogue, without what the base has already.
-
-    Parameters
-    ----------
-    base : Base
-        Derivatives.
-    speeds : sequence of float
-        Of the tests [m/s].
-    """
-    known = {name for names in base.names.values() for name in names}
-    found = [item for item in (*PHYSICS, *FAULTS) if not set(item.coefficients) <= known]
-    if len(speeds) > 1:
-        found.append(carriage_fault(tuple(speeds)))
-    return tuple(found)

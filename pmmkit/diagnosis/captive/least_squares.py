@@ -8,16 +8,14 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT, prior_sizes
+from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.system import (
-    TYPICAL_TRANSIENT,
-    WIDER,
     Block,
     System,
     candidate_columns,
+    each_run_columns,
     floor_features,
-    transient_columns,
 )
 from pmmkit.numerics import Array
 from pmmkit.observations.whitening import whitened
@@ -114,26 +112,28 @@ def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> 
 
 def _columns(block: Block, system: System, predicted: Mapping[str, Array]) -> Mapping[str, Array]:
     """Columns of an effect in units of its prior."""
-    if block.candidate is not TRANSIENT_FAULT:
+    if not block.candidate.each_run:
         found = candidate_columns(
             block.candidate, block.value, system.channels, system.views, system.base
         )
         return {name: x * prior_sizes(block.candidate) for name, x in found.items()}
     parts = {
-        c.name: transient_columns(c, system.views, system.base, predicted[c.name], block.value)
+        c.name: each_run_columns(
+            block.candidate, block.value, c, system.views, system.base, predicted[c.name]
+        )
         for c in system.channels
     }
     edges = np.cumsum([0, *(x.shape[1] for x in parts.values())])
     whole = {}
     for (name, own), begin in zip(parts.items(), edges, strict=False):
         whole[name] = np.zeros((len(own), edges[-1]))
-        whole[name][:, begin : begin + own.shape[1]] = WIDER * TYPICAL_TRANSIENT * own
+        whole[name][:, begin : begin + own.shape[1]] = prior_sizes(block.candidate) * own
     return whole
 
 
 def _labels(block: Block) -> list[str]:
     c = block.candidate
-    if c is TRANSIENT_FAULT:
+    if c.each_run:
         return [f"{c.name}: share {number + 1} [-]" for number in range(len(block.places))]
     return labels(c)
 
@@ -145,8 +145,8 @@ def labels(candidate: Candidate) -> list[str]:
 
 def sizes_of(block: Block) -> Array:
     """Prior standard deviations of the coefficients of an effect, a transient's of each run."""
-    if block.candidate is TRANSIENT_FAULT:
-        return np.full(len(block.places), WIDER * TYPICAL_TRANSIENT)
+    if block.candidate.each_run:
+        return np.full(len(block.places), prior_sizes(block.candidate)[0])
     return prior_sizes(block.candidate)
 
 

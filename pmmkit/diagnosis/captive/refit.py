@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.diagnosis.captive.asked import asked_in_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block
+from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.own import OwnEffect
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED, Effect
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.edit import with_effect, without_effect
 from pmmkit.models.model import Part, needs_roll
-from pmmkit.models.terms import HULL, RUDDER
+from pmmkit.models.terms import home_of
 from pmmkit.tables import DerivativeTable, converted
 
 
@@ -31,7 +32,7 @@ def fitted_table(
     base: Base,
     campaign: Campaign,
     Fn: Sequence[float] = (),
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> DerivativeTable:
     """The derivatives of a joint fit, those of effects that are derivatives among them.
 
@@ -46,7 +47,7 @@ def fitted_table(
     Fn : sequence of float
         Froude numbers of the rows; one pooled row without them. Needed where derivatives change
         with the speed.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user, whose coefficients stand for derivatives.
 
     Returns
@@ -94,20 +95,33 @@ class _Place:
     by_speed: bool = False
 
 
-def _places(label: str, own: Sequence[OwnEffect]) -> tuple[_Place, ...]:
+def _places(label: str, own: Sequence[Effect]) -> tuple[_Place, ...]:
     """Where a coefficient of a fit belongs; nowhere if its effect is no derivative."""
     effect, _, name = label.rpartition(": ")
-    for item in own:
-        if item.name == effect:
-            return tuple(_Place(derivative=x, share=y) for x, y in item.shares[name].items())
-    if effect in catalogue() and catalogue()[effect].enters:
-        return ()
-    plain = name.removesuffix(BY_SPEED)
+    entry = _entry(effect, own) if effect else None
+    shares: Mapping[str, float] = {name: 1.0}
+    if entry is not None:
+        if entry.kind != "terms":
+            return ()
+        shares = entry.derivatives_of(name)
+    return tuple(
+        _Place(derivative=plain, share=share, by_speed=plain != derivative)
+        for derivative, share in shares.items()
+        if _is_derivative(plain := derivative.removesuffix(BY_SPEED))
+    )
+
+
+def _is_derivative(name: str) -> bool:
     try:
-        parse_derivative(plain)
+        parse_derivative(name)
     except UnknownNameError:
-        return ()
-    return (_Place(derivative=plain, by_speed=plain != name),)
+        return False
+    return True
+
+
+def _entry(name: str, own: Sequence[Effect]) -> Effect | None:
+    """An effect of the user or of the catalogue; None for a candidate that is neither."""
+    return next((item for item in own if item.name == name), catalogue().get(name))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -132,7 +146,7 @@ def refitted(
     effects: Sequence[Block],
     base: Base,
     campaign: Campaign,
-    own: Sequence[OwnEffect] = (),
+    own: Sequence[Effect] = (),
 ) -> Refit:
     """A model with the values of a joint fit.
 
@@ -149,7 +163,7 @@ def refitted(
         Of the fit.
     campaign : Campaign
         The tests.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
 
     Returns
@@ -164,7 +178,7 @@ def refitted(
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
     rudder = [name for name in known if parse_derivative(name).count("d")]
-    steered = RUDDER in model.parts
+    steered = RUDDER_POLYNOMIAL in model.parts
     roll = [] if model.rolls else [name for name in known if needs_roll(name)]
     left = [*([] if steered else rudder), *roll]
     notes = []
@@ -175,23 +189,22 @@ def refitted(
     taken = table.select([name for name in known if name not in left])
     changed = _with_table(model, taken, Fn, rudder if steered else [], campaign)
     for block in effects:
-        if (
-            block.candidate.kind == "physics"
-            and block.candidate.name in catalogue()
-            and (catalogue()[block.candidate.name].enters)
-        ):
-            changed = _with_part(changed, block, fit, froude_numbers(campaign))
+        entry = _entry(block.candidate.name, own)
+        if entry is not None and entry.enters:
+            changed = _with_part(changed, entry, block, fit, froude_numbers(campaign))
     return Refit(model=changed, notes=tuple(notes))
 
 
-def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -> Model:
+def _with_part(
+    model: Model, effect: Effect, block: Block, fit: JointFit, Fn: Sequence[float]
+) -> Model:
     """A model with an effect that is a part of its own, at the values of a fit."""
     c = block.candidate
     values, _ = fit.of(labels(c))
-    bare = without_effect(model, c.name) if c.name in model.parts else model
+    bare = without_effect(model, effect) if c.name in model.parts else model
     made = with_effect(
         bare,
-        c.name,
+        effect,
         value=block.value,
         Fn=Fn,
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
@@ -199,7 +212,7 @@ def _with_part(model: Model, block: Block, fit: JointFit, Fn: Sequence[float]) -
     return made.with_(steps=model.steps)
 
 
-def places_of(block: Block, model: Model, own: Sequence[OwnEffect] = ()) -> tuple[str, ...]:
+def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[str, ...]:
     """Parts and values (``hull_polynomial.Yvvr``) of a model that an effect of a fit stands in.
 
     Parameters
@@ -208,15 +221,14 @@ def places_of(block: Block, model: Model, own: Sequence[OwnEffect] = ()) -> tupl
         The effect.
     model : Model
         With the values of the fit.
-    own : sequence of OwnEffect
+    own : sequence of Effect
         Effects of the user.
     """
     c = block.candidate
     if c.name in model.parts:
         return (c.name,)
     names = dict.fromkeys(item.derivative for label in labels(c) for item in _places(label, own))
-    rudder = [name for name in names if RUDDER in model.parts and parse_derivative(name).count("d")]
-    return tuple(f"{_home(name, rudder)}.{name}" for name in names)
+    return tuple(f"{home_of(model, name)}.{name}" for name in names)
 
 
 def _target(convention: Convention) -> Convention:
@@ -270,9 +282,9 @@ def _with_table(
 
 def _home(name: str, rudder: Sequence[str]) -> str:
     if name in rudder:
-        return RUDDER
+        return RUDDER_POLYNOMIAL
     accelerates = any(factor.endswith("dot") for factor in parse_derivative(name).factors)
-    return "added_mass" if accelerates else HULL
+    return INERTIA if accelerates else HULL
 
 
 def effects_of(model: Model) -> tuple[str, ...]:
@@ -284,20 +296,14 @@ def effects_of(model: Model) -> tuple[str, ...]:
         A model: its effects with coefficients of usual sizes, and the faults of the measurement
         that its steps know.
     """
-    parts = [name for name in model.parts if catalogue()[name].coefficients]
-    varying = [name for name, own in _OF_SPEED.items() if any(_varies(model, x) for x in own)]
+    parts = [name for name, part in model.parts.items() if asked_in_captive(part.known)]
+    varying = [
+        effect.name
+        for effect in catalogue().values()
+        if any(_varies(model, name) for name in effect.varies_with_speed)
+    ]
     faults = [step.effect for step in model.steps if step.action == "fault_corrected"]
     return tuple(dict.fromkeys([*parts, *varying, *faults]))
-
-
-_OF_SPEED: Final = {
-    "froude_linear": ("Yv", "Yr", "Nv", "Nr"),
-    "froude_nonlinear": ("Yvvv", "Yrrr", "Nvvv", "Nrrr"),
-    "froude_coupling": ("Yvvr", "Yvrr", "Nvvr", "Nvrr", "Xvr"),
-    "froude_surge": ("Xvv", "Xrr"),
-    "resistance_curve": ("Xuu",),
-}
-"""Effects of the speed, and the derivatives that vary with it where a model has them."""
 
 
 def _varies(model: Model, name: str) -> bool:

@@ -12,7 +12,6 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
@@ -29,8 +28,6 @@ STEP: Final = 1e-4
 """Change of the drift for its derivative [rad]."""
 LEAST: Final = 1e-4
 """Least standard deviation of a mean or harmonic, over the channel's rms force."""
-TRANSIENT: Final = (0.7, 1.5, 3.0)
-TYPICAL_TRANSIENT: Final = effect_of("fault_transient").coefficients[0].typical or 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,6 +78,8 @@ class System:
         Expected value of each column's coefficient, in those.
     pieces : tuple of Piece
         The channels, one by one.
+    unasked : tuple of Candidate
+        Those for which these runs hold nothing.
     """
 
     views: tuple[View, ...]
@@ -97,6 +96,12 @@ class System:
     prior: Array
     centre: Array
     pieces: tuple[Piece, ...]
+    unasked: tuple[Candidate, ...] = ()
+
+    def taking_part(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Of some effects those for which these runs hold anything."""
+        absent = {item.name for item in self.unasked}
+        return tuple(name for name in names if name not in absent)
 
 
 def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
@@ -227,22 +232,32 @@ def _variables(view: View, base: Base) -> Array:
     )
 
 
-def transient_columns(
-    channel: Channel, views: Sequence[View], base: Base, predicted: Array, decay: float
+def each_run_columns(
+    candidate: Candidate,
+    value: float,
+    channel: Channel,
+    views: Sequence[View],
+    base: Base,
+    predicted: Array,
 ) -> Array:
-    """A share of each run's force that dies away, one column per oscillating run (n, runs)."""
-    ids = list(dict.fromkeys(views[i].run.id for i in channel.views if views[i].run.dynamic))
+    """A candidate of which each run draws a share: a column per run that knows it (n, runs).
+
+    A unit is the force of the run, that of its later cycles where it stands in two pieces.
+    """
+    by_view = {i: candidate.columns(views[i], base, value).get(channel.name) for i in channel.views}
+    knows = [i for i in channel.views if by_view[i] is not None]
+    ids = list(dict.fromkeys(views[i].run.id for i in knows))
     found = np.zeros((len(channel.y), len(ids)))
     sizes: dict[str, float] = {}
     for i, rows in zip(channel.views, channel.rows, strict=True):
-        if views[i].run.dynamic and not views[i].early:
+        if i in knows and not views[i].early:
             sizes[views[i].run.id] = float(np.linalg.norm(predicted[rows]))
     for i, rows in zip(channel.views, channel.rows, strict=True):
-        view = views[i]
-        if view.run.dynamic:
-            fading = np.exp(-view.t * view.speed / (decay * base.ship.L))
-            size = sizes.get(view.run.id, float(np.linalg.norm(predicted[rows])))
-            found[rows, ids.index(view.run.id)] = size * view.project(fading)
+        own = by_view[i]
+        if own is not None:
+            run = views[i].run.id
+            size = sizes.get(run, float(np.linalg.norm(predicted[rows])))
+            found[rows, ids.index(run)] = size * own[:, 0]
     return found
 
 

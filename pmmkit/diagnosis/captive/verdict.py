@@ -11,7 +11,6 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags
-from pmmkit.diagnosis.captive.build import TRANSIENT_FAULT
 from pmmkit.diagnosis.captive.conditioning import knowing
 from pmmkit.diagnosis.captive.coverage import coverage
 from pmmkit.diagnosis.captive.evidence import contest, gate
@@ -22,7 +21,7 @@ from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
-from pmmkit.effects.terms import BY_SPEED
+from pmmkit.effects.effect import BY_SPEED
 
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding."""
@@ -206,10 +205,10 @@ def _finding(
 
 def coefficients_of(block: Block, fit: JointFit) -> tuple[list[float], list[float]]:
     """Values and standard deviations; of a transient its rms share over runs and channels."""
-    if block.candidate is not TRANSIENT_FAULT:
+    if not block.candidate.each_run:
         values, std = fit.of(labels(block.candidate))
         return values.tolist(), std.tolist()
-    at = [i for i, name in enumerate(fit.names) if name.startswith(TRANSIENT_FAULT.name)]
+    at = [i for i, name in enumerate(fit.names) if name.startswith(f"{block.candidate.name}: ")]
     values, std = fit.values[at], fit.std[at]
     size = float(np.sqrt(np.mean(values**2)))
     return [size], [float(np.sqrt(np.sum((values * std) ** 2)) / (len(at) * size))]

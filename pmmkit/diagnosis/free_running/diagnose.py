@@ -16,12 +16,7 @@ from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.findings import Diagnosis, Verdict
-from pmmkit.diagnosis.free_running.candidates import (
-    CURRENT,
-    RUDDER_ZERO,
-    FreeCandidate,
-    candidates_for,
-)
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
 from pmmkit.diagnosis.free_running.evidence import (
     Basis,
     Fit,
@@ -48,99 +43,26 @@ from pmmkit.diagnosis.free_running.findings import (
     model_of,
 )
 from pmmkit.diagnosis.free_running.scores import Judge, courses_of
-from pmmkit.diagnosis.free_running.system import (
-    FreeSystem,
-    agile,
-    build_free,
-    held,
-    log_likelihood,
-    sized,
-)
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.diagnosis.free_running.system import FreeSystem, build_free, log_likelihood
+from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, WINDOW, base_prior, weighed
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
 from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.from_run import free_records
-from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.models.vessel import Sailing
 from pmmkit.numerics import Array
 
-WINDOW: Final = 5.0
-"""Length of the windows by which sets are judged, in ship lengths over the speed."""
-TOLERANCE: Final = (math.radians(0.5), 0.005)
-"""Errors of heading [rad] and of speed over the approach that do not matter over a window."""
 AHEAD: Final = 4
 """Best pairs that are combined with every third."""
 REFITTED: Final = 6
 """Best sets that are fitted through the equations."""
 FAR: Final = 2.0 * RIVALS
 """A set so far behind the best by the linear problem is not fitted."""
-TURNS: Final = 8
-"""Most turns in which the sizes of unknown forces and the values of the largest model are found."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
-BASE: Final = {
-    "rudder_mmg": ("epsilon", "aH", "gamma_positive", "gamma_negative", "gamma", "cRr"),
-    "propeller": ("wp",),
-    "crossflow_drag": ("CD",),
-    "wind": ("cx", "cy", "cn"),
-}
-"""Values beside the derivatives that no model knows exactly."""
-
-
-def base_prior(
-    model: Model,
-    speed: float,
-    *,
-    spread: float = 0.05,
-    loose: float = 0.1,
-    extrapolate: bool = False,
-) -> Prior:
-    """What is known of the values of a model before records are looked at.
-
-    Parameters
-    ----------
-    model : Model
-        Complete.
-    speed : float
-        Speed of the approach [m/s].
-    spread : float
-        By how much of each value another ship of the same lines differs: relative standard
-        deviation, beside the covariance of the model.
-    loose : float
-        Relative standard deviation of values of which the model holds no covariance.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    Prior
-        Derivatives of hull, rudder and added mass, and of rudder and propeller what `BASE` lists.
-
-    Examples
-    --------
-    >>> from pmmkit.models import load_model
-    >>> found = base_prior(load_model("kvlcc2-l7"), 1.179, loose=0.03)
-    >>> len(found.names), round(float(found.std[found.names.index("Yv")]), 4)
-    (25, 0.0184)
-    """
-    known = catalogue()
-    names = [
-        name
-        for part in ("hull_polynomial", "rudder_abkowitz", "added_mass")
-        if part in model.parts
-        for name in model.parts[part].values
-        if known[part].parameter(name) is None
-    ] + [
-        f"{part}.{name}"
-        for part, own in BASE.items()
-        if part in model.parts
-        for name in own
-        if name in model.parts[part].values
-    ]
-    relative = {name: loose for name in names if name not in model.covariance_names}
-    found = prior_of(model, names, speed, spread=relative, extrapolate=extrapolate)
-    more = np.diag((spread * found.mean) ** 2)
-    return replace(found, covariance=found.covariance + more)
 
 
 def diagnose_free(
@@ -150,12 +72,13 @@ def diagnose_free(
     prior: Prior | None = None,
     spread: float = 0.05,
     loose: float = 0.1,
-    floor: float = 0.02,
+    floor: float = FLOOR,
     tolerance: tuple[float, float] = TOLERANCE,
     window: float | None = None,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
-    candidates: Sequence[FreeCandidate] | None = None,
+    candidates: Sequence[FreeCandidate | Effect] | None = None,
+    own: Sequence[Effect] = (),
     windage: tuple[float, float] | None = None,
     sensors: Mapping[str, float] | None = None,
     most: int = 3,
@@ -185,8 +108,10 @@ def diagnose_free(
         Records that take no part but in the errors before and after.
     held_out_window : float, optional
         Length of their windows [s]; by default that of the others.
-    candidates : sequence of FreeCandidate, optional
+    candidates : sequence of FreeCandidate or Effect, optional
         Who takes part; by default all of `candidates_for`.
+    own : sequence of Effect
+        Effects beside the catalogue, on equal terms.
     windage : (float, float), optional
         Frontal and lateral area above water [m²].
     sensors : mapping of str to float, optional
@@ -234,8 +159,13 @@ def diagnose_free(
         raise DataError("There is no record to diagnose.")
     speed = records[0].speed
     prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
-    every = tuple(
-        candidates_for(model, records, windage=windage) if candidates is None else candidates
+    every = (
+        candidates_for(model, records, windage=windage, own=own)
+        if candidates is None
+        else tuple(
+            item if isinstance(item, FreeCandidate) else candidate_of(item, Sailing(model, speed))
+            for item in candidates
+        )
     )
     large = model
     for item in every:
@@ -247,7 +177,7 @@ def diagnose_free(
     )
     basis = basis_of(system, prior, every)
     tell("Size of what nothing explains")
-    system, largest = _weighed(system, basis, [item.name for item in every])
+    system, largest = weighed(system, basis, [item.name for item in every])
     wider = widened(largest)
     null = fitted(system, basis, (), wider=wider, begin=largest.z)
     here = point_at(system, basis, null.z)
@@ -346,26 +276,6 @@ def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
         kept = here.linear.owners != number
         found.append(screen(replace(here, G=here.G[kept], y=here.y[kept]), basis, wider))
     return found
-
-
-def _weighed(system: FreeSystem, basis: Basis, every: Sequence[str]) -> tuple[FreeSystem, Fit]:
-    """Unknown forces of their most likely size under the largest model, and its fit.
-
-    It begins with large unknown forces: the filter then follows the ship whatever the values are,
-    and what is left is almost linear in them. With small ones a fit hangs on where it begins. The
-    sizes and the values are found in turns for as long as the records become more probable.
-    """
-    largest = fitted(agile(system), basis, every)
-    best, known = (system, largest), -math.inf
-    for _ in range(TURNS):
-        found = sized(best[0], system.start + basis.T @ best[1].z)
-        largest = fitted(found, basis, every, begin=best[1].z)
-        values = system.start + basis.T @ largest.z
-        new = log_likelihood(found, values) + largest.log_width
-        if new < known + LEAST:
-            break
-        best, known = (held(found, values), largest), new
-    return best
 
 
 def _sets(

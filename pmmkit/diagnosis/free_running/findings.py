@@ -12,10 +12,11 @@ import numpy as np
 
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
 from pmmkit.diagnosis.findings import Finding
-from pmmkit.diagnosis.free_running.candidates import CURRENT, RUDDER_ZERO, FreeCandidate
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.evidence import WIDER, Basis, Fit, Screen
 from pmmkit.diagnosis.free_running.scores import Judge
 from pmmkit.diagnosis.free_running.system import FreeSystem
+from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
 from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.record import FreeRecord

@@ -10,9 +10,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.free_running.candidates import RUDDER_ZERO
 from pmmkit.diagnosis.free_running.evidence import Basis, Point
 from pmmkit.diagnosis.free_running.system import FreeSystem, Piece
+from pmmkit.effects.seen import RUDDER_ZERO
 from pmmkit.equations.layouts import InputField, State
 from pmmkit.errors import DataError
 from pmmkit.identification.filters import STEP

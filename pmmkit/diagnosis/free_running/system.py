@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.diagnosis.free_running.candidates import RUDDER_ZERO
+from pmmkit.effects.seen import RUDDER_ZERO
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.histories import rigid_body

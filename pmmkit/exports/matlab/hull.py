@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import Any, Final
 
 from pmmkit.conventions import CHANNELS, Convention, Derivative, parse_derivative
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations.structure import POLYNOMIALS
 from pmmkit.exports.matlab.transcribe import Line
 from pmmkit.exports.text import number
@@ -71,7 +71,7 @@ def hull_lines(values: Values, convention: Convention, *, rolls: bool) -> list[L
     terms: dict[str, float] = {}
     for effect in POLYNOMIALS:
         for name, value in values.get(effect, {}).items():
-            if catalogue()[effect].parameter(name) is None:
+            if effect_of(effect).parameter(name) is None:
                 terms[name] = terms.get(name, 0.0) + value
     bis = convention.system == "bis"
     reference, square = ("sqrt(g*L)", "1") if bis else ("U", "U^2")

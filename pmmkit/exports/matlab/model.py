@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import Prepared, prepare
 from pmmkit.equations.prepared import values_at
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
@@ -127,13 +128,13 @@ def model_to_mss(model: Model, *, name: str | None = None, speed: float | None =
             title=f"Mass and inertia. Source: {model.parts['added_mass'].source}",
             lines=_with_sources(
                 model,
-                ("added_mass",),
-                mass_lines(values["added_mass"], model.convention) + _levers(values["added_mass"]),
+                (INERTIA,),
+                mass_lines(values[INERTIA], model.convention) + _levers(values[INERTIA]),
             ),
         ),
         _Section(
             title="Equations of motion about midship",
-            lines=motion_lines(values["added_mass"], extra, model.convention, rolls=ready.rolls),
+            lines=motion_lines(values[INERTIA], extra, model.convention, rolls=ready.rolls),
         ),
         _steering(model),
         _path(states, rates, rolls=ready.rolls),
@@ -251,7 +252,7 @@ def _with_sources(model: Model, effects: Iterable[str], lines: Iterable[Line]) -
         for effect in effects
         if effect in model.parts
         for name, source in model.parts[effect].sources.items()
-        if catalogue()[effect].parameter(name) is None
+        if effect_of(effect).parameter(name) is None
     }
     return [
         replace(line, note="; ".join(filter(None, (line.note, own[line.target]))))
@@ -305,7 +306,7 @@ def _ship(model: Model) -> _Section:
 
 
 def _levers(added: Mapping[str, float]) -> list[Line]:
-    known = catalogue()["added_mass"].parameter("lx")
+    known = effect_of(INERTIA).parameter("lx")
     assert known is not None
     given = added.get("lx", 0.0)
     return [Line(target="lx", text=number(given), note=known.text)]

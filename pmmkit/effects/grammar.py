@@ -1,17 +1,20 @@
-"""A user's own effect from text: products of the motion, read by a small grammar."""
+"""A user's own effect from text, read by a small grammar."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, NoReturn
 
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.expressions import NotUnderstood, Written, is_expression, written
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.toml_files import read_toml
 
@@ -29,43 +32,6 @@ _NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
 _KEYS: Final = ("name", "family", "summary", "terms", "typical", "check")
 
 
-@dataclass(frozen=True, kw_only=True)
-class OwnEffect:
-    """An effect that a user wrote down as products of the motion.
-
-    Parameters
-    ----------
-    name, family, summary, check : str
-        As in the catalogue.
-    shares : mapping of str to (mapping of str to float)
-        By coefficient, the derivatives that it stands for, each with its share of it.
-    typical : mapping of str to float
-        Usual size of each coefficient, prime system.
-    """
-
-    name: str
-    family: str = "own"
-    summary: str = ""
-    check: str = ""
-    shares: Mapping[str, Mapping[str, float]]
-    typical: Mapping[str, float]
-
-    def derivatives(self, coefficients: Mapping[str, float]) -> dict[str, float]:
-        """Values of the derivatives from those of the coefficients.
-
-        Examples
-        --------
-        >>> keel = own_effect("keel", "Y: a*v*|v|; N: -0.4*a*v*|v|; a ~ -0.01")
-        >>> keel.derivatives({"a": -0.02})
-        {'Yv|v|': -0.02, 'Nv|v|': 0.008}
-        """
-        found: dict[str, float] = {}
-        for label, own in self.shares.items():
-            for name, share in own.items():
-                found[name] = found.get(name, 0.0) + share * coefficients[label]
-        return found
-
-
 def own_effect(
     name: str,
     text: str,
@@ -74,7 +40,7 @@ def own_effect(
     summary: str = "",
     check: str = "",
     typical: Mapping[str, float] | None = None,
-) -> OwnEffect:
+) -> Effect:
     """An effect from text such as ``Y: v*|v|*r; N: v*v*r``.
 
     Parameters
@@ -85,7 +51,12 @@ def own_effect(
         Statements parted by ``;`` or line breaks. ``Y: v*|v|*r + v^3`` gives products of v, r, u,
         p, phi, d (delta) and their moduli in a channel; each has its derivative as coefficient.
         ``Y: a*v*|v|; N: -0.4*a*v*|v|; a ~ -0.01`` has one coefficient for both, with its usual
-        size; a number is a share of a named coefficient.
+        size; a number is a share of a named coefficient. These are derivatives of the hull.
+        What is no product is an expression of the words and functions of `effects.expressions`,
+        beside the motion ``beta``, ``Fn``, ``sinkage`` over the draught and ``trim``:
+        ``Y: a*Fn^2*sat(v, edge); a ~ -0.01; edge ~ [0.05, 0.1]`` has a nonlinear parameter with
+        the values at which a diagnosis tries it, and becomes a part of a model. Forces are over
+        ½ρL²U², moments over ½ρL³U².
     family, summary, check : str
         Family by which an answer is given first; one sentence; a run that would show it.
     typical : mapping of str to float, optional
@@ -94,7 +65,7 @@ def own_effect(
 
     Returns
     -------
-    OwnEffect
+    Effect
 
     Raises
     ------
@@ -111,14 +82,58 @@ def own_effect(
         raise DataError(f"{name!r:.40} cannot be the name of an own effect: {known}.")
     if not isinstance(text, str):
         raise DataError(f"The terms of {name} must be a text such as 'Y: v*|v|*r'.")
-    given = {_label(key): (float(size), "", 0) for key, size in (typical or {}).items()}
-    channels = []
+    given = {_label(key): _Size(float(size)) for key, size in (typical or {}).items()}
+    channels, said = _parted(name, text)
+    given |= said
+    for label, size in given.items():
+        for value in (size.typical, *size.grid):
+            if not math.isfinite(value) or value == 0.0:
+                _stop(name, text, size.place, f"the usual size of {label} must not be {value:g}")
+    make = _expressed if is_expression(text) or any(x.grid for x in given.values()) else _products
+    about = {
+        "name": name,
+        "family": family,
+        "summary": summary,
+        "check": check,
+        "text": _whole(text, typical),
+    }
+    return make(text, channels, given, about)
+
+
+def _whole(text: str, typical: Mapping[str, float] | None) -> str:
+    """A text with the sizes that were given beside it."""
+    return "; ".join([text.strip(), *(f"{key} ~ {x!r}" for key, x in (typical or {}).items())])
+
+
+def _parted(name: str, text: str) -> tuple[list[tuple[str, int]], dict[str, _Size]]:
+    """The statements of channels with their places, and the sizes that are given."""
+    channels, given = [], {}
     for statement, start in _statements(text):
         if "~" in statement:
             label, size = _size(name, text, statement, start)
-            given[label] = (size, text, start)
+            given[label] = size
         else:
             channels.append((statement, start))
+    return channels, given
+
+
+@dataclass(frozen=True)
+class _Size:
+    """Usual size of a coefficient or values of a parameter, and where they stand in the text."""
+
+    typical: float
+    grid: tuple[float, ...] = ()
+    place: int = 0
+
+
+def _products(
+    text: str,
+    channels: Sequence[tuple[str, int]],
+    given: Mapping[str, _Size],
+    about: Mapping[str, Any],
+) -> Effect:
+    """An effect of derivatives of the hull."""
+    name = about["name"]
     shares: dict[str, dict[str, float]] = {}
     for statement, start in channels:
         for label, derivative, share, place in _terms(name, text, statement, start, set(given)):
@@ -128,24 +143,111 @@ def own_effect(
             own[derivative] = share
     if not shares:
         raise DataError(f"Own effect {name}: {text!r:.60} holds no term such as 'Y: v*|v|*r'.")
-    for label, (size, where, start) in given.items():
+    for label, size in given.items():
         if label not in shares:
-            _stop(name, where or label, start, f"{label} stands in no term")
-        if not math.isfinite(size) or size == 0.0:
-            _stop(name, where or label, start, f"the usual size of {label} must not be {size:g}")
-    return OwnEffect(
-        name=name,
-        family=family,
-        summary=summary,
-        check=check,
+            _stop(name, text or label, size.place, f"{label} stands in no term")
+    factors = {
+        bare(factor)
+        for own in shares.values()
+        for derivative in own
+        for factor in parse_derivative(derivative).factors
+    }
+    return Effect(
+        **about,
+        kind="terms",
         shares=MappingProxyType({k: MappingProxyType(v) for k, v in shares.items()}),
-        typical=MappingProxyType(
-            {label: given[label][0] if label in given else _usual(label) for label in shares}
+        parameters=tuple(
+            Parameter(
+                name=label,
+                text=f"of {', '.join(own)}",
+                typical=given[label].typical if label in given else _usual(label),
+            )
+            for label, own in shares.items()
         ),
+        excites=_excited(factors),
     )
 
 
-def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
+def _excited(words: Set[str]) -> tuple[str, ...]:
+    """What tests must hold to show forces of these words."""
+    needs = {
+        "roll": {"p", "phi"},
+        "rudder": {"d", "delta"},
+        "several speeds": {"Fn"},
+        "sinkage": {"sinkage", "trim"},
+    }
+    return tuple(word for word, asked in needs.items() if asked & words)
+
+
+def _expressed(
+    text: str,
+    channels: Sequence[tuple[str, int]],
+    given: Mapping[str, _Size],
+    about: Mapping[str, Any],
+) -> Effect:
+    """An effect with a force of its own."""
+    found = _written(about["name"], text, channels, given)
+    return Effect(
+        **about,
+        kind="state" if found.states else "force",
+        force=found.function(about["name"]),
+        outputs=found.outputs,
+        states=found.states,
+        parameters=tuple(
+            Parameter(name=label, text="nonlinear parameter", grid=size.grid)
+            if size.grid
+            else Parameter(name=label, text="over ½ρL²U² (½ρL³U²)", typical=size.typical)
+            for label, size in given.items()
+        ),
+        excites=_excited(found.words),
+    )
+
+
+def _written(
+    name: str, text: str, channels: Sequence[tuple[str, int]], given: Mapping[str, _Size]
+) -> Written:
+    """The function that expressions make."""
+    statements = []
+    for statement, start in channels:
+        channel, colon, expression = statement.partition(":")
+        if channel.strip() not in CHANNELS or not colon:
+            _stop(name, text, start, "a statement begins with X:, Y:, N: or K:")
+        statements.append((channel.strip(), expression, start + len(channel) + 1))
+    coefficients = [label for label, size in given.items() if not size.grid]
+    tried = [label for label, size in given.items() if size.grid]
+    if len(tried) > 1:
+        _stop(name, text, given[tried[1]].place, "one parameter can have several values, not two")
+    try:
+        return written(name, statements, coefficients, tried)
+    except NotUnderstood as error:
+        _stop(name, text, error.place, str(error))
+
+
+def source_of(name: str, text: str) -> str:
+    """The function ``force`` of an effect that a text makes, as it was understood.
+
+    Raises
+    ------
+    DataError
+        If the text cannot be read.
+    """
+    channels, given = _parted(name, text)
+    return _written(name, text, channels, given).source
+
+
+@cache
+def written_effect(name: str, text: str) -> Effect:
+    """The effect that a model file holds as text.
+
+    Raises
+    ------
+    DataError
+        If the text cannot be read.
+    """
+    return own_effect(name, text)
+
+
+def own_effects(path: str | Path) -> tuple[Effect, ...]:
     """Own effects from a TOML file.
 
     Parameters
@@ -156,7 +258,7 @@ def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
 
     Returns
     -------
-    tuple of OwnEffect
+    tuple of Effect
 
     Raises
     ------
@@ -168,7 +270,7 @@ def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
         raise DataError(
             Problem(file=str(path), message="there is no effect.", remedy="Write [[effects]].")
         )
-    found: list[OwnEffect] = []
+    found: list[Effect] = []
     wrong: list[Problem] = []
     for number, entry in enumerate(entries, start=1):
         try:
@@ -184,7 +286,7 @@ def own_effects(path: str | Path) -> tuple[OwnEffect, ...]:
     return tuple(found)
 
 
-def _entry(entry: Any, taken: list[str]) -> OwnEffect:
+def _entry(entry: Any, taken: list[str]) -> Effect:
     if not isinstance(entry, dict):
         raise DataError("an effect is a table of name, terms and more.")
     stray = [key for key in entry if key not in _KEYS]
@@ -224,12 +326,19 @@ def _label(text: str) -> str:
         return text.strip()
 
 
-def _size(name: str, text: str, statement: str, start: int) -> tuple[str, float]:
+def _size(name: str, text: str, statement: str, start: int) -> tuple[str, _Size]:
     left, _, right = statement.partition("~")
+    place = start + len(left) + 1
+    values = right.strip()
+    listed = values.startswith("[") and values.endswith("]")
     try:
-        return _label(left), float(right)
+        numbers = tuple(float(x) for x in values.strip("[]").split(","))
     except ValueError:
-        _stop(name, text, start + len(left) + 1, "a usual size is a number")
+        _stop(name, text, place, "a usual size is a number, values of a parameter [1, 2, 3]")
+    if len(numbers) > 1 and not listed:
+        _stop(name, text, place, "a usual size is a number, values of a parameter [1, 2, 3]")
+    middle = numbers[len(numbers) // 2]
+    return _label(left), _Size(middle, numbers if listed else (), start)
 
 
 def _terms(

@@ -1,0 +1,113 @@
+"""A captive run as the faults of the catalogue see it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.base import Base
+from pmmkit.effects.state import State
+from pmmkit.numerics import Array
+from pmmkit.observations.views import View
+from pmmkit.ship import Ship, Water
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A view of a run beside the fitted base; `effects.seen.Observed` says what each word is."""
+
+    view: View
+    base: Base
+
+    @property
+    def ship(self) -> Ship:
+        """The model that was tested."""
+        return self.base.ship
+
+    @property
+    def water(self) -> Water:
+        """The water of the tank."""
+        return self.base.water
+
+    @property
+    def motion(self) -> State:
+        """Motion of midship at the samples."""
+        return self.view.motion
+
+    @property
+    def heading(self) -> Array:
+        """Heading in the tank [rad]."""
+        return self.view.heading
+
+    @property
+    def t(self) -> Array:
+        """Time of the samples [s]."""
+        return self.view.t
+
+    @property
+    def speed(self) -> float:
+        """Speed of the carriage [m/s]."""
+        return self.view.speed
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency of the oscillation [rad/s]; 0 for a steady run."""
+        return self.view.omega
+
+    @property
+    def sways(self) -> bool:
+        """Whether the rig oscillates the model across the tank."""
+        return self.view.run.kind_of_test.sways
+
+    @property
+    def yaws(self) -> bool:
+        """Whether the rig oscillates the heading."""
+        return self.view.run.kind_of_test.yaws
+
+    @property
+    def day(self) -> float:
+        """Where the run stands between the first (0) and the last (1) of the campaign."""
+        return self.view.day
+
+    @property
+    def expected(self) -> Mapping[str, Array]:
+        """Harmonics of the forces of the base that the forces have [N, N m]."""
+        found = self.base.expected(self.view)
+        return MappingProxyType({name: self.view.pick(x) for name, x in found.items()})
+
+    def project(self, history: Array) -> Array:
+        """Harmonics of a history."""
+        return self.view.project(history)
+
+    def filtered(self, factor: Callable[[int], complex]) -> Mapping[str, Array]:
+        """Harmonics of the forces of the base, the n-th multiplied by a complex factor."""
+        return {
+            name: self.view.pick(filtered(harmonics, factor))
+            for name, harmonics in self.base.expected(self.view).items()
+        }
+
+    def changed(
+        self, motion: State, step: float, *, speed: float | None = None
+    ) -> Mapping[str, Array]:
+        """Change of the forces of the base per unit of a step that leads to another motion."""
+        after = (motion, self.view.speed if speed is None else speed)
+        return self.base.change(self.view, lambda _: after, step)
+
+
+def filtered(harmonics: Array, factor: Callable[[int], complex]) -> Array:
+    """Harmonics C0, C1, S1 … of which the n-th is multiplied by a complex factor.
+
+    Examples
+    --------
+    >>> filtered(np.array([1.0, 2.0, 0.0]), lambda n: -1j * n).tolist()
+    [0.0, 0.0, 2.0]
+    """
+    found = np.zeros_like(harmonics)
+    found[0] = (factor(0) * harmonics[0]).real
+    for n in range(1, (len(harmonics) - 1) // 2 + 1):
+        value = (harmonics[2 * n - 1] - 1j * harmonics[2 * n]) * factor(n)
+        found[2 * n - 1], found[2 * n] = value.real, -value.imag
+    return found

@@ -1,0 +1,40 @@
+"""What the parts of a model do for the ship, as their effects declare it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.effects.effect import Effect, Role
+from pmmkit.models.model import Model
+
+
+def parts_of(model: Model, role: Role) -> tuple[str, ...]:
+    """The parts of a model that have a role.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> parts_of(load_model("kvlcc2"), "propulsion")
+    ('propeller',)
+    """
+    return tuple(name for name, part in model.parts.items() if role in part.known.roles)
+
+
+def in_role(role: Role) -> tuple[str, ...]:
+    """All effects of the catalogue that have a role."""
+    return tuple(effect.name for effect in catalogue().values() if role in effect.roles)
+
+
+def drives(effect: Effect) -> bool:
+    """Whether an effect is a propeller or another drive, and no share of the hull beside it."""
+    return "propulsion" in effect.roles and not _holds_the_hull(effect.outputs)
+
+
+def steers(effect: Effect) -> bool:
+    """Whether an effect is a rudder or another gear that steers, and nothing of the hull."""
+    return "steering" in effect.roles and not _holds_the_hull(effect.outputs)
+
+
+def _holds_the_hull(outputs: Iterable[str]) -> bool:
+    return any(output.endswith("dot") for output in outputs)

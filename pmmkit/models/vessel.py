@@ -1,0 +1,98 @@
+"""A model as the effects of the catalogue see it, and how they move its values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pmmkit.conventions import force_unit, parse_derivative, speed_unit
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.hull import HULL
+from pmmkit.effects.seen import Move
+from pmmkit.models.model import Model
+from pmmkit.ship import Ship, Water
+
+
+@dataclass(frozen=True)
+class Sailing:
+    """A model at a speed; `effects.seen.Vessel` says what each word is."""
+
+    model: Model
+    speed: float
+
+    @property
+    def ship(self) -> Ship:
+        """Particulars."""
+        return self.model.ship
+
+    @property
+    def water(self) -> Water:
+        """The water it sails in."""
+        return self.model.water
+
+    def derivatives(self) -> Mapping[str, float]:
+        """Derivatives of hull and added mass; of several Froude numbers those in the middle."""
+        found: dict[str, float] = {}
+        for part in (HULL, INERTIA):
+            for name, value in self.model.parts[part].values.items():
+                found[name] = value[len(value) // 2] if isinstance(value, tuple) else float(value)
+        return found
+
+    def holds(self, part: str, value: str) -> bool:
+        """Whether a part of the model uses a value, with the options it has."""
+        if part not in self.model.parts:
+            return False
+        own = self.model.parts[part]
+        known = own.known
+        parameter = known.parameter(value)
+        return parameter is not None and (
+            parameter.form is None
+            or known.chosen(own.options)[parameter.form[0]] in parameter.form[1:]
+        )
+
+
+def moves_of(effect: Effect, vessel: Sailing) -> Mapping[str, Move]:
+    """How the coefficients of an effect move the values of a model.
+
+    Coefficients of derivatives are those of the catalogue, in the prime system.
+    """
+    if effect.moves is not None:
+        return effect.moves(vessel)
+    if effect.kind == "terms":
+        return {
+            label: Move(
+                values={
+                    name: share * _from_prime(vessel.model, name)
+                    for name, share in effect.derivatives_of(label).items()
+                },
+                typical=size,
+            )
+            for label, size in effect.typical.items()
+        }
+    part = effect.frees or effect.name
+    held = [
+        label
+        for label in effect.typical
+        if (effect.enters and part not in vessel.model.parts) or vessel.holds(part, label)
+    ]
+    return {
+        label: Move(values={f"{part}.{label}": 1.0}, typical=effect.typical[label])
+        for label in held
+    }
+
+
+def _from_prime(model: Model, name: str) -> float:
+    """A derivative of the prime system in the system and signs of a model, per unit."""
+    convention, ship, water = model.convention, model.ship, model.water
+    U = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
+    shape = {"L": ship.L, "d": ship.d, "volume": ship.volume, "rho": water.rho, "g": water.g}
+    ratio = force_unit(name[0], "prime", U=U, **shape) / force_unit(
+        name[0], convention.system, U=1.0, **shape
+    )
+    derivative, sign = parse_derivative(name), 1.0
+    if convention.sway == "beta":
+        sign *= derivative.sign_under_flip("v")
+    if convention.rudder_positive == "port":
+        sign *= derivative.sign_under_flip("d")
+    return sign * ratio
