@@ -372,3 +372,38 @@ def unit_factor(unit: str) -> tuple[str, float]:
             f"deg/s, rad/s, s, Hz, rpm and similar."
         )
     return _UNITS[key]
+
+
+_LATEX: Final = {
+    "udot": r"\dot{u}",
+    "vdot": r"\dot{v}",
+    "rdot": r"\dot{r}",
+    "pdot": r"\dot{p}",
+    "phi": r"\phi ",
+    "d": r"\delta ",
+    "|d|": r"|\delta|",
+}
+
+
+def latex_symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
+    r"""A derivative as LaTeX mathematics.
+
+    Parameters
+    ----------
+    name : str
+        Name of the derivative.
+    beta : bool
+        Write the drift angle in place of v.
+    double : bool
+        Two primes, for the bis system.
+
+    Examples
+    --------
+    >>> print(latex_symbol("Nv|v|"), latex_symbol("Yrdot"))
+    N'_{v|v|} Y'_{\dot{r}}
+    """
+    derivative = parse_derivative(name)
+    symbols = _LATEX | ({"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {})
+    lower = "".join(symbols.get(factor, factor) for factor in derivative.factors).strip()
+    prime = "''" if double else "'"
+    return f"{derivative.channel}{prime}_{{{lower}}}"

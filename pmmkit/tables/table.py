@@ -20,6 +20,7 @@ from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
 SMALL: Final = 0.03
@@ -277,6 +278,45 @@ class DerivativeTable(Described):
             groups=groups,
             caption=f"{self.scaling}Value ± half of the 95 % interval; – not determined by these "
             f"runs; system {self.convention.meaning}.",
+        )
+
+    def plot(
+        self,
+        names: Sequence[str] | None = None,
+        *,
+        beside: tuple[str, Mapping[str, Array]] | None = None,
+    ) -> Figure:
+        """Derivatives over the Froude number with their 95 % intervals, a small panel each.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Which; by default those that have values at two Froude numbers or more.
+        beside : (str, mapping of str to array (k,)), optional
+            Values of a source in the convention of the table, with its name.
+
+        Raises
+        ------
+        TableError
+            If there is nothing to draw over the Froude number.
+        """
+        from pmmkit.plotting.derivatives import over_froude
+
+        if self.pooled:
+            raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
+        known = np.isfinite(self.value).sum(axis=0)
+        drawn = list(names or [x for x, k in zip(self.names, known, strict=True) if k > 1])
+        if not drawn:
+            raise TableError("No derivative has values at two Froude numbers: nothing to draw.")
+        some = self.select(drawn)
+        return over_froude(
+            some.names,
+            self.Fn,
+            some.value,
+            some.interval(),
+            convention=self.convention,
+            factor=self.factor,
+            beside=beside,
         )
 
     def _headline(self) -> str:

@@ -87,6 +87,7 @@ def asymmetric():
     return asked(0, ASYMMETRY, held_out=sailed(ASYMMETRY, 7, runs=((-20.0, 20.0),)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_nothing_is_named_where_nothing_is_hidden(seed):
     found = asked(seed)
@@ -96,6 +97,7 @@ def test_nothing_is_named_where_nothing_is_hidden(seed):
     assert found.entries[0].log_evidence < 0.0
 
 
+@pytest.mark.slow
 def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
     assert asymmetric.verdict == "missing_effect"
     assert asymmetric.group[0] == (("asymmetry",), 1.0)
@@ -120,6 +122,7 @@ def test_the_model_carries_the_effect(asymmetric):
     assert asymmetric.model.covariance is None
 
 
+@pytest.mark.slow
 def test_a_finding_enters_the_model_beside_what_it_has(asymmetric):
     """What is found comes to the values that were known, and is taken out again to the bit."""
     known = SHIP.with_values("hull_polynomial", Y0=0.001)
@@ -133,6 +136,7 @@ def test_a_finding_enters_the_model_beside_what_it_has(asymmetric):
     assert model_text(back) == model_text(known)
 
 
+@pytest.mark.slow
 def test_an_effect_is_added_to_records_and_the_error_falls():
     """An asymmetry of the ship: named by hand, fitted, and taken out again."""
     records = sailed(ASYMMETRY, 5)
@@ -154,6 +158,7 @@ def test_an_effect_is_added_to_records_and_the_error_falls():
     assert "Y0" not in back.values("hull_polynomial")
 
 
+@pytest.mark.slow
 def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
     """Both push the ship to one side: these records must not tell one from the other."""
     found = asked(0, zero=math.radians(1.5))
@@ -163,12 +168,14 @@ def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
     assert rivals["fault_rudder_zero"]["asymmetry"] > 0.9
 
 
+@pytest.mark.slow
 def test_a_hull_term_is_named_against_an_asymmetry():
     found = asked(1, YAW_DRAG)
     assert found.group == ((("modulus_yaw_drag",), 1.0),)
     assert found.findings[0].coefficients["Nr|r|"] == pytest.approx(-0.076 * PRIME, rel=0.3)
 
 
+@pytest.mark.slow
 def test_what_no_candidate_explains_is_not_named():
     """A yaw drag with only asymmetries to choose from."""
     found = asked(0, YAW_DRAG, few=("asymmetry", "fault_rudder_zero"), tolerance=(1e-3, 1e-3))
@@ -259,6 +266,7 @@ def container(shared_data):
 FAST = {"x": 1.0, "y": 1.0, "psi": 2e-3, "u": 0.03, "v": 0.03, "r": 2e-4, "p": 2e-4, "phi": 2e-3}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hidden", [(), ("Nvvr", "Nvrr", "Yvvr", "Yvrr")])
 def test_an_independent_ship(shared_data, hidden):
     """Trajectories that pmmkit did not make: with the full model nothing, else the coupling."""

@@ -116,7 +116,15 @@ SAID = {
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
 }
-DRAWN = ("ErrorFall", "Diagnosis", "Track", "Ensemble", "Sensitivities", "SpiralCurve")
+DRAWN = (
+    "DerivativeTable",
+    "ErrorFall",
+    "Diagnosis",
+    "Track",
+    "Ensemble",
+    "Sensitivities",
+    "SpiralCurve",
+)
 
 
 def spoiled(thing):

@@ -207,6 +207,7 @@ def made(effect, seed, advice):
     return diagnose_captive(campaign, BASE)
 
 
+@pytest.mark.slow
 def test_the_advised_run_leaves_the_truth_alone():
     """Zero error or asymmetry, memory or amplitude: groups with one speed, one frequency."""
     resolved, gains = [], []
