@@ -1,5 +1,6 @@
 """The public words of pmmkit, listed here and nowhere else, each with its home."""
 
+from pmmkit.api import citation as citation
 from pmmkit.api import model_of as model_of
 from pmmkit.api import reduce as reduce
 from pmmkit.campaigns.file.campaign_file import open_campaign as open_campaign

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from pmmkit.bibliography import ITSELF, bibtex
 from pmmkit.effects.catalogue import effect_of
-from pmmkit.models import Model, Part, to_model
+from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED
 from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.structures import Structure
+from pmmkit.structures import Structure, structures
 from pmmkit.tables import DerivativeTable
 
 if TYPE_CHECKING:
@@ -62,6 +63,39 @@ def reduce(
     return reduce_campaign(
         campaign, structure=structure, fn=fn, cycles=cycles, carriage_speed=carriage_speed
     ).table
+
+
+def citation(thing: Model | DerivativeTable | str | Path) -> str:
+    """What to cite for a model or a derivative table, as BibTeX.
+
+    Parameters
+    ----------
+    thing : Model or DerivativeTable or str or path
+        A model, the name of a library ship or the path of a model file: pmmkit, the sources of the
+        values and those of its effects. A table: pmmkit and the sources of its structure.
+
+    Returns
+    -------
+    str
+        Entries in BibTeX, each once.
+
+    Raises
+    ------
+    UnknownNameError
+        If a model file quotes a source that is not in the bibliography.
+
+    Examples
+    --------
+    >>> [line for line in citation("kvlcc2").splitlines() if line.startswith("@")][:2]
+    ['@misc{pmmkit,', '@article{yasukawa_yoshimura_2015,']
+    """
+    if isinstance(thing, DerivativeTable):
+        known = structures().get(str(thing.provenance.get("structure")))
+        return bibtex((ITSELF, *(known.sources if known else ())))
+    model = thing if isinstance(thing, Model) else load_model(thing)
+    values = [key for part in model.parts.values() for key in part.references]
+    forms = [key for name in model.parts for key in effect_of(name).sources]
+    return bibtex((ITSELF, *values, *forms))
 
 
 def ship_as_tested(campaign: Campaign) -> Model:

@@ -191,6 +191,34 @@ class Convention:
     moment_reference_x: float = 0.0
     motion_reference_x: float = 0.0
 
+    @property
+    def meaning(self) -> str:
+        """What the numbers mean, in words.
+
+        Examples
+        --------
+        >>> Convention().meaning.split(", ")[0:2]
+        ['prime (½ρL²U²', '½ρL³U²)']
+        """
+        unit = {
+            "prime": "prime (½ρL²U², ½ρL³U²)",
+            "prime-d": "prime-d (½ρLdU², ½ρL²dU²)",
+            "bis": "bis (ρg∇, ρg∇L, √(gL))",
+        }[self.system]
+        speed = "instantaneous speed" if self.U == "instantaneous" else "carriage speed"
+        coriolis = (
+            "added-mass Coriolis terms inside the derivatives"
+            if self.coriolis == "in-derivatives"
+            else "added-mass Coriolis terms written separately"
+        )
+        point = (
+            "midship"
+            if self.moment_reference_x == self.motion_reference_x == 0
+            else f"x = {self.moment_reference_x:g} m (moments), {self.motion_reference_x:g} m "
+            f"(motions)"
+        )
+        return f"{unit}, {speed}, {coriolis}, referred to {point}"
+
     def with_(self, **changes: object) -> Convention:
         """A copy with some entries changed."""
         return replace(self, **changes)  # type: ignore[arg-type]
@@ -344,3 +372,38 @@ def unit_factor(unit: str) -> tuple[str, float]:
             f"deg/s, rad/s, s, Hz, rpm and similar."
         )
     return _UNITS[key]
+
+
+_LATEX: Final = {
+    "udot": r"\dot{u}",
+    "vdot": r"\dot{v}",
+    "rdot": r"\dot{r}",
+    "pdot": r"\dot{p}",
+    "phi": r"\phi ",
+    "d": r"\delta ",
+    "|d|": r"|\delta|",
+}
+
+
+def latex_symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
+    r"""A derivative as LaTeX mathematics.
+
+    Parameters
+    ----------
+    name : str
+        Name of the derivative.
+    beta : bool
+        Write the drift angle in place of v.
+    double : bool
+        Two primes, for the bis system.
+
+    Examples
+    --------
+    >>> print(latex_symbol("Nv|v|"), latex_symbol("Yrdot"))
+    N'_{v|v|} Y'_{\dot{r}}
+    """
+    derivative = parse_derivative(name)
+    symbols = _LATEX | ({"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {})
+    lower = "".join(symbols.get(factor, factor) for factor in derivative.factors).strip()
+    prime = "''" if double else "'"
+    return f"{derivative.channel}{prime}_{{{lower}}}"

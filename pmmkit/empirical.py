@@ -184,7 +184,7 @@ class Method:
     convention: Convention
     sources: tuple[str, str]
     """Keys of the bibliography, of the hull and of the added mass."""
-    quoted: str = ""
+    remark: str = ""
     """What is to be said with the first of them."""
 
 
@@ -243,7 +243,7 @@ def estimate(ship: Ship, method: str) -> Estimate:
     return Estimate(
         values=MappingProxyType({**found.hull(ship), **mass}),
         convention=found.convention,
-        source=cite(found.sources[0]) + found.quoted,
+        source=cite(found.sources[0]) + found.remark,
         sources=found.sources,
     )
 

@@ -55,6 +55,21 @@ class Ship:
         """Block coefficient volume/(L B d) [-]."""
         return self.volume / (self.L * self.B * self.d)
 
+    @property
+    def words(self) -> str:
+        """The particulars in a line.
+
+        Examples
+        --------
+        >>> ship = Ship(name="m", L=4.0, B=1.0, d=0.25, volume=0.5, mass=500.0, Izz=500.0)
+        >>> ship.words
+        'm: L 4 m, B 1 m, d 0.25 m, 500 kg, block coefficient 0.500'
+        """
+        return (
+            f"{self.name}: L {self.L:.4g} m, B {self.B:.4g} m, d {self.d:.4g} m, "
+            f"{self.mass:.4g} kg, block coefficient {self.block:.3f}"
+        )
+
     def froude(self, speed: float, g: float = 9.81) -> float:
         """Froude number of a speed [m/s] on the length L.
 

@@ -33,7 +33,7 @@ class Structure:
         What factors u mean (see `conventions.Convention`).
     sources : tuple of str
         Where the form comes from, as keys of the bibliography.
-    quoted : str
+    remark : str
         What of the last source was left out.
     """
 
@@ -42,12 +42,12 @@ class Structure:
     system: Literal["prime", "prime-d"] = "prime"
     surge: Literal["u", "delta-u"] = "u"
     sources: tuple[str, ...] = ()
-    quoted: str = ""
+    remark: str = ""
 
     @property
     def source(self) -> str:
         """Where the form comes from, in words."""
-        return " ".join(filter(None, (cite(*self.sources), self.quoted)))
+        return " ".join(filter(None, (cite(*self.sources), self.remark)))
 
     def of(self, channel: str) -> tuple[str, ...]:
         """The derivatives of one channel."""
@@ -83,7 +83,7 @@ _OURS: Final = (
         name="abkowitz3",
         derivatives=_named({**_LINEAR, "YN": "v r vvv rrr vvr vrr vdot rdot"}),
         sources=("abkowitz_1964", "son_nomoto_1981"),
-        quoted="without heel",
+        remark="without heel",
     ),
     Structure(
         name="modulus",

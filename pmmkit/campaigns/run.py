@@ -3,22 +3,30 @@
 from __future__ import annotations
 
 import fnmatch
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import UnknownNameError
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Kind = Literal["history", "means", "harmonics"]
+FORCES: Final = {
+    "hydrodynamic": "those of the water on the hull",
+    "balance": "readings of the balance, with the inertia of the model",
+}
+MOST: Final = 6
+"""Froude numbers that are listed one by one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,32 +56,8 @@ class Correction:
         return any(fnmatch.fnmatchcase(run_id, pattern) for pattern in self.runs)
 
 
-@dataclass(frozen=True, kw_only=True)
-class TypeB:
-    """A standard uncertainty that the user states (GUM type B).
-
-    Parameters
-    ----------
-    name : str
-        ``X_gauge`` (``Y_``, ``N_``, ``K_``), or a setting: ``drift``, ``heel``, ``rudder``,
-        ``speed``, ``period``, ``amplitude``, ``yaw_amplitude``, ``phase``, ``rho``, ``mass``,
-        ``xG``, ``Izz``, ``moment_reference_x``, ``motion_reference_x``.
-    std : float
-        Standard uncertainty, SI (radians); a share where `relative`.
-    relative : bool
-        True for a gain: a share of the value.
-    shared : bool
-        True if all runs have the same error, False if each run draws its own.
-    """
-
-    name: str
-    std: float
-    relative: bool = False
-    shared: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
-class Run:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Run(Described):
     """One test.
 
     Parameters
@@ -130,13 +114,34 @@ class Run:
         """Whether the model oscillates."""
         return self.kind_of_test.oscillates
 
+    def _headline(self) -> str:
+        setting = ", ".join(self.settings.words)
+        return (
+            f"{self.id}: {self.kind_of_test.title} at {self.settings.speed:.4g} m/s"
+            f"{f', {setting}' if setting else ''}, {self.kind}"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        told = [
+            f"Forces: {FORCES[self.forces]}",
+            f"From {self.source}" if self.source else "The source is not stated",
+            *([] if self.use_means else ["Its mean is known to be wrong and is not used."]),
+        ]
+        stated = [f"{name} = {number(value)}" for name, value in self.stated.items()]
+        done = [f"{item.action}: {item.reason}" for item in self.corrections]
+        lists = [
+            Section(title="Further numbers of the source", points=stated),
+            Section(title="Corrections", points=done),
+        ]
+        return [Section(paragraphs=told), *(section for section in lists if section.points)]
+
     def with_(self, **changes: Any) -> Run:
         """A copy with some entries changed."""
         return replace(self, **changes)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Campaign:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Campaign(Described):
     """Runs of one ship, with what must be known to reduce them.
 
     Parameters
@@ -194,6 +199,63 @@ class Campaign:
 
     def __len__(self) -> int:
         return len(self.runs)
+
+    def _headline(self) -> str:
+        left = f", {len(self.excluded)} left out" if self.excluded else ""
+        return f"{self.title or self.ship.name}: {self.kind}, {counted(len(self), 'run')}{left}"
+
+    def _sections(self) -> Sequence[Section]:
+        told = [
+            self.ship.words,
+            f"Water: {self.water.rho:.5g} kg/m³"
+            + (f", depth {self.water.depth:g} m" if self.water.depth else ""),
+            f"Forces: {FORCES[self.forces]}",
+            f"Free to move in: {', '.join(self.free)}" if self.free else "",
+        ]
+        left = [f"{run.id}: {reason}" for run, reason in self.excluded]
+        corrections = dict.fromkeys(
+            f"{', '.join(item.runs)}: {item.action} ({item.reason})"
+            for run in self.runs
+            for item in run.corrections
+        )
+        stated = [
+            f"{item.name}: {number(item.std)}{' of the value' if item.relative else ''}, "
+            f"{'the same in all runs' if item.shared else 'anew in each run'}"
+            for item in self.uncertainty
+        ]
+        lists = [
+            Section(title="Left out", points=left),
+            Section(title="Corrections", points=list(corrections)),
+            Section(title="Stated standard uncertainties [SI, radians]", points=stated),
+        ]
+        return [
+            Section(paragraphs=[text for text in told if text]),
+            Section(title="Tests", tables=[self._tests()]),
+            *(section for section in lists if section.points),
+        ]
+
+    def _tests(self) -> Grid:
+        """A row per kind of test: how many runs, at which speeds, as what they are given."""
+        found: dict[str, list[Run]] = {}
+        for run in self.runs:
+            found.setdefault(run.test, []).append(run)
+        rows = []
+        for runs in found.values():
+            speeds = sorted({run.settings.speed for run in runs})
+            ends = [f"{speeds[0]:.4g}", *([f"{speeds[-1]:.4g}"] if len(speeds) > 1 else [])]
+            froude = dict.fromkeys(f"{self.ship.froude(x, self.water.g):.3f}" for x in speeds)
+            numbers = list(froude)
+            rows.append(
+                [
+                    runs[0].kind_of_test.title,
+                    str(len(runs)),
+                    " to ".join(ends),
+                    ", ".join(numbers) if len(numbers) <= MOST else f"{len(numbers)} of them",
+                    ", ".join(dict.fromkeys(run.kind for run in runs)),
+                ]
+            )
+        head = ["test", "runs", "speed [m/s]", "Fn", "as"]
+        return Grid(head=head, groups=[Group(rows=rows)], texts=(3, 4))
 
     def __iter__(self) -> Iterator[Run]:
         return iter(self.runs)

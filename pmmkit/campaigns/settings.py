@@ -79,6 +79,19 @@ class Settings:
         return self.speed / (self.radius or math.inf)
 
     @property
+    def words(self) -> tuple[str, ...]:
+        """What is set besides the speed, with units."""
+        angles = {"β": self.drift, "δ": self.rudder, "heel": self.heel}
+        found = [f"{name} {math.degrees(x):+.3g}°" for name, x in angles.items() if x]
+        if self.amplitude:
+            found.append(f"a {self.amplitude:.4g} m")
+        if self.yaw_amplitude:
+            found.append(f"ψ {math.degrees(self.yaw_amplitude):.3g}°")
+        if self.period:
+            found.append(f"T {self.period:.4g} s")
+        return tuple(found)
+
+    @property
     def omega(self) -> float | None:
         """Angular frequency 2π/period [rad/s]."""
         return None if self.period is None else 2 * math.pi / (self.period or math.inf)

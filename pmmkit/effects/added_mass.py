@@ -25,7 +25,7 @@ ADDED_MASS: Final = Effect(
         ),
     ),
     derivatives=True,
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
 EFFECTS: Final = (ADDED_MASS,)
 _PLACES: Final = {

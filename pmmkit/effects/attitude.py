@@ -58,7 +58,7 @@ SQUAT: Final = Effect(
     ),
     force=squat,
     outputs=("sinkage", "trim"),
-    source="ITTC 7.5-02-02-01",
+    sources=("ittc_7.5-02-02-01",),
 )
 SINKAGE_TRIM: Final = Effect(
     name="sinkage_trim",
@@ -80,7 +80,7 @@ SINKAGE_TRIM: Final = Effect(
     ),
     force=force,
     outputs=("Y", "N"),
-    source="ITTC 7.5-02-02-01; Simonsen 2012",
+    sources=("ittc_7.5-02-02-01", "inoue_hirano_kijima_1981"),
     check="the same runs with the model free and fixed in heave and pitch",
     excites=("sinkage",),
     not_free_running="sinkage goes with the square of the speed, which a model holds by its Fn",

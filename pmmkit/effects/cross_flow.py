@@ -171,8 +171,8 @@ CROSSFLOW_DRAG: Final = Effect(
     force=force,
     grows_with={"CD": "Yvvv"},
     outputs=("Y", "N"),
-    source="Hooft 1994; Faltinsen 1990. Without sway: Estimation of Hydrodynamic Derivatives from "
-    "Sea Trial Data Using System Identification Technique, equations of the hull at low speed",
+    sources=("hooft_1994", "faltinsen_1990", "sea_trial_identification"),
+    remark="the form without sway: the last, equations of the hull at low speed",
     check="yaw with drift at large r/v, so that the flow changes side inside the hull",
 )
 EFFECTS: Final = (CROSSFLOW_DRAG,)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
+from pmmkit.bibliography import cite
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.seen import Move, Observed, Vessel
 from pmmkit.errors import UnknownNameError
@@ -148,8 +149,10 @@ class Effect:
         What it does for a ship as a part of a model.
     needs : tuple of str
         What the state must hold: ``phi``, ``delta``, ``n`` …
-    source : str
-        Where the form comes from.
+    sources : tuple of str
+        Where the form comes from: keys of the bibliography.
+    remark : str
+        What is to be said of the sources.
     force : callable, optional
         A function of plain floats, written in the words of `effects.primitives`. It is given each
         of its arguments by name: motion, controls, particulars, conditions, signals of other
@@ -200,7 +203,8 @@ class Effect:
     derivatives: bool = False
     roles: tuple[Role, ...] = ()
     needs: tuple[str, ...] = ()
-    source: str = ""
+    sources: tuple[str, ...] = ()
+    remark: str = ""
     force: Callable[..., Any] | None = None
     outputs: tuple[str, ...] = ()
     states: tuple[str, ...] = ()
@@ -232,6 +236,11 @@ class Effect:
             f"<Effect {self.name}: {self.kind} of {self.family.replace('_', ' ')}"
             f"{', asked ' + ' and '.join(asked) if asked else ''}>"
         )
+
+    @property
+    def source(self) -> str:
+        """The sources as a sentence names them."""
+        return "; ".join(filter(None, (cite(*self.sources) if self.sources else "", self.remark)))
 
     @property
     def enters(self) -> bool:

@@ -325,9 +325,12 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
     astern=True,
     force=force,
     outputs=("X", "Y", "N", "propeller_inflow", "thrust", "torque", "loading"),
-    source="Form: van Lammeren, van Manen and Oosterveld 1969. Curves of B4-70: Roddy, Hess and "
-    "Faller 2006; with polynomials they are an estimate outside the first quadrant. Side force "
-    "astern: Estimation of Hydrodynamic Derivatives from Sea Trial Data Using System "
-    "Identification Technique, equations of the propeller",
+    sources=(
+        "van_lammeren_van_manen_oosterveld_1969",
+        "roddy_hess_faller_2006",
+        "sea_trial_identification",
+    ),
+    remark="curves of B4-70 from the second, with polynomials an estimate outside the first "
+    "quadrant; side force astern from the last, equations of the propeller",
 )
 EFFECTS: Final = (FOUR_QUADRANT_PROPELLER,)

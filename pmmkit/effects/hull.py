@@ -23,7 +23,7 @@ HULL_POLYNOMIAL: Final = Effect(
     roles=("hull",),
     summary="Hull forces as a polynomial in the motion, term by term as the literature names them.",
     derivatives=True,
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
 )
 RUDDER_ABKOWITZ: Final = Effect(
     name=RUDDER_POLYNOMIAL,
@@ -43,7 +43,7 @@ RUDDER_ABKOWITZ: Final = Effect(
     ),
     derivatives=True,
     needs=("delta",),
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
 )
 EFFECTS: Final = (HULL_POLYNOMIAL, RUDDER_ABKOWITZ)
 

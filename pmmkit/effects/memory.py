@@ -85,7 +85,7 @@ MEMORY: Final = Effect(
     force=late_sway_force,
     outputs=("Y", "N", "late_sway_rate"),
     states=("late_sway",),
-    source="van Leeuwen 1964; Nomoto 1975",
+    sources=("van_leeuwen_1964", "nomoto_1975"),
     check="pure sway at ω' = 1 and 6 beside static drift",
 )
 LAGGED_CROSSFLOW: Final = Effect(
@@ -104,7 +104,8 @@ LAGGED_CROSSFLOW: Final = Effect(
     force=late_cross_flow_force,
     outputs=("Y", "N", "late_cube_rate"),
     states=("late_cube",),
-    source="a one-pole lag of the cubic force, as of lift that builds up (Wagner 1925)",
+    sources=("wagner_1925",),
+    remark="a one-pole lag, as of lift that builds up",
     check="pure sway at two frequencies and one large amplitude",
 )
 NONLINEAR_ADDED_MASS: Final = Effect(
@@ -119,7 +120,7 @@ NONLINEAR_ADDED_MASS: Final = Effect(
     ),
     force=added_mass_in_drift,
     outputs=("Yvdot", "Nvdot"),
-    source="Abkowitz 1964",
+    sources=("abkowitz_1964",),
     check="pure sway at more amplitudes",
 )
 EFFECTS: Final = (MEMORY, LAGGED_CROSSFLOW, NONLINEAR_ADDED_MASS)

@@ -166,7 +166,7 @@ PROPELLER: Final = Effect(
     needs=("n",),
     force=force,
     outputs=("X", "propeller_inflow", "thrust", "torque", "loading"),
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
 _TOWED: Final = "captive tests measure the force on the model: thrust enters by its gauge"
 
@@ -182,7 +182,7 @@ def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -
             Parameter(name=own, text=f"change of {own} of the propeller", typical=size)
             for own, size in sizes.items()
         ),
-        source="Yasukawa and Yoshimura 2015; Son and Nomoto 1981",
+        sources=("yasukawa_yoshimura_2015", "son_nomoto_1981"),
         check=check,
         not_captive=_TOWED,
     )
@@ -216,7 +216,7 @@ SCALE_EFFECT: Final = Effect(
     frees=HULL,
     summary="Resistance of another scale or surface.",
     moves=resistance_of_the_model,
-    source="ITTC 1978",
+    sources=("ittc_7.5-02-03-01.4",),
     check="a resistance test of this model",
     not_captive="one model has one scale: its resistance is measured",
 )

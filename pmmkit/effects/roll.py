@@ -53,7 +53,7 @@ ROLL: Final = Effect(
     needs=("phi", "p"),
     force=force,
     outputs=("K",),
-    source="Son and Nomoto 1981",
+    sources=("son_nomoto_1981",),
 )
 
 
@@ -73,7 +73,7 @@ ROLL_DAMPING: Final = Effect(
     frees=ROLL_PART,
     summary="Damping of roll by keels and hull.",
     moves=damping_of_the_ship,
-    source="Ikeda 1978",
+    sources=("ikeda_himeno_tanaka_1978",),
     check="a roll decay test",
     excites=("roll",),
     not_captive="captive tests measure X, Y and N; roll moments are not diagnosed",

@@ -228,7 +228,7 @@ RUDDER_MMG: Final = Effect(
     needs=("delta", "n"),
     force=force,
     outputs=("X", "Y", "N", "K", "rudder_force"),
-    source="Son and Nomoto 1981; Yasukawa and Yoshimura 2015",
+    sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
 
 
@@ -245,7 +245,7 @@ def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -
             if (known := RUDDER_MMG.parameter(own)) is not None
             for text in [f"change of the {known.text}"]
         ),
-        source="Yasukawa and Yoshimura 2015; Son and Nomoto 1981",
+        sources=("yasukawa_yoshimura_2015", "son_nomoto_1981"),
         check=check,
         not_captive="captive tests are reduced to derivatives, which hold the rudder as it is",
     )

@@ -202,8 +202,8 @@ SHAFT: Final = Effect(
     force=force,
     outputs=("n_rate",),
     states=("n",),
-    source="Equation of the shaft and constant limit of the torque: Estimation of Hydrodynamic "
-    "Derivatives from Sea Trial Data Using System Identification Technique",
+    sources=("sea_trial_identification",),
+    remark="equation of the shaft and constant limit of the torque",
 )
 SHAFT_LAG: Final = Effect(
     name="shaft_lag",
@@ -248,6 +248,7 @@ SHAFT_LAG: Final = Effect(
     force=lag,
     outputs=("n_rate",),
     states=("n",),
-    source="Van Berlekom and Goddard 1972; by turns: Son and Nomoto 1981 as in the MSS toolbox",
+    sources=("van_berlekom_goddard_1972", "son_nomoto_1981"),
+    remark="by turns as the MSS toolbox has it",
 )
 EFFECTS: Final = (SHAFT, SHAFT_LAG)

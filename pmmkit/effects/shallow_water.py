@@ -26,8 +26,9 @@ SHALLOW_WATER: Final = Effect(
         Parameter(name="lambda_Nr", text="on Yr and Nr", default=0.7, low=0.0),
     ),
     needs=("depth",),
-    source="Linear: Hirano et al. 1985 and Kijima et al. 1990; added mass and products: Ankudinov "
-    "et al. 1990; all as in public programs that quote them, not against their texts",
+    sources=("hirano_1985", "kijima_1990", "ankudinov_1990"),
+    remark="added mass and products from the last; all as public programs quote them, not "
+    "against their texts",
 )
 EFFECTS: Final = (SHALLOW_WATER,)
 SHALLOWEST: Final = 1.2

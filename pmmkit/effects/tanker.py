@@ -138,6 +138,7 @@ TANKER_BIS: Final = Effect(
     astern=True,
     force=force,
     outputs=("X", "Y", "N", "thrust", "rudder_force", "Xudot", "Yvdot", "Nrdot"),
-    source="Van Berlekom and Goddard 1972, Appendix A",
+    sources=("van_berlekom_goddard_1972",),
+    remark="Appendix A",
 )
 EFFECTS: Final = (TANKER_BIS,)

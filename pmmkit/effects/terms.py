@@ -15,7 +15,7 @@ def terms(
     summary: str,
     sizes: Mapping[str, float],
     *,
-    source: str,
+    sources: tuple[str, ...] = (),
     check: str = "",
     excites: tuple[str, ...] = (),
     **more: Any,
@@ -24,7 +24,7 @@ def terms(
 
     Parameters
     ----------
-    name, family, summary, source, check, excites, **more
+    name, family, summary, sources, check, excites, **more
         As in `Effect`.
     sizes : mapping of str to float
         Derivatives with their usual sizes in the prime system, instantaneous U, Coriolis terms of
@@ -32,7 +32,7 @@ def terms(
 
     Examples
     --------
-    >>> terms("sway_drag", "hull", "Drag.", {"Yv|v|": -0.02}, source="").parameters[0].text
+    >>> terms("sway_drag", "hull", "Drag.", {"Yv|v|": -0.02}).parameters[0].text
     'multiplies v|v| in Y'
     """
     return Effect(
@@ -40,7 +40,7 @@ def terms(
         family=family,
         kind="terms",
         summary=summary,
-        source=source,
+        sources=sources,
         check=check,
         excites=excites,
         **more,
@@ -64,7 +64,7 @@ EFFECTS: Final = (
         "cross_flow",
         "Drag of sway with the square of its velocity.",
         {"Yv|v|": -0.020, "Nv|v|": 0.004},
-        source="Fedyaevsky and Sobolev 1964; Norrbin 1971",
+        sources=("fedyaevsky_sobolev_1964", "norrbin_1971"),
         check="static drift at 15 to 25°, or pure sway at a third amplitude",
     ),
     terms(
@@ -72,7 +72,7 @@ EFFECTS: Final = (
         "cross_flow",
         "Drag of yaw with the square of its rate.",
         {"Yr|r|": 0.0022, "Nr|r|": -0.0017},
-        source="Norrbin 1971",
+        sources=("norrbin_1971",),
         check="pure yaw at r' 0.8, or circular motion",
     ),
     terms(
@@ -80,7 +80,7 @@ EFFECTS: Final = (
         "hull",
         "Damping that grows with the cube of sway and of yaw.",
         {"Yvvv": -0.109, "Nvvv": 0.0015, "Yrrr": 0.0018, "Nrrr": -0.0023},
-        source="Abkowitz 1964",
+        sources=("abkowitz_1964",),
         check="static drift to 15°, and pure yaw at a third amplitude",
         not_free_running="sway and yaw go together in free running: the modulus terms stand for it",
     ),
@@ -89,7 +89,7 @@ EFFECTS: Final = (
         "hull",
         "Fifth powers of sway and of yaw.",
         {"Yvvvvv": -0.5, "Nvvvvv": 0.05, "Yrrrrr": 0.001, "Nrrrrr": -0.001},
-        source="Toxopeus 2011",
+        sources=("toxopeus_2011",),
         check="static drift to 25°, circular motion at r' 1",
         excites=("large motion",),
         not_free_running="sway and yaw go together in free running: the modulus terms stand for it",
@@ -99,7 +99,7 @@ EFFECTS: Final = (
         "hull_coupling",
         "Products of sway and yaw in side force and moment.",
         {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156},
-        source="Son and Nomoto 1981",
+        sources=("son_nomoto_1981",),
         check="yaw with drift at two drift angles of both signs",
     ),
     terms(
@@ -107,7 +107,7 @@ EFFECTS: Final = (
         "surge",
         "Surge force of sway and yaw together.",
         {"Xvr": 0.0039},
-        source="Yasukawa and Yoshimura 2015",
+        sources=("yasukawa_yoshimura_2015",),
         check="yaw with drift at two drift angles",
     ),
     terms(
@@ -115,7 +115,7 @@ EFFECTS: Final = (
         "surge",
         "Surge force of sway and of yaw alone.",
         {"Xvv": -0.0039, "Xrr": 0.0005},
-        source="Son and Nomoto 1981",
+        sources=("son_nomoto_1981",),
         check="static drift and pure yaw, surge force",
     ),
     terms(
@@ -123,7 +123,7 @@ EFFECTS: Final = (
         "surge",
         "Surge force with the fourth power of sway.",
         {"Xvvvv": 0.05},
-        source="Yasukawa and Yoshimura 2015",
+        sources=("yasukawa_yoshimura_2015",),
         check="static drift to 20°",
     ),
     terms(
@@ -131,7 +131,7 @@ EFFECTS: Final = (
         "asymmetry",
         "A constant side force and moment, with the square of the speed.",
         {"Y0": 1.0e-4, "N0": -4.5e-5},
-        source="Abkowitz 1964",
+        sources=("abkowitz_1964",),
         check="a straight run without the propeller",
     ),
     terms(
@@ -139,7 +139,7 @@ EFFECTS: Final = (
         "asymmetry",
         "Forces that are the same to port and to starboard.",
         {"Yvv": 0.003, "Nvv": 0.0004, "Yrr": 0.001, "Nrr": -0.0003, "Yvr": 0.001, "Nvr": 0.001},
-        source="Abkowitz 1964",
+        sources=("abkowitz_1964",),
         check="static drift to both sides",
     ),
     terms(
@@ -147,7 +147,7 @@ EFFECTS: Final = (
         "inertia",
         "Side force of yaw acceleration, moment of sway acceleration.",
         {"Yrdot": -3.5e-4, "Nvdot": -3.5e-4},
-        source="Clarke et al. 1983",
+        sources=("clarke_gedling_hine_1983",),
         check="pure sway and pure yaw",
     ),
     terms(
@@ -162,7 +162,7 @@ EFFECTS: Final = (
             "Yrphiphi": 0.003,
             "Nrrphi": -0.003,
         },
-        source="Son and Nomoto 1981",
+        sources=("son_nomoto_1981",),
         check="static heel of 5 and 10° straight ahead",
         excites=("roll",),
     ),
@@ -171,7 +171,7 @@ EFFECTS: Final = (
         "rudder",
         "Rudder force that bends over at large angles.",
         {"Yddd": 0.0045, "Nddd": -0.0022},
-        source="Molland and Turnock 2007",
+        sources=("molland_turnock_2007",),
         check="rudder at 25, 30 and 35°",
         excites=("rudder",),
     ),
@@ -180,7 +180,7 @@ EFFECTS: Final = (
         "rudder",
         "Rudder force that changes with drift.",
         {"Yvvd": -0.06, "Yvdd": 0.02, "Nvvd": 0.03, "Nvdd": -0.01},
-        source="Strøm-Tejsen 1965",
+        sources=("strom_tejsen_1965",),
         check="drift with rudder at both signs of each",
         excites=("rudder",),
     ),

@@ -128,7 +128,8 @@ WATERJET: Final = Effect(
     astern=True,
     force=force,
     outputs=("X", "Y", "N", "K", "thrust", "torque", "rudder_force"),
-    source="Momentum of the jet less that of the water taken in; the shares of the bucket are "
+    sources=(),
+    remark="Momentum of the jet less that of the water taken in; the shares of the bucket are "
     "typical values, to be replaced by those of the maker",
 )
 EFFECTS: Final = (WATERJET,)

@@ -183,7 +183,8 @@ WIND: Final = Effect(
     needs=("wind_speed", "wind_direction"),
     force=force,
     outputs=("X", "Y", "N", "K"),
-    source="Isherwood 1972, Blendermann 1994 (what the coefficients refer to); simple: Fossen "
-    "2011, section 8.1, as in public programs that quote it",
+    sources=("isherwood_1972", "blendermann_1994", "fossen_2011"),
+    remark="the first two: what the coefficients refer to; the last: the simple form, section "
+    "8.1, as public programs quote it",
 )
 EFFECTS: Final = (WIND,)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -54,58 +53,8 @@ def derivatives_over_froude(
     TableError
         If the table is pooled over all speeds.
     """
-    if table.pooled:
-        raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
-    known_at = np.isfinite(table.value).sum(axis=0)
-    shown = list(names or [name for name, k in zip(table.names, known_at, strict=True) if k > 1])
-    if not shown:
-        raise TableError("No derivative has values at two Froude numbers: nothing to draw.")
-    known = _beside(table, reference) if reference is not None else {}
-    low, high = table.interval()
-    factor, prefix = _scale(table.value)
-    margin = 0.12 * (table.Fn[-1] - table.Fn[0]) or 0.02
-    rows = math.ceil(len(shown) / _COLUMNS)
-    with style.styled():
-        figure = style.canvas(1.45 * rows + 0.7)
-        axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
-        style.in_powers(axes)
-        for axis, name in zip(axes, shown, strict=False):
-            column = table.index(name)
-            value = factor * table.value[:, column]
-            error = [value - factor * low[:, column], factor * high[:, column] - value]
-            axis.set_title(prefix + style.symbol(name, table.convention))
-            if np.all(np.isnan(value)):
-                _say(axis, "not determined\nby these runs")
-                axis.set_yticks([])
-                continue
-            if canonical(name) in known:
-                axis.plot(
-                    [table.Fn[0] - margin, *table.Fn, table.Fn[-1] + margin],
-                    factor * known[canonical(name)][[0, *range(len(table.Fn)), -1]],
-                    color=style.REFERENCE,
-                    ls="--",
-                    lw=1.2,
-                    label=reference_name,
-                )
-            axis.errorbar(
-                table.Fn,
-                value,
-                np.nan_to_num(error),
-                color=style.ORDERED[0],
-                marker="o",
-                lw=1.2,
-                capsize=3,
-                label="this table, 95 % interval",
-            )
-            axis.set_xlim(table.Fn[0] - margin, table.Fn[-1] + margin)
-            axis.margins(y=0.18)
-            axis.locator_params(axis="y", nbins=4)
-            axis.locator_params(axis="x", nbins=4)
-        for axis in axes[len(shown) :]:
-            axis.set_axis_off()
-        _label_lowest(axes, len(shown), "Froude number [-]")
-        style.legend_below(figure, list(axes[: len(shown)]))
-    return figure
+    beside = None if reference is None else (reference_name, _beside(table, reference))
+    return table.plot(names, beside=beside)
 
 
 def beside_reference(
@@ -236,31 +185,3 @@ def _limits(ends: np.ndarray) -> tuple[float, float]:
     low, high = min(low, 0.9), max(high, 1.1)
     room = 0.04 * (high - low)
     return max(low - room, _WIDEST[0]), min(high + room, _WIDEST[1])
-
-
-def _scale(values: np.ndarray) -> tuple[float, str]:
-    """Factor and its words that make the numbers of a table readable on an axis."""
-    typical = np.nanmedian(np.abs(values)) if np.any(np.isfinite(values)) else 1.0
-    return (1e3, r"$10^3\,$") if typical < 0.03 else (1.0, "")
-
-
-def _say(axis: Axes, text: str) -> None:
-    axis.text(
-        0.5,
-        0.5,
-        text,
-        transform=axis.transAxes,
-        ha="center",
-        va="center",
-        color=style.REFERENCE,
-        fontsize=9,
-    )
-
-
-def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
-    """Ticks and label under the lowest panel of each column."""
-    for column in range(_COLUMNS):
-        panels = range(column, used, _COLUMNS)
-        if panels:
-            axes[panels[-1]].tick_params(labelbottom=True)
-            axes[panels[-1]].set_xlabel(label)

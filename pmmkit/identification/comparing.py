@@ -15,7 +15,7 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.binding import AROUND, bound, driven
 from pmmkit.identification.filters import STEP
-from pmmkit.identification.methods import METHODS, Identified, identify
+from pmmkit.identification.methods import METHODS, WIDE, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Prediction, predict
 from pmmkit.identification.prior import Prior, asked_names, prior_of
@@ -24,6 +24,7 @@ from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number, with_uncertainty
 from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
@@ -41,8 +42,8 @@ UNITS: Final[Mapping[str, str]] = {
 """Errors of a prediction and their units."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class MethodComparison:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class MethodComparison(Described):
     """What several methods make of the same records.
 
     Parameters
@@ -90,6 +91,58 @@ class MethodComparison:
             for run, errors in (*item.errors.items(), ("all", item.pooled()))
         ]
         return pd.DataFrame(rows, columns=["model", "run", "window", *UNITS, "windows"])
+
+    def _headline(self) -> str:
+        failed = f", FAILED: {', '.join(self.failed)}" if self.failed else ""
+        names = counted(len(self.prior.names), "parameter")
+        return f"{names} of {self.model.name} by {', '.join(self.found)}{failed}"
+
+    def _sections(self) -> Sequence[Section]:
+        prior = zip(
+            self.prior.names, self.prior.mean.tolist(), self.prior.std.tolist(), strict=True
+        )
+        rows = [
+            [
+                name,
+                with_uncertainty(mean, WIDE * std, "plus-minus"),
+                *(item.cell(name) for item in self.found.values()),
+            ]
+            for name, mean, std in prior
+        ]
+        table = Grid(head=["parameter", "prior", *self.found], groups=[Group(rows=rows)])
+        said = [f"{key}: {text}" for key, item in self.found.items() for text in item.remarks()]
+        if set(self.prior.names) & set(AROUND):
+            said.append("The current is no part of a model: predictions sail without it.")
+        said += [f"{name} FAILED: {why}" for name, why in self.failed.items()]
+        notes = [f"{key}: {text}" for key, item in self.found.items() for text in item.notes]
+        lists = [
+            Section(title="What is wrong or at a limit", points=said),
+            Section(title="Predictions", tables=[self._errors()] if self.predictions else []),
+            Section(title="Notes", points=notes),
+        ]
+        return [
+            Section(
+                paragraphs=[f"Prior: {self.prior.origin}. Values ± half of the 95 % interval."],
+                tables=[table],
+            ),
+            *(section for section in lists if section.points or section.tables),
+        ]
+
+    def _errors(self) -> Grid:
+        """Errors of each model over all windows together."""
+        rows = []
+        windows = 0.0
+        for name, item in self.predictions.items():
+            pooled = item.pooled()
+            windows = pooled["windows"]
+            time = f"{self.found[name].seconds:.2f} s" if name in self.found else ""
+            rows.append([name, *(number(pooled[error], 3) for error in UNITS), time])
+        head = [f"{error.replace('_', ' ')} [{unit}]" for error, unit in UNITS.items()]
+        caption = (
+            f"Root mean square errors over {windows:.0f} windows of {self.window:g} s with the "
+            f"measured rudder:"
+        )
+        return Grid(head=["model", *head, "time"], groups=[Group(rows=rows)], caption=caption)
 
     def to_pandas(self) -> pd.DataFrame:
         """Values, standard deviations, errors on the references and seconds, a column per method.
@@ -213,9 +266,9 @@ def compare_methods(
     total = len(methods) + 1
     found: dict[str, Identified] = {}
     failed: dict[str, str] = {}
-    for number, method in enumerate(dict.fromkeys(methods), start=1):
+    for place, method in enumerate(dict.fromkeys(methods), start=1):
         if progress is not None:
-            progress(number, total, f"identify by {method}")
+            progress(place, total, f"identify by {method}")
         own = _derivatives(model, before) if method == "sindy" else before
         try:
             found[method] = _one(

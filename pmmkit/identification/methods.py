@@ -23,12 +23,17 @@ from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.step import Step
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, with_uncertainty
 
 if TYPE_CHECKING:
     import pandas as pd
 
 FAR: Final = 4.0
 """Standard deviations from the prior from which a value is pointed at."""
+POINTED_AT: Final = 3.0
+"""The same of a report."""
+WIDE: Final = 1.96
+"""Standard deviations of half of a 95 % interval."""
 WHITE: Final = 1.5
 """Variance of the residuals over that of white ones up to which they count as white."""
 METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
@@ -36,8 +41,8 @@ UNSEEN: Final = 0.9
 """A standard deviation above this share of the prior's: the records say nothing of a value."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Identified:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Identified(Described):
     """Parameters of a model, identified.
 
     Parameters
@@ -81,6 +86,74 @@ class Identified:
         """The current to north and east [m/s], zero where it was not looked for."""
         found = dict(zip(self.names, self.values.tolist(), strict=True))
         return found.get("current_x", 0.0), found.get("current_y", 0.0)
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Terms that a sparse regression found absent."""
+        return tuple(name for name in getattr(self.detail, "left_out", ()) if name in self.names)
+
+    @property
+    def far(self) -> tuple[str, ...]:
+        """Parameters that ended far from what was known before."""
+        away = np.abs(self.values - self.prior.mean) / self.prior.std
+        gone = {*self.left_out, *self.unseen}
+        return tuple(
+            name
+            for name, ratio in zip(self.names, away.tolist(), strict=True)
+            if ratio > POINTED_AT and name not in gone
+        )
+
+    def cell(self, name: str) -> str:
+        """A value with half of its 95 % interval, or why there is none."""
+        if name not in self.names:
+            return "held"
+        if name in self.left_out:
+            return "left out"
+        if name in self.unseen:
+            return "not determined"
+        i = self.names.index(name)
+        return with_uncertainty(float(self.values[i]), WIDE * float(self.std[i]), "plus-minus")
+
+    def remarks(self) -> list[str]:
+        """What is wrong or at a limit."""
+        said = []
+        if self.unseen:
+            said.append(
+                f"The records do not determine {', '.join(self.unseen)}; the model keeps what was "
+                f"known before."
+            )
+        if self.far:
+            said.append(
+                f"More than {POINTED_AT:g} standard deviations from what was known before: "
+                f"{', '.join(self.far)}. Either the prior is wrong, or these take up what the "
+                f"model lacks."
+            )
+        if self.left_out:
+            said.append(
+                f"Left out, since the records do not need them: {', '.join(self.left_out)}."
+            )
+        return said
+
+    def _headline(self) -> str:
+        unseen = f", {len(self.unseen)} not determined" if self.unseen else ""
+        names = counted(len(self.names), "parameter")
+        return f"{names} of {self.model.name} by {self.method}{unseen}, {self.seconds:.2f} s"
+
+    def _sections(self) -> Sequence[Section]:
+        rows = [
+            [name, with_uncertainty(mean, WIDE * std, "plus-minus"), self.cell(name)]
+            for name, mean, std in zip(
+                self.names, self.prior.mean.tolist(), self.prior.std.tolist(), strict=True
+            )
+        ]
+        table = Grid(head=["parameter", "prior", self.method], groups=[Group(rows=rows)])
+        return [
+            Section(
+                paragraphs=[f"Prior: {self.prior.origin}. Values ± half of the 95 % interval."],
+                tables=[table],
+            ),
+            Section(title="Notes", points=[*self.remarks(), *self.notes]),
+        ]
 
     def to_pandas(self) -> pd.DataFrame:
         """A row per parameter: prior, value, interval, and what the records added."""

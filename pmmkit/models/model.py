@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -20,8 +20,11 @@ from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
+from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 
+WIDE: Final = 1.96
+"""Standard deviations of half of a 95 % interval."""
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
@@ -71,8 +74,8 @@ class Part:
         return self.sources.get(name, self.source)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Model:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Model(Described):
     """A manoeuvring model, complete and checked.
 
     Parameters
@@ -131,6 +134,70 @@ class Model:
     def stepped(self, *steps: Step) -> Model:
         """A copy with steps more."""
         return replace(self, steps=(*self.steps, *steps))
+
+    @property
+    def std(self) -> Mapping[str, tuple[float, ...]]:
+        """Standard uncertainties of the derivatives in the covariance, one per Froude number."""
+        if self.covariance is None:
+            return MappingProxyType({})
+        roots = np.sqrt(np.diagonal(self.covariance)).reshape(-1, len(self.covariance_names))
+        each = zip(self.covariance_names, roots.T.tolist(), strict=True)
+        return MappingProxyType({name: tuple(values) for name, values in each})
+
+    def _headline(self) -> str:
+        count = sum(len(part.values) for part in self._hull())
+        return (
+            f"{self.name}: {counted(count, 'derivative')}, {counted(len(self.parts), 'part')}, "
+            f"L = {self.ship.L:g} m, {self._speeds()}"
+        )
+
+    def _speeds(self) -> str:
+        if not self.Fn:
+            return "one set of values for all speeds"
+        low, high = (self.ship.speed(Fn, self.water.g) for Fn in (self.Fn[0], self.Fn[-1]))
+        return f"Fn {self.Fn[0]:.3f} to {self.Fn[-1]:.3f} ({low:.2f} to {high:.2f} m/s)"
+
+    def _hull(self) -> list[Part]:
+        """The parts that hold derivatives."""
+        return [self.parts[name] for name in DERIVATIVE_PARTS if name in self.parts]
+
+    def _sections(self) -> Sequence[Section]:
+        about = [self.title, self.ship.words, self.scale, f"Derivatives: {self.convention.meaning}"]
+        others = [part for part in self.parts.values() if part not in self._hull()]
+        told = [
+            Section(title="History", points=self.history),
+            Section(title="Notes", points=self.notes),
+        ]
+        return [
+            Section(paragraphs=[text for text in about if text]),
+            Section(title="Parts", tables=[self._parts()]),
+            Section(title="Derivatives", tables=[self._derivatives()]),
+            Section(title="Other values", points=[_values(part) for part in others if part.values]),
+            *(section for section in told if section.points),
+        ]
+
+    def _parts(self) -> Grid:
+        """Each part, how many values it has, and where they come from."""
+        rows = []
+        for name, part in self.parts.items():
+            rows.append([name, str(len(part.values)), part.source or "no source is stated"])
+            rows += [[f"  {value}", "", source] for value, source in part.sources.items()]
+        return Grid(head=["part", "values", "source"], groups=[Group(rows=rows)], texts=(2,))
+
+    def _derivatives(self) -> Grid:
+        """Values with half of their 95 % interval where it is known, and how they were found."""
+        std = self.std
+        rows = []
+        for part in self._hull():
+            for name, value in part.values.items():
+                values = value if isinstance(value, tuple) else (value,) * max(len(self.Fn), 1)
+                halves = [WIDE * x for x in std.get(name, (math.nan,) * len(values))]
+                kind = part.source_of(name).partition(":")[0] or "unknown"
+                rows.append([name, *map(plus_minus, values, halves), kind])
+        speeds = [f"Fn {Fn:.3f}" for Fn in self.Fn] or ["value"]
+        head = ["", *speeds, "origin"]
+        caption = "Value ± half of the 95 % interval" if std else "No uncertainty is known"
+        return Grid(head=head, groups=[Group(rows=rows)], caption=caption, texts=(len(head) - 1,))
 
     @property
     def rolls(self) -> bool:
@@ -232,6 +299,19 @@ class Model:
         part = self.part(effect)
         changed = replace(part, values=MappingProxyType({**part.values, **values}))
         return replace(self, parts=MappingProxyType({**self.parts, effect: changed}))
+
+
+def _values(part: Part) -> str:
+    """The values of a part that holds no derivatives, with their units."""
+    known = part.known
+    told = [part.text] if part.text else []
+    for name, value in part.values.items():
+        parameter = known.parameter(name)
+        unit = parameter.unit if parameter and parameter.unit != "-" else ""
+        ends = [f"{x:.4g}" for x in (value if isinstance(value, tuple) else (value,))]
+        told.append(f"{name} = {' … '.join(dict.fromkeys((ends[0], ends[-1])))} {unit}".rstrip())
+    told += [f"{name}: {word}" for name, word in part.options.items()]
+    return f"{part.effect}: {', '.join(told)}"
 
 
 def problems(model: Model) -> list[str]:

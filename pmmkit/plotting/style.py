@@ -9,9 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from pmmkit.conventions import Convention
+from pmmkit.conventions import Convention, latex_symbol
 from pmmkit.files import atomic_path
-from pmmkit.tables.io.latex import symbol as latex_symbol
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

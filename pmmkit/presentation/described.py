@@ -9,7 +9,7 @@ from typing import Final
 from pmmkit.presentation.layout import Section, printable, section_html, text_of
 
 LONGEST: Final = 110
-"""Characters of a line that says what an object is."""
+"""Characters of a `repr`."""
 
 
 class Described(ABC):
@@ -45,11 +45,11 @@ class Described(ABC):
         """What it says of itself, in sections."""
 
     def _title(self) -> str:
-        line = " ".join(printable(f"{type(self).__name__} {self._headline()}").split())
-        return line if len(line) <= LONGEST else f"{line[: LONGEST - 1]}…"
+        return " ".join(printable(f"{type(self).__name__} {self._headline()}").split())
 
     def __repr__(self) -> str:
-        return f"<{self._title()}>"
+        line = self._title()
+        return f"<{line}>" if len(line) <= LONGEST else f"<{line[: LONGEST - 1]}…>"
 
     def __str__(self) -> str:
         return text_of([Section(paragraphs=[self._title()]), *self._sections()])

@@ -16,6 +16,8 @@ from pmmkit.errors import CampaignError
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.prepare import CycleChoice, RunResult
+from pmmkit.observations.stated import idle
+from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.methods import by_family, by_run
 from pmmkit.reduction.notes import Offset, notes, offsets
@@ -33,8 +35,8 @@ if TYPE_CHECKING:
 Progress = Callable[[int, int, str], None]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reduction:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Reduction(Described):
     """Everything a reduction found.
 
     Parameters
@@ -90,6 +92,30 @@ class Reduction:
         import pandas as pd
 
         return pd.DataFrame([_run_row(item) for item in self.runs])
+
+    def _headline(self) -> str:
+        title = self.campaign.title or self.campaign.ship.name
+        return f"{title}: {counted(len(self.runs), 'run')} to {self.table._headline()}"
+
+    def _sections(self) -> Sequence[Section]:
+        loud = [str(item) for item in self.findings if item.severity != "info"]
+        quiet = len(self.findings) - len(loud)
+        checks = [*loud, *([f"and {counted(quiet, 'remark')}"] if quiet else [])]
+        left = [f"{run.id}: {reason}" for run, reason in self.campaign.excluded]
+        lists = [
+            Section(title="Checks", points=checks or ["they found nothing to say"]),
+            Section(title="Left out", points=left),
+            Section(title="What the runs do not tell", points=self.notes),
+        ]
+        beside = (
+            f"By family of tests as well: {', '.join(self.families)}; by "
+            f"{counted(len(self.single_runs), 'single run')}."
+        )
+        return [
+            Section(paragraphs=[self.campaign.ship.words, beside]),
+            Section(title="Derivatives", tables=[self.table.grid()]),
+            *(section for section in lists if section.points),
+        ]
 
 
 def reduce_campaign(
@@ -189,6 +215,7 @@ def reduce_campaign(
     remarks = (
         *(note for item in results for note in item.notes),
         *notes(solution, rows),
+        *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
         *_tank(campaign, blockage),
     )
     return Reduction(

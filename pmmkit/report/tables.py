@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kinds
-from pmmkit.conventions import CHANNELS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
@@ -17,18 +16,6 @@ from pmmkit.report.reference import Reference
 from pmmkit.report.words import symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
-
-_CHANNEL: Mapping[str, str] = {
-    "X": "Surge force X",
-    "Y": "Sway force Y",
-    "N": "Yaw moment N",
-    "K": "Roll moment K",
-}
-
-
-def speeds(table: DerivativeTable) -> list[str]:
-    """Names of the rows of a table: its Froude numbers, or all speeds."""
-    return ["all speeds"] if table.pooled else [f"Fn {value:.3f}" for value in table.Fn]
 
 
 def derivatives(table: DerivativeTable, reference: Reference | None) -> Grid:
@@ -41,86 +28,26 @@ def derivatives(table: DerivativeTable, reference: Reference | None) -> Grid:
     reference : Reference or None
         Values of a source.
     """
-    scale = factor(table)
-    low, high = table.interval()
-    half = scale * (high - low) / 2
-    beside = _reference_column(table, reference, scale)
-    groups = []
-    for channel in CHANNELS:
-        names = [name for name in table.names if name[0] == channel]
-        if not names:
-            continue
-        rows: list[list[Cell]] = []
-        for name in names:
-            column = table.index(name)
-            row: list[Cell] = [symbol(name, table.convention)]
-            row += [
-                plus_minus(value, width)
-                for value, width in zip(
-                    scale * table.value[:, column], half[:, column], strict=True
-                )
-            ]
-            if reference is not None:
-                row.append(beside.get(name, "–"))
-            rows.append(row)
-        groups.append(Group(title=_CHANNEL[channel], rows=rows))
-    heads = ["", *speeds(table)]
-    return Grid(
-        head=heads if reference is None else [*heads, reference.name],
-        groups=groups,
-        caption=f"{_times(scale)}Value ± half of the 95 % interval; – not determined by these "
-        f"runs; system {meaning(table)}.",
+    return table.grid(
+        label=lambda name: symbol(name, table.convention),
+        beside=None if reference is None else (reference.name, reference_values(table, reference)),
     )
 
 
-def factor(table: DerivativeTable) -> float:
-    """What the derivatives of a report are multiplied by: 1000 where most are small.
+def reference_values(table: DerivativeTable, reference: Reference) -> dict[str, str]:
+    """Values of a source by derivative; a range where they depend on the Froude number.
 
     Parameters
     ----------
     table : DerivativeTable
-        The table in question.
+        Ours, whose convention and factor they take.
+    reference : Reference
+        Values of a source.
     """
-    known = np.abs(table.value[np.isfinite(table.value)])
-    return 1e3 if len(known) and np.median(known) < 0.03 else 1.0
-
-
-def _times(scale: float) -> str:
-    return "All values times 10³. " if scale == 1e3 else ""
-
-
-def meaning(table: DerivativeTable) -> str:
-    """What the numbers of a table mean, in words."""
-    it = table.convention
-    unit = {
-        "prime": "prime (½ρL²U², ½ρL³U²)",
-        "prime-d": "prime-d (½ρLdU², ½ρL²dU²)",
-        "bis": "bis (ρg∇, ρg∇L, √(gL))",
-    }[it.system]
-    speed = "instantaneous speed" if it.U == "instantaneous" else "carriage speed"
-    coriolis = (
-        "added-mass Coriolis terms inside the derivatives"
-        if it.coriolis == "in-derivatives"
-        else "added-mass Coriolis terms written separately"
-    )
-    point = (
-        "midship"
-        if it.moment_reference_x == it.motion_reference_x == 0
-        else f"x = {it.moment_reference_x:g} m (moments), {it.motion_reference_x:g} m (motions)"
-    )
-    return f"{unit}, {speed}, {coriolis}, referred to {point}"
-
-
-def _reference_column(
-    table: DerivativeTable, reference: Reference | None, scale: float
-) -> dict[str, str]:
-    """Text of the reference by derivative; a range where it depends on the Froude number."""
-    if reference is None:
-        return {}
     frame = compare(table, reference.table)
     found = {}
     for name, group in frame.groupby("derivative", sort=False):
-        values = scale * group["reference"].to_numpy(float)
+        values = table.factor * group["reference"].to_numpy(float)
         same = np.ptp(values) <= 1e-9 * np.max(np.abs(values))
         found[str(name)] = (
             number(values[0], 5) if same else f"{number(values[0])} … {number(values[-1])}"
@@ -137,10 +64,10 @@ def methods(reduction: Reduction) -> list[Grid]:
         With its families.
     """
     table = reduction.table
-    scale = factor(table)
+    scale = table.factor
     singles = _single_runs(reduction, scale)
     grids = []
-    for row, speed in enumerate(speeds(table)):
+    for row, speed in enumerate(table.speeds):
         froude = float(table.Fn[row])
         ways = {
             way: {name: _entry(found, name, froude, scale) for name in table.names}
@@ -155,7 +82,7 @@ def methods(reduction: Reduction) -> list[Grid]:
             [symbol(name, table.convention), *(texts[name] for texts in ways.values())]
             for name in names
         ]
-        caption = f"{speed[:1].upper()}{speed[1:]}. {_times(scale)}"
+        caption = f"{speed[:1].upper()}{speed[1:]}. {table.scaling}"
         grids.append(Grid(head=["", *ways], groups=[Group(rows=rows)], caption=caption))
     return grids
 
@@ -228,21 +155,12 @@ def settings(reduction: Reduction) -> Grid:
     """
     rows: list[list[Cell]] = []
     for item in reduction.runs:
-        it = item.run.settings
-        motion = [
-            f"β {math.degrees(it.drift):+.3g}°" if it.drift else "",
-            f"δ {math.degrees(it.rudder):+.3g}°" if it.rudder else "",
-            f"heel {math.degrees(it.heel):+.3g}°" if it.heel else "",
-            f"a {it.amplitude:.4g} m" if it.amplitude else "",
-            f"ψ {math.degrees(it.yaw_amplitude):.3g}°" if it.yaw_amplitude else "",
-            f"T {it.period:.4g} s" if it.period else "",
-        ]
         rows.append(
             [
                 item.run.id,
                 item.run.kind_of_test.title,
                 f"{item.froude:.3f}",
-                ", ".join(part for part in motion if part) or "straight",
+                ", ".join(item.run.settings.words) or "straight",
                 item.window,
             ]
         )
@@ -291,7 +209,7 @@ def headline(table: DerivativeTable, reference: Reference | None) -> Grid:
         Values of a source, for one more row.
     """
     names = [name for name in ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot") if name in table]
-    scale = factor(table)
+    scale = table.factor
     low, high = table.interval()
     half: Array = scale * (high - low) / 2
     rows: list[list[Cell]] = [
@@ -299,14 +217,14 @@ def headline(table: DerivativeTable, reference: Reference | None) -> Grid:
             speed,
             *(plus_minus(scale * table[name][row], half[row, table.index(name)]) for name in names),
         ]
-        for row, speed in enumerate(speeds(table))
+        for row, speed in enumerate(table.speeds)
         if any(math.isfinite(table[name][row]) for name in names)
     ]
     if reference is not None:
-        beside = _reference_column(table, reference, scale)
+        beside = reference_values(table, reference)
         rows.append([reference.name, *(beside.get(name, "–") for name in names)])
     return Grid(
         head=["", *(symbol(name, table.convention) for name in names)],
         groups=[Group(rows=rows)],
-        caption=f"{_times(scale)}Value ± half of the 95 % interval.",
+        caption=f"{table.scaling}Value ± half of the 95 % interval.",
     )

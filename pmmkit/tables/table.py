@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.conventions import Convention, canonical
+from pmmkit.conventions import CHANNELS, Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 CONFIDENCE = 0.95
+SMALL: Final = 0.03
+"""Values of this size and below are told times 10³."""
+FORCES: Final[Mapping[str, str]] = {
+    "X": "Surge force X",
+    "Y": "Sway force Y",
+    "N": "Yaw moment N",
+    "K": "Roll moment K",
+}
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class DerivativeTable:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class DerivativeTable(Described):
     """Derivatives over the Froude number, with covariance, convention and origin.
 
     A value that the runs do not determine is NaN, never zero.
@@ -215,15 +225,117 @@ class DerivativeTable:
             attrs=flat(self.attributes()),
         )
 
-    def _repr_html_(self) -> str:
-        frame = self.to_pandas().set_index(["Fn", "derivative"])
-        html: str = frame.to_html(float_format=lambda number: f"{number:.5g}", na_rep="")
-        return html
+    @property
+    def speeds(self) -> list[str]:
+        """Names of the rows: Froude numbers, or all speeds."""
+        return ["all speeds"] if self.pooled else [f"Fn {value:.3f}" for value in self.Fn]
 
-    def __str__(self) -> str:
-        frame = self.to_pandas().set_index("derivative")
-        text: str = frame.to_string(float_format=lambda number: f"{number:.5g}")
-        return text
+    @property
+    def factor(self) -> float:
+        """What people are told the values times: 1000 where most are small."""
+        known = np.abs(self.value[np.isfinite(self.value)])
+        return 1e3 if len(known) and np.median(known) < SMALL else 1.0
+
+    @property
+    def scaling(self) -> str:
+        """The factor in words; empty where it is 1."""
+        return "All values times 10³. " if self.factor == 1e3 else ""
+
+    def grid(
+        self,
+        *,
+        label: Callable[[str], str] = str,
+        beside: tuple[str, Mapping[str, str]] | None = None,
+    ) -> Grid:
+        """Every derivative with its 95 % interval, a column per Froude number.
+
+        Parameters
+        ----------
+        label : callable
+            How the name of a derivative is written.
+        beside : (str, mapping of str to str), optional
+            Values of a source for one more column, with its name.
+        """
+        low, high = self.interval()
+        half = self.factor * (high - low) / 2
+        value = self.factor * self.value
+        groups = []
+        for channel in CHANNELS:
+            names = [name for name in self.names if name[0] == channel]
+            rows = [
+                [
+                    label(name),
+                    *map(plus_minus, value[:, column].tolist(), half[:, column].tolist()),
+                    *([beside[1].get(name)] if beside else []),
+                ]
+                for name in names
+                for column in (self.index(name),)
+            ]
+            if rows:
+                groups.append(Group(title=FORCES[channel], rows=rows))
+        return Grid(
+            head=["", *self.speeds, *([beside[0]] if beside else [])],
+            groups=groups,
+            caption=f"{self.scaling}Value ± half of the 95 % interval; – not determined by these "
+            f"runs; system {self.convention.meaning}.",
+        )
+
+    def plot(
+        self,
+        names: Sequence[str] | None = None,
+        *,
+        beside: tuple[str, Mapping[str, Array]] | None = None,
+    ) -> Figure:
+        """Derivatives over the Froude number with their 95 % intervals, a small panel each.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Which; by default those that have values at two Froude numbers or more.
+        beside : (str, mapping of str to array (k,)), optional
+            Values of a source in the convention of the table, with its name.
+
+        Raises
+        ------
+        TableError
+            If there is nothing to draw over the Froude number.
+        """
+        from pmmkit.plotting.derivatives import over_froude
+
+        if self.pooled:
+            raise TableError("A table pooled over all speeds has nothing to draw over Fn.")
+        known = np.isfinite(self.value).sum(axis=0)
+        drawn = list(names or [x for x, k in zip(self.names, known, strict=True) if k > 1])
+        if not drawn:
+            raise TableError("No derivative has values at two Froude numbers: nothing to draw.")
+        some = self.select(drawn)
+        return over_froude(
+            some.names,
+            self.Fn,
+            some.value,
+            some.interval(),
+            convention=self.convention,
+            factor=self.factor,
+            beside=beside,
+        )
+
+    def _headline(self) -> str:
+        ends = f"{self.Fn[0]:.3f} to {self.Fn[-1]:.3f}"
+        over = f"at {counted(len(self.Fn), 'Froude number')}, {ends}"
+        if self.pooled:
+            over = "over all speeds"
+        return f"{counted(len(self.names), 'derivative')} of {self.ship.name} {over}"
+
+    def _sections(self) -> Sequence[Section]:
+        ways = ", ".join(dict.fromkeys(self.method[np.isfinite(self.value)].tolist()))
+        runs = int(self.runs.max())
+        rest = f"; up to {counted(runs, 'run')} behind a value" if runs else ""
+        notes = [Section(title="Notes", points=self.notes)] if self.notes else []
+        return [
+            Section(paragraphs=[f"L = {self.ship.L:g} m; how found: {ways}{rest}"]),
+            Section(tables=[self.grid()]),
+            *notes,
+        ]
 
 
 def from_values(

@@ -16,6 +16,7 @@ from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
 from pmmkit.observations.inertia import Rig, rig_of
 from pmmkit.observations.whitening import FLOOR
+from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
 from pmmkit.ship import Ship, Water
 from pmmkit.validation.captive import CaptiveRun, compare_captive
@@ -34,6 +35,8 @@ from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 if TYPE_CHECKING:
     import pandas as pd
 
+MOST: Final = 12
+"""Sentences of a report; `Comparison.standouts` has all of them."""
 TOLD: Final = (
     "advance",
     "transfer",
@@ -49,8 +52,8 @@ TOLD: Final = (
 """Measures of manoeuvres that get a sentence."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Comparison(Described):
     """A model beside the runs of a campaign.
 
     Parameters
@@ -122,6 +125,74 @@ class Comparison:
             "manoeuvres": [row for item in self.manoeuvres for row in item.rows()],
             "notes": list(self.notes),
         }
+
+    def _headline(self) -> str:
+        rows = self.rows()
+        inside = sum(row["within"] for row in rows)
+        runs = counted(len(self.captive or self.free), "run")
+        within = f"error within its uncertainty in {inside} of {len(rows)} channels"
+        return f"{self.model} beside {self.campaign}: {runs}, {within}"
+
+    def _sections(self) -> Sequence[Section]:
+        sentences = self.standouts()
+        shown = list(sentences[:MOST])
+        if len(sentences) > MOST:
+            shown.append(f"and {len(sentences) - MOST} more (`standouts`)")
+        errors = (
+            f"Root mean square errors and expanded validation uncertainty (k = {COVERAGE:g}, floor "
+            f"{100 * self.floor:g} % of the channel)"
+        )
+        sailed = Section(
+            title="Manoeuvres, simulated with the ship's own steering", tables=[self._measures()]
+        )
+        return [
+            *([Section(paragraphs=self.notes)] if self.notes else []),
+            Section(title=errors, tables=[self._errors()]),
+            *([sailed] if self.manoeuvres else []),
+            Section(title="What stands out", points=shown)
+            if shown
+            else Section(paragraphs=["Nothing stands out."]),
+        ]
+
+    def _errors(self) -> Grid:
+        """Errors by channel and kind of test."""
+        found: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+        for row in self.rows():
+            found.setdefault((row["channel"], row["unit"], row["test"]), []).append(row)
+        rows = []
+        for (channel, unit, test), group in found.items():
+            error, measured, doubt = (
+                rms([row[name] for row in group]) for name in ("error", "measured", "uncertainty")
+            )
+            rows.append(
+                [
+                    f"{channel} [{unit}], {kind_of(test).title}",
+                    str(len(group)),
+                    number(error, 3),
+                    f"{100 * error / measured:.1f} %" if measured else ABSENT,
+                    number(doubt, 2),
+                    f"{sum(row['within'] for row in group)} of {len(group)}",
+                ]
+            )
+        rows.sort(key=lambda row: row[0].split(",")[0])
+        head = ["channel, test", "runs", "error", "over measured", "uncertainty", "within it"]
+        return Grid(head=head, groups=[Group(rows=rows)])
+
+    def _measures(self) -> Grid:
+        rows = [
+            [
+                f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
+                number(row["measured"], 3),
+                number(row["simulated"], 3),
+                f"{row['error']:+.2g}",
+                number(row["uncertainty"], 2),
+            ]
+            for item in self.manoeuvres
+            for row in item.rows()
+            if row["measure"] in TOLD
+        ]
+        head = ["measure", "measured", "simulated", "error", "uncertainty"]
+        return Grid(head=head, groups=[Group(rows=rows)])
 
     def harmonics(self) -> pd.DataFrame:
         """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,

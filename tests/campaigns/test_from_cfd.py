@@ -48,6 +48,7 @@ def run(*words) -> int:
     return 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["openfoam", "star"])
 def test_a_start_up_and_a_restart_leave_the_truth(solver, tmp_path):
     phase = {"openfoam": 0.0, "star": 3.141592653589793}[solver]

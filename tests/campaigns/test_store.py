@@ -23,9 +23,10 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pmmkit.campaigns.run import Campaign, Correction, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.store import load_campaign, save_campaign
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, PmmkitError, Problem
 from pmmkit.json_text import from_json, to_json
@@ -165,7 +166,9 @@ def assert_same(one: Campaign, other: Campaign) -> None:
         strict=True,
     )
     for first, second in pairs:
-        assert repr(first) == repr(second)
+        for field in fields(Run):
+            if field.name != "loader":
+                assert repr(getattr(first, field.name)) == repr(getattr(second, field.name))
         xr.testing.assert_identical(first.data, second.data)
         for name, variable in first.data.variables.items():
             assert variable.dtype == second.data[name].dtype, name
@@ -195,6 +198,7 @@ def digest(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+@pytest.mark.slow
 def test_same_input_same_bytes_in_another_process_and_second(saved: Path, tmp_path: Path) -> None:
     code = (
         "import sys; sys.path.insert(0, sys.argv[1]); import test_store as s; from pathlib "
@@ -283,6 +287,7 @@ def test_opening_reads_no_group(saved: Path) -> None:
         _ = loaded["PS_1"].data
 
 
+@pytest.mark.slow
 def test_runs_are_read_one_after_the_other(tmp_path: Path) -> None:
     handed_out: list[weakref.ref[xr.Dataset]] = []
 
@@ -440,6 +445,7 @@ def test_a_file_cut_short_is_refused(saved: Path, share: float) -> None:
     assert readable_or_refused(saved)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1, 64])
 def test_flipped_and_zeroed_bytes_give_an_error_or_the_right_data(saved: Path, width: int) -> None:
     """Damage is sown over the whole file; what no reader looks at may stay unnoticed."""

@@ -47,6 +47,7 @@ def rows_of(path):
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.slow
 def test_reduce_writes_the_files_of_the_contract(reduced):
     names = {file.name for file in reduced.iterdir()}
     assert names >= {"derivatives.csv", "derivatives.nc", "model.toml", "report.html"}
@@ -65,6 +66,7 @@ def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
     assert 0.6 < np.std(deviation) < 1.4
 
 
+@pytest.mark.slow
 def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
     campaign, tmp_path, monkeypatch, capsys
 ):
@@ -102,6 +104,7 @@ def test_a_pooled_table_has_no_froude_number(campaign, tmp_path):
     assert len(rows) == len(TRUTH)
 
 
+@pytest.mark.slow
 def test_json_is_one_object_and_the_words_go_elsewhere(campaign, tmp_path, capsys):
     out = tmp_path / "r"
     status, content, words = said(capsys, "reduce", campaign, "--out", out)
@@ -113,6 +116,7 @@ def test_json_is_one_object_and_the_words_go_elsewhere(campaign, tmp_path, capsy
     assert "no [propeller]" in " ".join(content["model_lacks"])
 
 
+@pytest.mark.slow
 def test_a_hull_alone_cannot_turn_and_says_what_it_lacks(campaign, tmp_path, capsys):
     out = tmp_path / "r"
     assert main(["reduce", str(campaign), "--out", str(out)]) == 0
@@ -338,6 +342,7 @@ def test_all_faults_of_a_campaign_are_told_with_their_places(tmp_path, capsys):
     assert not (tmp_path / "r").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "status"),
     [
@@ -508,6 +513,7 @@ def test_the_report_says_what_was_done(reduced, campaign):
         assert words in text
 
 
+@pytest.mark.slow
 def test_names_of_the_user_are_not_markup(tmp_path):
     folder = write_campaign(tmp_path / "odd")
     toml = folder / "campaign.toml"
@@ -520,6 +526,7 @@ def test_names_of_the_user_are_not_markup(tmp_path):
     assert title in "".join(page.text)
 
 
+@pytest.mark.slow
 def test_the_demo_finds_the_trends_that_are_in_the_synthetic_programme(tmp_path, capsys, datasets):
     import tomllib
 

@@ -201,6 +201,7 @@ def test_what_cannot_be_done_is_said(folder, arguments, status, said, capsys, mo
 # Free-running records
 
 
+@pytest.mark.slow
 def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
     place = write_free_campaign(tmp_path / "zigzags")
     status, out, err = run(

@@ -199,6 +199,7 @@ def test_one_method_writes_its_files_and_predicts_what_was_held_out(
     assert "identify by ekf" in words
 
 
+@pytest.mark.slow
 def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
     out = tmp_path / "all"
     status, content, words = said(

@@ -15,6 +15,10 @@ from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model
 FEW = ("wind", "yaw_sway_coupling", "rudder_slipstream", "asymmetry", "wake_in_drift")
 
 
+outdoors_together = pytest.mark.xdist_group("outdoors")
+"""One worker for the tests that share a diagnosis."""
+
+
 @pytest.fixture(scope="module")
 def outdoors(shared_data):
     """Segments of six zigzags and a random record; those of the turns and another."""
@@ -31,34 +35,47 @@ def asked(calm, used, few, **settings):
     return diagnose_free(calm, used, candidates=some, **how | settings)
 
 
-def test_the_wind_is_named_and_left_out_records_are_predicted_better(outdoors):
-    """A quarter in position and 35 % in yaw rate were asked for; its rivals here are four."""
+@pytest.fixture(scope="module")
+def found(outdoors):
+    """What a diagnosis says that weighs the wind against four rivals, alone and in pairs."""
     calm, used, kept = outdoors
-    found = asked(calm, used, FEW, held_out=kept, held_out_window=esso.WINDOW, most=2)
+    return asked(calm, used, FEW, held_out=kept, held_out_window=esso.WINDOW, most=2)
+
+
+@pytest.mark.slow
+@outdoors_together
+def test_the_wind_is_named_and_left_out_records_are_predicted_better(found):
+    """A quarter in position and 35 % in yaw rate were asked for; its rivals here are four."""
     assert found.best == ("wind",)
     before, after = (found.errors[f"held out, {x}"] for x in ("base refitted", "with the effects"))
     assert after["position"] < 0.75 * before["position"]
     assert after["yaw_rate"] < 0.65 * before["yaw_rate"]
 
 
-def test_the_wind_of_another_record_does_not_help(outdoors):
+@pytest.mark.slow
+@outdoors_together
+def test_the_wind_of_another_record_does_not_help(outdoors, found):
+    """With their own wind it is named, against four rivals; with another's, not even alone."""
     calm, used, _ = outdoors
     other = esso.swapped(used, [*used[3:], *used[:3]])
-    own, foreign = (asked(calm, some, ("wind",), most=1) for some in (used, other))
-    assert own.best == ("wind",)
-    assert foreign.best == ()
+    assert found.best == ("wind",)
+    assert asked(calm, other, ("wind",), most=1).best == ()
 
 
-def test_the_answer_does_not_hang_on_the_last_digit(outdoors):
+@pytest.mark.slow
+@outdoors_together
+def test_the_answer_does_not_hang_on_the_last_digit(outdoors, found):
     """Another processor rounds differently; a fit that has not settled then ends elsewhere."""
     calm, used, _ = outdoors
     rounded = {name: value * (1.0 + 1e-9) for name, value in SENSORS.items()}
-    one, other = (asked(calm, used, FEW, most=1, sensors=x) for x in (SENSORS, rounded))
-    assert one.entries[0].log_evidence == pytest.approx(other.entries[0].log_evidence, abs=0.5)
-    for name, value in one.base.items():
+    other = asked(calm, used, FEW, most=1, sensors=rounded)
+    assert found.entries[0].names == other.entries[0].names
+    assert found.entries[0].log_evidence == pytest.approx(other.entries[0].log_evidence, abs=0.5)
+    for name, value in found.base.items():
         assert other.base[name] == pytest.approx(value, rel=0.1, abs=1e-3), name
 
 
+@pytest.mark.slow
 def test_hsvas_zigzags_ask_for_an_asymmetry_and_another_rudder(shared_data):
     """Every second zigzag; a prototype came to 3.9° of heading over windows of 80 s."""
     captive = as_at_hsva(captive_model(shared_data)[0], shared_data)

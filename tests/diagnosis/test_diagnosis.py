@@ -162,6 +162,7 @@ def test_the_same_data_give_the_same_answer():
     assert one.findings == two.findings
 
 
+@pytest.mark.slow
 def test_the_order_of_equals_does_not_hang_on_the_process():
     """Sets of one evidence, as of two faults that the base absorbs, stand in one order."""
     code = (
@@ -200,6 +201,7 @@ def test_coverage_grows_with_the_programme():
         assert full[name] > small[name]
 
 
+@pytest.mark.slow
 def test_something_outside_the_catalogue_is_not_given_a_bare_name():
     for effect in ("outside_acceleration_drag", "outside_hysteresis", "outside_dead_zone"):
         found = diagnosed({effect: 1.0})

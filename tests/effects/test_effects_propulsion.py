@@ -491,6 +491,7 @@ def with_parts(*parts: Part):
     return model.with_(parts=MappingProxyType(kept | {part.effect: part for part in parts}))
 
 
+@pytest.mark.slow
 def test_simulator_runs_the_parts_interpreted_and_compiled():
     """S175 on its screw in four quadrants, with an engine: rates agree to 1e-9 in all quadrants."""
     screw = S175_SCREW | {"tau": 1.09}

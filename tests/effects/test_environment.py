@@ -135,6 +135,7 @@ def test_a_ship_without_a_part_wind_feels_none_bit_for_bit():
         np.testing.assert_array_equal(getattr(gale, name), getattr(calm, name))
 
 
+@pytest.mark.slow
 def test_no_area_no_wind_bit_for_bit():
     bare = with_part(CONTAINER, "wind", AF=0.0, AL=0.0)
     calm = simulate(CONTAINER, speed=6.0, duration=300.0)
@@ -219,6 +220,7 @@ def adrift(direction, wind=5.0, **air):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", [90.0, -90.0, 30.0, 170.0])
 @pytest.mark.parametrize("wind", [2.0, 5.0])
 def test_a_ship_adrift_lies_across_the_wind_and_drifts_where_the_forces_balance(direction, wind):
@@ -315,6 +317,7 @@ def test_a_ship_turns_wider_the_nearer_the_bottom(name):
         assert all(a < b for a, b in pairwise(values)), (key, values)
 
 
+@pytest.mark.slow
 def test_a_hull_with_crossflow_drag_turns_wider_at_last():
     """Its diameter falls by 1 % down to four draughts, by these formulas, before it grows."""
     model = shallow("esso-osaka-3m")
@@ -437,6 +440,7 @@ def test_jets_turn_a_ship_alike_to_both_sides():
         assert less[name] > one[name]
 
 
+@pytest.mark.slow
 def test_jets_stop_a_ship_by_their_bucket():
     """Pumps that run on stop it sooner, and sooner with a bucket that turns more of the jet."""
     reach = [

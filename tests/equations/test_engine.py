@@ -251,7 +251,7 @@ EFFECTS = (
     Effect(
         name="sea_anchor", family="made_up", kind="force", summary="A brake nobody has built.",
         parameters=(Parameter(name="brake", text="force over ½ρLdu²"),), force=force,
-        outputs=("X",), source="this test",
+        outputs=("X",), remark="this test",
     ),
 )
 '''

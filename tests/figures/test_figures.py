@@ -278,12 +278,14 @@ def test_no_legend_covers_data(table, track, reduction):
         assert all(axis.get_legend() is None for axis in figure.axes)
 
 
+@pytest.mark.slow
 def test_drawing_changes_no_setting_of_the_user(table):
     before = dict(mpl.rcParams)
     figures.svg(figures.derivatives_over_froude(table))
     assert dict(mpl.rcParams) == before
 
 
+@pytest.mark.slow
 def test_the_same_figure_gives_the_same_bytes(table, tmp_path):
     made = [figures.svg(figures.beside_reference(table, TRUTH)) for _ in range(2)]
     assert made[0] == made[1]

@@ -42,15 +42,6 @@ def test_tests_stand_in_folders_of_rooms():
     assert folders - others <= STANDING
 
 
-def test_files_are_short():
-    long = {
-        str(path.relative_to(ROOT)): lines
-        for path in (ROOT / "pmmkit").rglob("*.py")
-        if (lines := len(path.read_text(encoding="utf-8").splitlines())) > 600
-    }
-    assert long == {}
-
-
 def test_the_plan_names_no_file_that_is_not_there():
     for name in re.findall(r"`((?:pmmkit|tests|scripts|docs)/[\w./]*)`", PLAN):
         assert (ROOT / name).exists(), name
@@ -58,7 +49,7 @@ def test_the_plan_names_no_file_that_is_not_there():
 
 def test_the_registries_are_where_the_plan_says():
     rows = re.findall(r"^\| [\w ]+ \| .*`([\w/]+(?:\.py|/))` \| (.*) \| `([\w.]+)` \|$", PLAN, re.M)
-    assert len(rows) >= 2
+    assert len(rows) >= 4
     groups = {group for _, group, _ in rows if "`" in group}
     assert groups <= {f"`{group}`" for group in declared_groups()}
     for place, _, contract in rows:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 
+import pmmkit as pk
 from pmmkit.bibliography import ITSELF, bibliography, bibtex, cite, reference
+from pmmkit.effects.catalogue import catalogue
 from pmmkit.empirical import METHODS, RUDDER_SOURCES, estimate
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import estimated_model, load_model
@@ -145,3 +149,43 @@ def test_estimates_have_their_sources_by_key():
         "ittc_1957",
         *RUDDER_SOURCES,
     }
+
+
+@pytest.mark.parametrize("name", catalogue())
+def test_every_effect_has_its_sources_by_key(name):
+    effect = catalogue()[name]
+    assert effect.sources or effect.remark
+    assert all(key in bibliography() for key in effect.sources)
+    assert not quotations(effect.remark)
+
+
+def keys_of(text: str) -> list[str]:
+    return re.findall(r"^@\w+\{(.*),$", text, re.M)
+
+
+def test_a_model_cites_what_it_uses_and_nothing_else():
+    model = load_model("kcs")
+    values = [key for part in model.parts.values() for key in part.references]
+    forms = [key for name in model.parts for key in catalogue()[name].sources]
+    assert keys_of(pk.citation(model)) == list(dict.fromkeys([ITSELF, *values, *forms]))
+    assert "simman_2008" in values
+    assert "kijima_1990" not in keys_of(pk.citation("kcs"))
+    deep = pk.with_effect(model, "memory", value=0.3)
+    assert set(keys_of(pk.citation(deep))) - set(keys_of(pk.citation(model))) == {
+        *catalogue()["memory"].sources
+    }
+
+
+def test_a_table_cites_its_structure():
+    table = pk.hull_table("s175-3dof")
+    assert keys_of(pk.citation(table)) == [ITSELF]
+    reduced = replace(table, provenance={"structure": "modulus"})
+    assert keys_of(pk.citation(reduced)) == [ITSELF, "fedyaevsky_sobolev_1964", "norrbin_1971"]
+
+
+def test_a_source_that_is_not_known_is_said():
+    model = load_model("kcs")
+    odd = replace(model.parts["propeller"], references=("nobody_1900",))
+    strange = replace(model, parts=MappingProxyType({**model.parts, "propeller": odd}))
+    with pytest.raises(UnknownNameError, match="nobody_1900"):
+        pk.citation(strange)

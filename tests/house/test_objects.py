@@ -13,6 +13,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 
 ROOT = Path(__file__).parents[2]
@@ -46,7 +47,42 @@ def added():
     return session().add(diagnosis().findings[0], "it is large")
 
 
+@cache
+def reduction():
+    runs = pk.open_campaign(ROOT / "datasets" / "s175")
+    left = replace(runs, excluded=((runs.runs[0], "wet <gauge>"),))
+    return pk.reduce_campaign(left, structure="cubic")
+
+
+@cache
+def model():
+    return pk.to_model(reduction().table, parts=SHIP)
+
+
+@cache
+def identified():
+    truth = pk.load_model("kvlcc2-l7")
+    sailed = pk.simulate(truth, "zigzag", speed=1.179, rudder_deg=20, switch_deg=20, dt=0.5)
+    measured = {name: getattr(sailed, name) for name in ("x", "y", "psi")}
+    record = pk.FreeRecord(
+        name="z", t=sailed.t, delta=sailed.delta, turns=sailed.n, speed=1.179, measured=measured
+    )
+    start = truth.with_values("hull_polynomial", Nv=-0.12, Nr=-0.055)
+    sensors = {"x": 0.01, "y": 0.01, "psi": 0.001}
+    return pk.compare_methods(
+        start, [record], ["Nv", "Nr", "Yrrr"], methods=("ekf", "regression"), sensors=sensors
+    )
+
+
 MADE = {
+    "DerivativeTable": cache(lambda: reduction().table),
+    "Reduction": reduction,
+    "Campaign": cache(lambda: reduction().campaign),
+    "Run": cache(lambda: reduction().campaign.runs[-1]),
+    "Model": model,
+    "Comparison": cache(lambda: pk.compare(model(), reduction().campaign)),
+    "MethodComparison": identified,
+    "Identified": cache(lambda: identified().found["ekf"]),
     "Session": added,
     "ErrorFall": cache(lambda: added().fall()),
     "Diagnosis": diagnosis,
@@ -60,6 +96,14 @@ MADE = {
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
 }
 SAID = {
+    "DerivativeTable": ("Fn 0.217", "10³", "±", "½ρL²U²", "midship", "Yaw moment N", "regression"),
+    "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
+    "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),
+    "Run": ("yaw with drift", "m/s", "T ", "runs.h5"),
+    "Model": ("measured: S175", "library: Son", "±", "D = 6.533 m", "joined", "6.00 to 12.00 m/s"),
+    "Comparison": ("over measured", "[N m]", "k = 2", "27 of 27", "stands out"),
+    "MethodComparison": ("prior", "ekf", "regression", "±", "Notes"),
+    "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
@@ -72,7 +116,15 @@ SAID = {
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
 }
-DRAWN = ("ErrorFall", "Diagnosis", "Track", "Ensemble", "Sensitivities", "SpiralCurve")
+DRAWN = (
+    "DerivativeTable",
+    "ErrorFall",
+    "Diagnosis",
+    "Track",
+    "Ensemble",
+    "Sensitivities",
+    "SpiralCurve",
+)
 
 
 def spoiled(thing):
@@ -81,10 +133,12 @@ def spoiled(thing):
     texts = {
         field.name: EVIL
         for field in fields(thing)
-        if field.name in ("name", "title", "scale", "origin", "campaign", "effect", "summary")
+        if field.name in ("name", "title", "scale", "origin", "campaign", "effect", "summary", "id")
         and isinstance(getattr(thing, field.name), str)
     }
     notes = {"notes": (EVIL,)} if hasattr(thing, "notes") else {}
+    if isinstance(thing, pk.Model):
+        notes["steps"] = (Step(action="noted", note=EVIL),)
     return replace(thing, **texts, **notes)
 
 

@@ -471,6 +471,7 @@ def test_intervals_of_95_percent_hold_95_percent():
     assert 0.7 < np.mean(errors**2) < 1.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "ukf"])
 def test_a_rolling_ship_is_identified_in_a_turn(method):
     names = ("Yv", "Nv", "Nr", "Kv", "Kp")
@@ -619,6 +620,7 @@ def test_a_current_is_identified(channels, method):
     assert 0.4 < np.mean(errors**2) < 2.0
 
 
+@pytest.mark.slow
 def test_a_drifting_ship_feels_the_wind_less_the_current():
     """A window is the simulated drift in wind and current, both over ground."""
     windy = LINER.with_(parts={**LINER.parts, "wind": Part(effect="wind", values=AREAS)})

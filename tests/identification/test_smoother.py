@@ -177,6 +177,7 @@ def test_wild_values_are_not_taken_in():
     assert np.max(np.abs(found.motion["x"] - clean.motion["x"])) < 2.0 * SENSORS["x"]
 
 
+@pytest.mark.slow
 def test_a_rolling_ship_has_a_moment_of_roll_too():
     wrong = LINER.with_values("hull_polynomial", Kv=0.0)
     settings = {"speed": 9.0, "dt": 0.5}

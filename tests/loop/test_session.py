@@ -42,6 +42,7 @@ def session(bare):
     return begin(bare, hidden_campaign("full", hidden, seed=7))
 
 
+@pytest.mark.slow
 def test_the_loop_ends_where_nothing_is_missing(session):
     while (found := session.diagnose()).verdict == "missing_effect":
         for item in found.findings:
@@ -142,6 +143,7 @@ def test_an_undone_step_leaves_the_base_to_be_fitted_again(session, bare, effect
     assert one == other
 
 
+@pytest.mark.slow
 def test_a_fault_found_before_is_known_in_the_next_session(session):
     made = session.add("fault_misalignment").model()
     later = begin(made, session.campaign)
@@ -206,6 +208,7 @@ def test_what_cannot_be_added_is_refused_in_words(session):
         session.add("memory").add("memory")
 
 
+@pytest.mark.slow
 def test_a_structure_is_diagnosed_but_makes_no_model():
     campaign = open_campaign(datasets_folder() / "s175")
     found = begin("cubic", campaign)
@@ -214,6 +217,7 @@ def test_a_structure_is_diagnosed_but_makes_no_model():
         found.model()
 
 
+@pytest.mark.slow
 def test_values_over_the_froude_number_stay_values_over_the_froude_number():
     """The programme of the S175 has derivatives that change with the speed."""
     campaign = open_campaign(datasets_folder() / "s175")

@@ -14,8 +14,9 @@ import pytest
 import xarray as xr
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import MissingPartError
 from pmmkit.reduction import contributions, reduce_campaign
 from pmmkit.reduction.parts import hull_alone, parts_of
@@ -450,6 +451,7 @@ def test_a_gauge_that_all_runs_share_has_the_closed_form():
     assert shares.loc["Y_gauge", "share"] == pytest.approx(25 / 26, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of_sway", [1.0, 2.0])
 def test_the_share_of_a_test_is_the_scatter_that_its_noise_makes(of_sway):
     """Thirty programmes that differ in the noise of pure sway alone, as it is and doubled."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.run import TypeB
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.observations.noise import shrunk_levels
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.monte_carlo import monte_carlo
@@ -28,6 +28,7 @@ def autocorrelated(channel, speed, n, seed, rho=0.8):
     return lfilter([1.0], [1.0, -rho], white)
 
 
+@pytest.mark.slow
 def test_small_coverage_study():
     """Pooled coverage of the 95 % intervals over replicates of the S175 programme with biases,
     transients and autocorrelated noise (scripts.studies.interval_coverage is the large study)."""
@@ -50,6 +51,7 @@ def test_errors_are_of_the_size_of_their_standard_deviations():
     assert 0.5 < np.sqrt(np.mean(error**2)) < 1.6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "source",
     [
@@ -76,6 +78,7 @@ def test_covariance_agrees_with_monte_carlo(source):
     assert ratio.max() < 1.25
 
 
+@pytest.mark.slow
 def test_shared_bias_does_not_average_out_but_scatter_does():
     """Twice the runs leave a common drift error as it is and shrink a private one by √2."""
     single = captive(noise=autocorrelated)

@@ -74,6 +74,7 @@ def stopped_after(folder, kept, runs):
         reduced(folder, jobs=1, resume=kept, progress=progress)
 
 
+@pytest.mark.slow
 def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once, monkeypatch):
     asked = []
     read = workers.WorkerPool.read
@@ -96,6 +97,7 @@ def test_a_process_that_dies_takes_no_run_with_it(folder, undisturbed, at_once, 
     assert everything(reduced(folder, jobs=2)) == undisturbed
 
 
+@pytest.mark.slow
 def test_problems_of_all_runs_come_back_from_the_processes(folder, tmp_path, at_once):
     place = shutil.copytree(folder, tmp_path / "damaged")
     for number in (2, 7):
@@ -202,6 +204,7 @@ reduce_campaign(pk.open_campaign(sys.argv[1]), structure="cubic", jobs=2, resume
 """Reads with two processes and tells which they are."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 def test_a_killed_command_leaves_no_process_and_goes_on(folder, tmp_path, undisturbed):
     kept = tmp_path / "kept"
@@ -230,6 +233,7 @@ def until(true, seconds=20.0):
         time.sleep(0.02)
 
 
+@pytest.mark.slow
 def test_a_file_is_there_whole_or_not_at_all_however_saving_is_killed(tmp_path):
     make(tmp_path / "campaign", runs=4, mb=0.5)
     target = tmp_path / "work" / "saved.h5"

@@ -245,6 +245,7 @@ def test_the_samples_of_a_zigzag_show_its_numbers():
     assert np.max(np.abs(track.delta)) == pytest.approx(math.radians(10.0))
 
 
+@pytest.mark.slow
 def test_the_first_overshoot_does_not_know_how_many_executes_follow():
     """The Mariner to port, 20/20: the peak lies just after the beginning of a step."""
     one, two = (

@@ -179,6 +179,7 @@ def test_port_and_starboard_are_mirror_images(model, state):
         assert mine == pytest.approx(theirs, rel=1e-11, abs=1e-13 * size)
 
 
+@pytest.mark.slow
 def test_coriolis_terms_inside_or_apart_are_the_same_physics():
     """-mx u'r' moved into Yur and my v'r' into Xvr: the same ship exactly.
 

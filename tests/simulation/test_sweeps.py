@@ -142,6 +142,7 @@ def test_intervals_widen_with_the_spread_of_the_derivatives():
     assert widths[1] == pytest.approx(2.0 * widths[0], rel=0.1)
 
 
+@pytest.mark.slow
 def test_intervals_are_those_of_the_conditions_swept():
     """The wind counts for the ships of the interval as for the ship alone."""
     windy = TANKER.with_(

@@ -106,6 +106,7 @@ class TestReadBack:
         assert identical(back, table)
         assert back.provenance == table.provenance
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("suffix", ["csv", "nc", "xlsx"])
     @given(table=tables())
     @settings(

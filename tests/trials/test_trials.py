@@ -307,6 +307,7 @@ def within(values, truth, stds, times=2.0):
     return float(np.mean(np.abs(np.asarray(values) - truth) < times * np.asarray(stds)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", ["x", "y"])
 def test_the_current_is_found_within_its_uncertainty(many, part):
     current = [trials[0].current for trials in many]
@@ -663,6 +664,7 @@ def test_rows_hold_value_uncertainty_and_limit(many):
 # Command
 
 
+@pytest.mark.slow
 def test_the_command_writes_measures_paths_and_figures(folder, tmp_path, capsys):
     out = tmp_path / "o"
     assert main(["trial", str(folder), "--out", str(out), "--json"]) == 0

@@ -34,7 +34,6 @@ def convert(
     """Convert a table between systems, conventions and file formats."""
     from pmmkit.errors import FileExists
     from pmmkit.files import check_folder
-    from pmmkit.report.tables import meaning
     from pmmkit.tables import converted, read_table, write_table
 
     changes = stated(system=system, coriolis=coriolis, sway=sway, surge=surge)
@@ -49,5 +48,5 @@ def convert(
     write_table(made, target)
     return Outcome(
         content={"file": str(target), "convention": asdict(made.convention)},
-        lines=[f"{target}: {meaning(made)}."],
+        lines=[f"{target}: {made.convention.meaning}."],
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -23,14 +22,12 @@ from pmmkit.cli.options import (
     words,
 )
 from pmmkit.cli.output import Outcome, warned
-from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
     from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.consistency import Consistency
-    from pmmkit.identification.methods import Identified
     from pmmkit.identification.smoother import Smoothed
 
 WIDE: Final = 1.96
@@ -262,7 +259,7 @@ def _content(work: _Work) -> dict[str, Any]:
             name: {
                 "parameters": item.to_pandas().reset_index().to_dict("records"),
                 "unseen": list(item.unseen),
-                "left_out": _left_out(item),
+                "left_out": list(item.left_out),
                 "seconds": item.seconds,
                 "notes": list(item.notes),
                 "errors": predictions.get(name, {}),
@@ -281,114 +278,15 @@ def _content(work: _Work) -> dict[str, Any]:
 
 def _words(work: _Work) -> list[str]:
     """What the command prints."""
-    from pmmkit.identification.binding import AROUND
-
-    found = work.found
-    lines = [f"{work.title}: identified with {found.model.name}", *work.used.words("Used")]
+    lines = [f"{work.title}: identified with {work.found.model.name}", *work.used.words("Used")]
     if work.held_out is not None:
         lines += work.held_out.words("Held out")
-    lines += warned(work.findings)
-    lines += ["", f"Prior: {found.prior.origin}. Values with half of the 95 % interval:"]
-    lines.append(_table(found))
-    for name, item in found.found.items():
-        if item.unseen:
-            lines.append(
-                f"{name}: the records do not determine {', '.join(item.unseen)}; the model keeps "
-                f"what was known before."
-            )
-        if far := _far(item):
-            lines.append(
-                f"{name}: more than {FAR:g} standard deviations from what was known before: "
-                f"{', '.join(far)}. Either the prior is wrong, or these take up what the model "
-                f"lacks."
-            )
-        if left := _left_out(item):
-            lines.append(f"{name}: left out, since the records do not need them: {', '.join(left)}")
-    if set(found.prior.names) & set(AROUND):
-        lines.append("The current is no part of a model: predictions sail without it.")
-    lines += [f"{name} FAILED: {why}" for name, why in found.failed.items()]
-    lines += ["", _judged(work), _errors(found)]
-    lines.append("")
-    for name, item in found.found.items():
-        lines += [f"{name}: {text}" for text in item.notes]
-        if name in work.tests:
-            lines += [f"{name}: {text}" for text in work.tests[name].words()]
-    return lines
-
-
-def _table(found: MethodComparison) -> str:
-    """Prior and results side by side."""
-    rows = [
-        [name, _cell(mean, std), *(_found(item, name) for item in found.found.values())]
-        for name, mean, std in zip(
-            found.prior.names, found.prior.mean.tolist(), found.prior.std.tolist(), strict=True
-        )
-    ]
-    return aligned(["parameter", "prior", *found.found], rows)
-
-
-def _found(item: Identified, name: str) -> str:
-    if name not in item.names:
-        return "held"
-    if name in _left_out(item):
-        return "left out"
-    if name in item.unseen:
-        return "not determined"
-    i = item.names.index(name)
-    return _cell(float(item.values[i]), float(item.std[i]))
-
-
-def _cell(value: float, std: float) -> str:
-    """A value and half of its interval, to two digits of the latter."""
-    half = WIDE * std
-    if not math.isfinite(half) or half <= 0.0:
-        return f"{value:.4g}"
-    digits = min(max(1 - math.floor(math.log10(half)), 0), 9)
-    return f"{value:.{digits}f} ± {half:.{digits}f}"
-
-
-def _left_out(item: Identified) -> list[str]:
-    """Terms that a sparse regression found absent."""
-    return [name for name in getattr(item.detail, "left_out", ()) if name in item.names]
-
-
-def _far(item: Identified) -> list[str]:
-    """Parameters that ended far from their prior."""
-    import numpy as np
-
-    away = np.abs(item.values - item.prior.mean) / item.prior.std
-    gone = {*_left_out(item), *item.unseen}
-    return [
-        name
-        for name, far in zip(item.names, away.tolist(), strict=True)
-        if far > FAR and name not in gone
-    ]
-
-
-def _judged(work: _Work) -> str:
-    windows = next(iter(work.found.predictions.values())).pooled()["windows"]
-    what = (
-        "the runs held out"
+    lines += [*warned(work.findings), "", str(work.found), ""]
+    lines.append(
+        "The predictions are of the runs held out."
         if work.held_out is not None
-        else "the very runs that were used, which is no test: hold some out with --test-runs"
+        else "The predictions are of the very runs that were used, which is no test: hold some out "
+        "with --test-runs."
     )
-    return (
-        f"Root mean square errors over {windows:.0f} windows of {work.found.window:g} s with the "
-        f"measured rudder, of {what}:"
-    )
-
-
-def _errors(found: MethodComparison) -> str:
-    from pmmkit.identification.comparing import UNITS
-
-    rows = []
-    for name, item in found.predictions.items():
-        pooled = item.pooled()
-        time = f"{found.found[name].seconds:.2f} s" if name in found.found else ""
-        rows.append([name, *(_number(pooled[error]) for error in UNITS), time])
-    head = [f"{error.replace('_', ' ')} [{unit}]" for error, unit in UNITS.items()]
-    return aligned(["model", *head, "time"], rows)
-
-
-def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "-"
+    tests = [f"{name}: {text}" for name, test in work.tests.items() for text in test.words()]
+    return [*lines, *tests]

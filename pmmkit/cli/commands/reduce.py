@@ -11,7 +11,7 @@ import typer
 
 from pmmkit.cli.options import Campaign, Data, Out, stem
 from pmmkit.cli.output import Outcome, say
-from pmmkit.presentation import aligned
+from pmmkit.presentation import aligned, table_lines
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
@@ -266,14 +266,10 @@ def headline(table: DerivativeTable, beside: Reference | None) -> str:
     beside : Reference or None
         Values to compare with.
     """
-    from pmmkit.conventions import CHANNELS
-    from pmmkit.report import tables
+    from pmmkit.report.tables import reference_values
 
-    grid = tables.derivatives(table, beside)
-    names = [name for channel in CHANNELS for name in table.names if name[0] == channel]
-    cells = [row[1:] for group in grid.groups for row in group.rows]
-    rows = [[name, *(cell or "–" for cell in row)] for name, row in zip(names, cells, strict=True)]
-    return f"{grid.caption}\n\n{aligned(list(grid.head), rows)}"
+    values = (beside.name, reference_values(table, beside)) if beside else None
+    return "\n".join(table_lines(table.grid(beside=values)))
 
 
 def turn_table(turns: Turns) -> str:

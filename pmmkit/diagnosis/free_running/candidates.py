@@ -39,8 +39,6 @@ class FreeCandidate:
         What the model is given to have these values, where it lacks them.
     check : str
         A run that tells it from others, in words.
-    source : str
-        Where the usual sizes come from.
     """
 
     name: str
@@ -51,7 +49,6 @@ class FreeCandidate:
     kind: Literal["physics", "fault"] = "physics"
     part: Part | None = None
     check: str = ""
-    source: str = ""
 
     @property
     def values(self) -> tuple[str, ...]:
@@ -158,7 +155,6 @@ def candidate_of(
         typical=MappingProxyType({label: move.typical for label, move in moves.items()}),
         part=part,
         check=effect.check,
-        source=effect.source,
     )
 
 

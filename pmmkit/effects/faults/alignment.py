@@ -78,6 +78,7 @@ EFFECTS: Final = (
         (size("current", "m/s", 0.0075, "velocity of the water"),),
         check="static drift at low speed, or after a longer wait; the same run on two headings",
         moves=current_over_ground,
+        sources=("ittc_7.5-02-06-04", "ittc_7.5-04-02-01"),
     ),
     fault(
         "fault_rudder_zero",

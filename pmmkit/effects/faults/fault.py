@@ -11,8 +11,8 @@ from pmmkit.numerics import Array
 
 STEP: Final = 1e-4
 """Small step [rad, m/s or a share] for derivatives: far above rounding, far below a curve."""
-ITTC_CAPTIVE: Final = "ITTC 7.5-02-06-02, captive model tests"
-ITTC_UNCERTAINTY: Final = "ITTC 7.5-02-06-04, uncertainty of captive model tests"
+ITTC_CAPTIVE: Final = "ittc_7.5-02-06-02"
+ITTC_UNCERTAINTY: Final = "ittc_7.5-02-06-04"
 AT_SEA: Final = "free-running records hold no force: they do not know this fault"
 
 Columns = Mapping[str, Sequence[Array]]
@@ -27,7 +27,7 @@ def fault(
     sizes: tuple[Parameter, ...],
     *,
     check: str,
-    source: str = ITTC_UNCERTAINTY,
+    sources: tuple[str, ...] = (ITTC_UNCERTAINTY,),
     **more: Any,
 ) -> Effect:
     """A fault of a measurement, with sizes that are usual in a towing tank."""
@@ -38,7 +38,7 @@ def fault(
         summary=summary,
         parameters=sizes,
         columns=columns,
-        source=source,
+        sources=sources,
         check=check,
         **({} if "moves" in more else {"not_free_running": AT_SEA}) | more,
     )

@@ -149,7 +149,7 @@ EFFECTS: Final = (
         carriage_surge,
         (size("share", "-", 0.3, "of the swing of the surge velocity that is missing"),),
         check="log the speed of the carriage and of the sway carriage in pure yaw",
-        source="Simonsen 2004",
+        sources=("ittc_7.5-02-06-02",),
     ),
     fault(
         "fault_mount_elasticity",
@@ -200,7 +200,7 @@ EFFECTS: Final = (
             Parameter(name="decay", text="decay in L/U", grid=(0.7, 1.5, 3.0), continuous=False),
         ),
         check="leave out more cycles",
-        source=ITTC_CAPTIVE,
+        sources=(ITTC_CAPTIVE,),
         each_run=True,
     ),
 )

@@ -30,7 +30,7 @@ EFFECTS: Final = (
         late,
         (size("lag", "s", 0.04, "delay of the forces"),),
         check="a knock that both clocks see",
-        source=ITTC_CAPTIVE,
+        sources=(ITTC_CAPTIVE,),
     ),
     fault(
         "fault_filter_lag",
@@ -47,6 +47,6 @@ EFFECTS: Final = (
             ),
         ),
         check="the filter's settings; a knock",
-        source=ITTC_CAPTIVE,
+        sources=(ITTC_CAPTIVE,),
     ),
 )

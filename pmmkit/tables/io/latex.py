@@ -3,48 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
 
-from pmmkit.conventions import CHANNELS, parse_derivative
+from pmmkit.conventions import CHANNELS, latex_symbol
 from pmmkit.files import write_text
 from pmmkit.presentation.numbers import Style, with_uncertainty
 from pmmkit.tables.table import DerivativeTable
-
-_SYMBOLS: Final = {
-    "udot": r"\dot{u}",
-    "vdot": r"\dot{v}",
-    "rdot": r"\dot{r}",
-    "pdot": r"\dot{p}",
-    "phi": r"\phi ",
-    "d": r"\delta ",
-    "|d|": r"|\delta|",
-}
-
-
-def symbol(name: str, *, beta: bool = False, double: bool = False) -> str:
-    r"""A derivative as LaTeX mathematics.
-
-    Parameters
-    ----------
-    name : str
-        Name of the derivative.
-    beta : bool
-        Write the drift angle in place of v.
-    double : bool
-        Two primes, for the bis system.
-
-    Examples
-    --------
-    >>> print(symbol("Nv|v|"), symbol("Yrdot"))
-    N'_{v|v|} Y'_{\dot{r}}
-    """
-    derivative = parse_derivative(name)
-    symbols = _SYMBOLS | (
-        {"v": r"\beta ", "|v|": r"|\beta|", "vdot": r"\dot{\beta}"} if beta else {}
-    )
-    lower = "".join(symbols.get(factor, factor) for factor in derivative.factors).strip()
-    prime = "''" if double else "'"
-    return f"{derivative.channel}{prime}_{{{lower}}}"
 
 
 def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
@@ -75,7 +38,7 @@ def to_latex(table: DerivativeTable, *, style: Style = "parentheses") -> str:
                 with_uncertainty(value, spread, style).replace("±", r"\pm")
                 for value, spread in zip(table.value[:, column], std[:, column], strict=True)
             ]
-            name = symbol(table.names[column], beta=beta, double=double)
+            name = latex_symbol(table.names[column], beta=beta, double=double)
             lines.append(
                 " & ".join([f"${name}$", *(f"${cell}$" if cell else "--" for cell in cells)])
                 + r" \\"

@@ -1,0 +1,116 @@
+"""Derivatives over the Froude number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.conventions import Convention
+from pmmkit.numerics import Array
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLUMNS: Final = 4
+
+
+def over_froude(
+    names: Sequence[str],
+    Fn: Array,
+    value: Array,
+    interval: tuple[Array, Array],
+    *,
+    convention: Convention,
+    factor: float = 1.0,
+    beside: tuple[str, Mapping[str, Array]] | None = None,
+) -> Figure:
+    """Derivatives over the Froude number with their intervals, one small panel each.
+
+    Parameters
+    ----------
+    names : sequence of str (n,)
+        Derivatives.
+    Fn : array (k,)
+        Froude numbers.
+    value : array (k, n)
+        Values.
+    interval : (array, array)
+        Ends of their intervals.
+    convention : Convention
+        For their symbols.
+    factor : float
+        What is drawn is the values times 1 or 1000.
+    beside : (str, mapping of str to array (k,)), optional
+        Values of a source with its name, drawn as lines.
+    """
+    low, high = interval
+    prefix = r"$10^3\,$" if factor == 1e3 else ""
+    margin = 0.12 * (Fn[-1] - Fn[0]) or 0.02
+    rows = math.ceil(len(names) / _COLUMNS)
+    with style.styled():
+        figure = style.canvas(1.45 * rows + 0.7)
+        axes = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+        style.in_powers(axes)
+        for column, (axis, name) in enumerate(zip(axes, names, strict=False)):
+            own = factor * value[:, column]
+            error = [own - factor * low[:, column], factor * high[:, column] - own]
+            axis.set_title(prefix + style.symbol(name, convention))
+            if np.all(np.isnan(own)):
+                _say(axis, "not determined\nby these runs")
+                axis.set_yticks([])
+                continue
+            if beside and name in beside[1]:
+                axis.plot(
+                    [Fn[0] - margin, *Fn, Fn[-1] + margin],
+                    factor * beside[1][name][[0, *range(len(Fn)), -1]],
+                    color=style.REFERENCE,
+                    ls="--",
+                    lw=1.2,
+                    label=beside[0],
+                )
+            axis.errorbar(
+                Fn,
+                own,
+                np.nan_to_num(error),
+                color=style.ORDERED[0],
+                marker="o",
+                lw=1.2,
+                capsize=3,
+                label="this table, 95 % interval",
+            )
+            axis.set_xlim(Fn[0] - margin, Fn[-1] + margin)
+            axis.margins(y=0.18)
+            axis.locator_params(axis="y", nbins=4)
+            axis.locator_params(axis="x", nbins=4)
+        for axis in axes[len(names) :]:
+            axis.set_axis_off()
+        _label_lowest(axes, len(names), "Froude number [-]")
+        style.legend_below(figure, list(axes[: len(names)]))
+    return figure
+
+
+def _say(axis: Axes, text: str) -> None:
+    axis.text(
+        0.5,
+        0.5,
+        text,
+        transform=axis.transAxes,
+        ha="center",
+        va="center",
+        color=style.REFERENCE,
+        fontsize=9,
+    )
+
+
+def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
+    """Ticks and label under the lowest panel of each column."""
+    for column in range(_COLUMNS):
+        panels = range(column, used, _COLUMNS)
+        if panels:
+            axes[panels[-1]].tick_params(labelbottom=True)
+            axes[panels[-1]].set_xlabel(label)
