@@ -95,9 +95,21 @@ def at_midship(force: Mapping[str, Array], rig: Rig) -> dict[str, Array]:
     rig : Rig
         Its `moment_x`, `moment_z` are used.
     """
-    moved = dict(force)
-    if "Y" in force:
-        for channel, arm in (("N", rig.moment_x), ("K", -rig.moment_z)):
-            if channel in force and arm:
-                moved[channel] = force[channel] + arm * force["Y"]
-    return moved
+    if "Y" not in force:
+        return dict(force)
+    more = moments_of_sway(force["Y"], rig)
+    return {name: x + more[name] if name in more else x for name, x in force.items()}
+
+
+def moments_of_sway(force: Array, rig: Rig) -> dict[str, Array]:
+    """Moments about midship of a sway force at the point of the moments, where they differ.
+
+    Parameters
+    ----------
+    force : array
+        Sway force, any shape [N].
+    rig : Rig
+        Its `moment_x`, `moment_z` are used.
+    """
+    arms = {"N": rig.moment_x, "K": -rig.moment_z}
+    return {name: arm * force for name, arm in arms.items() if arm}

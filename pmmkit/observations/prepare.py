@@ -146,6 +146,11 @@ def label_harmonics(order: int) -> tuple[str, ...]:
     return ("C0", *(f"{kind}{n}" for n in range(1, order + 1) for kind in "CS"))
 
 
+def one_cycle() -> Array:
+    """Phases of the motion on which it is evaluated where there is no record [rad]."""
+    return np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
+
+
 def prepare(
     run: Run, campaign: Campaign, *, cycles: CycleChoice = None, noise: bool = True
 ) -> Prepared:
@@ -328,7 +333,7 @@ def _from_harmonics(
 ) -> Prepared:
     del cycles
     order = int(data["harmonic"].values.max())
-    theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
+    theta = one_cycle()
     basis = design_matrix(theta, order)
     omega = run.settings.omega
     if omega is None:

@@ -297,7 +297,7 @@ def _elsewhere(
     one = np.eye(view.rows)
     if channel in scatter:
         return (scatter[channel] * view.speed**2) ** 2 * one, "repeats"
-    stated = [item for item in campaign.uncertainty if item.name == f"{channel}_gauge"]
+    stated = [item for item in campaign.uncertainty if item.kind.channel == channel]
     if stated:
         variance = sum(
             (item.std * view.force[channel]) ** 2
