@@ -64,6 +64,9 @@ class Finding(Described):
     error_before, error_after : float
         Held-out error without and with it, over the rms force, over all channels; of free-running
         records that of the heading [deg].
+    beside : bool
+        Whether the coefficients are what comes to values that the model has, as free-running
+        records tell; captive tests tell the whole of terms that the model lacks.
     errors : mapping of channel to (before, after)
         The same by channel [N, N m]; of free-running records heading [deg] and speed [m/s].
     """
@@ -82,6 +85,7 @@ class Finding(Described):
     separating_test: str
     error_before: float = math.nan
     error_after: float = math.nan
+    beside: bool = False
     errors: Mapping[str, tuple[float, float]] = field(default_factory=_none)
 
     @property

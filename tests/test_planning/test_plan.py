@@ -20,7 +20,7 @@ from pmmkit.conventions import Convention
 from pmmkit.diagnosis import captive_candidates, diagnose_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.errors import CampaignError, DataError, UnknownNameError
 from pmmkit.models import load_model
@@ -149,10 +149,10 @@ def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
     blocks = [block for name in given for block in best_blocks(system, name, 2)]
-    rows = rows.knowing(
+    rows = rows.condition_on(
         {name: [b.value for b in blocks if b.candidate.name == name] for name in given}
     )
-    system = knowing(system, blocks)
+    system = condition_on(system, blocks)
     ids = list(rows.of_run)
     whole, part = known(rows, ids).reduced(), known(rows, ids[:-1]).reduced()
     k = rows.width

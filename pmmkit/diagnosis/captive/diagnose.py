@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis.captive.asked import contestants, excited
+from pmmkit.diagnosis.captive.asked import eligible, excited
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
@@ -179,7 +179,7 @@ def captive_system(
         reference=float(np.median(speeds)),
     )
     if candidates is None:
-        every = contestants(base, speeds, own)
+        every = eligible(base, speeds, own)
         held = excited(usable, base)
         asked = [item for item in every if held.issuperset(item.excites)]
     else:
@@ -197,7 +197,7 @@ def _drawn(
     """What every run draws for itself takes part whoever else does."""
     names = {item.name for item in given}
     return tuple(
-        item for item in contestants(base, speeds) if item.each_run and item.name not in names
+        item for item in eligible(base, speeds) if item.each_run and item.name not in names
     )
 
 

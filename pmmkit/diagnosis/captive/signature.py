@@ -88,13 +88,14 @@ def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
 
     Examples
     --------
-    >>> from pmmkit.diagnosis.captive.physics import from_catalogue
-    >>> (found,) = signatures([from_catalogue("modulus_sway_drag")])
+    >>> from pmmkit.diagnosis.captive.candidate import candidate_of
+    >>> from pmmkit.effects.catalogue import effect_of
+    >>> (found,) = signatures([candidate_of(effect_of("modulus_sway_drag"))])
     >>> sway = found.acts["pure_sway"]["Y"]
     >>> sorted(sway), round(sway["C3"] / sway["C1"], 2)
     (['C1', 'C3'], 0.2)
     """
-    views, base = _standard()
+    views, base = standard_tests()
     sizes = _sizes(views, base)
     hull = {c: np.concatenate([base.design(view, c) for view in views]) for c in CHANNELS}
     over = {
@@ -209,7 +210,7 @@ def _sizes(views: Sequence[View], base: Base) -> dict[tuple[float, str], float]:
 
 
 @cache
-def _standard() -> tuple[tuple[View, ...], Base]:
+def standard_tests() -> tuple[tuple[View, ...], Base]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
     values = {**model.values("hull_polynomial"), **model.values("added_mass")}

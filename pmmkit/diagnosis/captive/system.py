@@ -46,7 +46,7 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Everything the contest needs.
+    """Everything that evidence needs.
 
     Parameters
     ----------
