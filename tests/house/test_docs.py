@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit.effects.catalogue import catalogue, forget_effect
 from scripts.documentation import make_docs
 
 ROOT = Path(__file__).parents[2]
@@ -28,8 +29,13 @@ def test_python_examples_run(page, tmp_path, monkeypatch):
     shutil.copytree(ROOT / "datasets", tmp_path / "datasets")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for number, code in enumerate(blocks(page, "python"), start=1):
-        exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    known = set(catalogue())
+    try:
+        for number, code in enumerate(blocks(page, "python"), start=1):
+            exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    finally:
+        for name in set(catalogue()) - known:
+            forget_effect(name)
 
 
 @pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)
