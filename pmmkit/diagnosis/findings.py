@@ -340,7 +340,8 @@ class Diagnosis(Described):
         ]
 
     def to_pandas(self) -> pd.DataFrame:
-        """Every single effect: family, ln evidence, signal at usual size, what could hide."""
+        """Every single effect: family, ln evidence (NaN where these runs cannot ask for it), signal
+        at usual size, what could hide."""
         import pandas as pd
 
         single = {item.names[0]: item.log_evidence for item in self.entries if len(item.names) == 1}
@@ -349,7 +350,7 @@ class Diagnosis(Described):
                 {
                     "effect": item.name,
                     "family": item.family,
-                    "log_evidence": single[item.name],
+                    "log_evidence": single.get(item.name, math.nan),
                     "signal": item.signal,
                     "size_that_could_hide": item.hides,
                     "shown": item.shown,

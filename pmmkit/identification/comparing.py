@@ -29,6 +29,7 @@ from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 BEFORE: Final = "before"
 """The model as it was, among the methods."""
@@ -91,6 +92,12 @@ class MethodComparison(Described):
             for run, errors in (*item.errors.items(), ("all", item.pooled()))
         ]
         return pd.DataFrame(rows, columns=["model", "run", "window", *UNITS, "windows"])
+
+    def plot(self) -> Figure:
+        """Intervals of 95 % before and after, by method."""
+        from pmmkit.plotting.identification import parameters
+
+        return parameters(list(self.found.values()), self.model.convention)
 
     def _headline(self) -> str:
         failed = f", FAILED: {', '.join(self.failed)}" if self.failed else ""

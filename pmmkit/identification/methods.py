@@ -27,6 +27,7 @@ from pmmkit.presentation import Described, Grid, Group, Section, counted, with_u
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 FAR: Final = 4.0
 """Standard deviations from the prior from which a value is pointed at."""
@@ -102,6 +103,17 @@ class Identified(Described):
             for name, ratio in zip(self.names, away.tolist(), strict=True)
             if ratio > POINTED_AT and name not in gone
         )
+
+    def scaled(self) -> tuple[Array, Array]:
+        """Values less their prior means, and half of their 95 % intervals, over the prior's std."""
+        std = self.prior.std
+        return (self.values - self.prior.mean) / std, WIDE * self.std / std
+
+    def plot(self) -> Figure:
+        """Intervals of 95 % before and after."""
+        from pmmkit.plotting.identification import parameters
+
+        return parameters([self], self.model.convention)
 
     def cell(self, name: str) -> str:
         """A value with half of its 95 % interval, or why there is none."""

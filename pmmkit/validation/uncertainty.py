@@ -12,7 +12,7 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.hull import regressors
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig
+from pmmkit.observations.inertia import Rig, moments_of_sway
 from pmmkit.observations.stated import altered, inertia_inside, nominal_path
 from pmmkit.observations.views import View
 from pmmkit.validation.prediction import Forces, Predictor
@@ -56,8 +56,9 @@ def stated_share(
         Standard uncertainties, sources added in squares.
     """
     square = {name: np.zeros(view.rows) for name in view.force}
+    read = _as_read(view, rig)
     for source in sources:
-        change = _change(view, rig, forces, source, water_rho, predicted)
+        change = _change(view, rig, forces, source, water_rho, predicted, read)
         for name, moved in change.items():
             if name in square:
                 square[name] = square[name] + moved**2
@@ -65,10 +66,10 @@ def stated_share(
 
 
 def _change(
-    view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share
+    view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share, read: Share
 ) -> Share:
     """Change of the difference by one standard uncertainty of one source, whatever its sign."""
-    found = altered(source, view.run, rig, labels=view.labels, force=view.force, rho=rho)
+    found = altered(source, view.run, rig, labels=view.labels, force=read, rho=rho)
     if found is None:
         return {}
     if found.density:
@@ -78,6 +79,14 @@ def _change(
     if found.rig is not rig:
         return _by_rig(view, rig, forces, found.rig)
     return found.force
+
+
+def _as_read(view: View, rig: Rig) -> dict[str, Array]:
+    """Harmonics as the balance showed them, inertia inside and moments about their own point."""
+    inside = inertia_inside(view.run, view.motion, rig)
+    read = {name: x - view.project(inside[name]) for name, x in view.force.items()}
+    more = moments_of_sway(read["Y"], rig) if "Y" in read else {}
+    return {name: x - more[name] if name in more else x for name, x in read.items()}
 
 
 def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:

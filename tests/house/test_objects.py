@@ -192,6 +192,14 @@ def test_a_track_of_ones_own_is_told_as_well():
     assert set(own.figures()) == {"path", "histories"}
 
 
+def test_an_effect_that_was_not_asked_has_no_evidence():
+    """The runs lack what it needs: it is covered, and in no set that was looked at."""
+    found = diagnosis()
+    table = replace(found, entries=found.entries[:1]).to_pandas()
+    assert len(table) == len(found.covered)
+    assert table["log_evidence"].isna().sum() >= len(found.covered) - 1
+
+
 @pytest.mark.parametrize("name", DRAWN)
 def test_plot_gives_a_figure(name):
     figure = MADE[name]().plot()

@@ -102,7 +102,7 @@ def test_what_cannot_be_stated_is_refused_with_the_nearest_name():
 # What it does
 
 
-@pytest.mark.parametrize("name", sorted(WHOLE - {"moment_reference_x"}))
+@pytest.mark.parametrize("name", sorted(WHOLE))
 def test_the_comparison_changes_as_if_the_campaign_said_otherwise(balance, model, name):
     """Truth: the comparison once more with the campaign changed by one standard uncertainty."""
     std = {"mass": 3.0, "Izz": 10.0, "rho": 2.0}.get(name, 0.03)
@@ -119,6 +119,32 @@ def test_the_comparison_changes_as_if_the_campaign_said_otherwise(balance, model
             )
             largest = max(largest, change.max() / size)
     assert largest > 1e-4
+
+
+@pytest.mark.parametrize("relative", [False, True])
+@pytest.mark.parametrize("channel", ["X", "Y", "N"])
+def test_the_comparison_changes_as_if_a_gauge_read_otherwise(balance, model, channel, relative):
+    """Truth: the comparison once more with all samples of the channel as they would be read."""
+    std = 0.01 if relative else 0.5
+
+    def read(run):
+        data = run.data
+        wrong = data[channel] * (1.0 + std) if relative else data[channel] + std
+        return run.with_(loader=lambda: data.assign({channel: wrong}))
+
+    source = TypeB(name=f"{channel}_gauge", std=std, relative=relative, shared=True)
+    stated, _ = compare_captive(model, balance.with_(uncertainty=(source,)), floor=0.0)
+    other, _ = compare_captive(
+        model, balance.with_(runs=tuple(read(run) for run in balance)), floor=0.0
+    )
+    for run, there in zip(stated, other, strict=True):
+        for name in "XYN":
+            change = np.abs(there.error(name) - run.error(name))
+            size = np.abs(run.view.force[name]).max() + 1.0
+            np.testing.assert_allclose(
+                run.shares["stated"][name], change, rtol=1e-6, atol=1e-9 * size
+            )
+        assert np.any(run.shares["stated"][channel])
 
 
 @pytest.mark.parametrize("name", sorted(WHOLE))

@@ -227,8 +227,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     for name, item in found.found.items():
         ending = "" if len(found.found) + len(found.failed) == 1 else f"_{name}"
         yield f"model{ending}.toml", partial(save_model, item.model)
-    drawn = figures.identified_parameters(list(found.found.values()))
-    yield "parameters.svg", partial(save, drawn)
+    yield "parameters.svg", partial(save, found.plot())
     for name in work.tests:
         detail = found.found[name].detail
         drawn = figures.parameter_histories(detail, records, found.model.convention)
