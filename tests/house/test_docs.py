@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit.effects.catalogue import catalogue, forget_effect
 from scripts.documentation import make_docs
 
 ROOT = Path(__file__).parents[2]
@@ -31,8 +32,13 @@ def test_python_examples_run_and_say_what_the_page_shows(page, tmp_path, monkeyp
     shutil.copytree(ROOT / "datasets", tmp_path / "datasets")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for number, code in enumerate(blocks(page, "python"), start=1):
-        exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    known = set(catalogue())
+    try:
+        for number, code in enumerate(blocks(page, "python"), start=1):
+            exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    finally:
+        for name in set(catalogue()) - known:
+            forget_effect(name)
     printed = set(capsys.readouterr().out.splitlines())
     shown = [line for text in blocks(page, "text") for line in text.splitlines()]
     assert [line for line in shown if line not in printed] == []
