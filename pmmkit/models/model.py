@@ -36,20 +36,20 @@ def _frozen() -> Mapping[str, Any]:
 class Part:
     """One effect of a model with its values.
 
-        Parameters
-        ----------
-        effect : str
-            Name in the catalogue.
-        values : mapping of str to float or tuple of float
-            Parameters and derivatives; a tuple holds a value per Froude number of the model.
-        options : mapping of str to str
-            Words that choose a form of the effect.
-        source : str
-            Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
-        references : tuple of str
-            The same as keys of the bibliography, where it stands there.
-        sources : mapping of str to str
-            In words for single values, where it differs.
+    Parameters
+    ----------
+    effect : str
+        Name in the catalogue.
+    values : mapping of str to float or tuple of float
+        Parameters and derivatives; a tuple holds a value per Froude number of the model.
+    options : mapping of str to str
+        Words that choose a form of the effect.
+    source : str
+        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+    references : tuple of str
+        The same as keys of the bibliography, where it stands there.
+    sources : mapping of str to str
+        In words for single values, where it differs.
     text : str
         The words of a user that the effect was made from; empty for one of the catalogue.
     """
