@@ -5,6 +5,8 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from pmmkit.bibliography import cite
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.empirical import (
     METHODS,
     RUDDER_SOURCES,
@@ -115,7 +117,7 @@ def estimated_model(
         hull_sources.append("ittc_1957")
     parts = (
         Part(
-            effect="hull_polynomial",
+            effect=HULL,
             values=MappingProxyType(hull),
             source=f"empirical: {guess.source}",
             references=tuple(dict.fromkeys(hull_sources)),
@@ -124,7 +126,7 @@ def estimated_model(
             ),
         ),
         Part(
-            effect="added_mass",
+            effect=INERTIA,
             values=MappingProxyType(mass),
             source=f"empirical: {cite(guess.sources[1])}",
             references=guess.sources[1:],
