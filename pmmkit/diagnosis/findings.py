@@ -12,7 +12,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.models import Model
 from pmmkit.models.step import odds
-from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,8 +26,6 @@ VERDICTS: Final[Mapping[Verdict, str]] = {
     "missing_effect": "An effect is missing.",
     "unexplained": "Something is missing, and it is not in the catalogue.",
 }
-WIDE: Final = 1.96
-"""Standard deviations of half of a 95 % interval."""
 LARGE: Final = 3.0
 """Times its usual size from which a coefficient is pointed at."""
 _HEAD: Final = ("coefficient", "value", "95 %", "usual size", "")

@@ -14,6 +14,7 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.identification.consistency import autocorrelation
 from pmmkit.plotting import style
 from pmmkit.plotting.identification import parameter_symbol
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from pmmkit.identification.filters import Filtered
     from pmmkit.identification.record import FreeRecord
 
-_WIDE: Final = 1.96
 _COLUMNS: Final = 3
 _LAGS: Final = 40
 _AXES: Final = {
@@ -87,8 +87,8 @@ def parameter_histories(
         axes = grid.ravel()
         for axis, name in zip(axes, shown, strict=False):
             i = found.names.index(name)
-            half = _WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
-            mean, wide = found.prior.mean[i], _WIDE * found.prior.std[i]
+            half = WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
+            mean, wide = found.prior.mean[i], WIDE * found.prior.std[i]
             axis.axhspan(
                 mean - wide, mean + wide, color="#ececec", lw=0, zorder=0, label="prior, 95 %"
             )

@@ -15,7 +15,7 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.binding import AROUND, bound, driven
 from pmmkit.identification.filters import STEP
-from pmmkit.identification.methods import METHODS, WIDE, Identified, identify
+from pmmkit.identification.methods import METHODS, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Prediction, predict
 from pmmkit.identification.prior import Prior, asked_names, prior_of
@@ -24,7 +24,16 @@ from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
-from pmmkit.presentation import Described, Grid, Group, Section, counted, number, with_uncertainty
+from pmmkit.presentation import (
+    WIDE,
+    Described,
+    Grid,
+    Group,
+    Section,
+    counted,
+    number,
+    with_uncertainty,
+)
 from pmmkit.progress import Progress
 
 if TYPE_CHECKING:

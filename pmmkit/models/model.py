@@ -20,11 +20,9 @@ from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
-from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 
-WIDE: Final = 1.96
-"""Standard deviations of half of a 95 % interval."""
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""

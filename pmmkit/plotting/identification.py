@@ -12,12 +12,12 @@ from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WIDE: Final = 1.96
 _FARTHEST: Final = 6.0
 """Distance from the prior, in its standard deviations, up to which values are drawn."""
 
@@ -73,8 +73,8 @@ def parameters(found: Sequence[Result], convention: Convention) -> Figure:
         places = np.arange(len(names), dtype=float)
         axis.barh(
             places,
-            2 * _WIDE,
-            left=-_WIDE,
+            2 * WIDE,
+            left=-WIDE,
             height=0.82,
             color="#e6e6e6",
             label="prior, 95 %",

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.consistency import Consistency
     from pmmkit.identification.smoother import Smoothed
-
-WIDE: Final = 1.96
-FAR: Final = 3.0
-"""Values so many standard deviations of the prior away from it are named."""
 
 
 class Method(StrEnum):
