@@ -7,6 +7,8 @@ from types import MappingProxyType
 from pmmkit.bibliography import cite
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import (
     METHODS,
     RUDDER_SOURCES,
@@ -132,12 +134,12 @@ def estimated_model(
             references=guess.sources[1:],
         ),
         Part(
-            effect="propeller",
+            effect=PROPELLER.name,
             values=MappingProxyType(screw),
             source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
         ),
         Part(
-            effect="rudder_mmg",
+            effect=RUDDER_MMG.name,
             options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",

@@ -101,7 +101,6 @@ REGISTRIES = {
             "exports/shipmmg.py": "the parts that shipmmg knows",
             "identification/binding.py": "the role of that name",
             "identification/sparse/request.py": OTHER_WORDS,
-            "models/estimates.py": BY_NAME,
             "models/scale.py": BY_NAME,
             "reduction/parts.py": BY_NAME,
             "simulation/simulate.py": BY_NAME,
