@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import enum
 import importlib
 import inspect
 import pkgutil
@@ -43,7 +44,7 @@ def words():
 
 def parameters(thing) -> list[str]:
     """Names of the parameters that a user gives."""
-    if inspect.isclass(thing) and issubclass(thing, Exception):
+    if inspect.isclass(thing) and issubclass(thing, (Exception, enum.Enum)):
         return []
     try:
         return list(inspect.signature(thing).parameters)

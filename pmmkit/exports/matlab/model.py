@@ -286,6 +286,7 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
     lines += [
         Line(target="U", text="max(sqrt(u^2 + v^2), 1e-9)", note="speed (m/s)"),
         Line(target="beta", text="atan2(-v, u)", note="drift angle (rad)"),
+        Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
     ]
     return _Section(title="States and inputs", lines=lines)
 
