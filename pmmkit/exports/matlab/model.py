@@ -286,7 +286,6 @@ def _inputs(states: Sequence[str], inputs: Sequence[str], *, about: bool) -> _Se
     lines += [
         Line(target="U", text="max(sqrt(u^2 + v^2), 1e-9)", note="speed (m/s)"),
         Line(target="beta", text="atan2(-v, u)", note="drift angle (rad)"),
-        Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
     ]
     return _Section(title="States and inputs", lines=lines)
 
@@ -302,6 +301,7 @@ def _ship(model: Model) -> _Section:
         Line(target="rho", text=number(water.rho), note="density of the water (kg/m3)"),
         Line(target="g", text=number(water.g), note="gravity (m/s2)"),
         Line(target="depth", text=number(depth), note="of the water (m)"),
+        Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)
 
