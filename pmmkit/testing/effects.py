@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.bibliography import bibliography
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.asked import asked_in_captive
 from pmmkit.diagnosis.captive.asked import excited as excited_in_captive
@@ -194,6 +195,9 @@ def _words(case: _Case) -> Iterator[str]:
     said = effect.summary.strip()
     if said and (not said.endswith(".") or ". " in said or not said[0].isupper()):
         yield f"the summary {said!r} is no sentence"
+    unknown = sorted(set(effect.sources) - set(bibliography()))
+    if unknown:
+        yield f"the sources {', '.join(unknown)} are not in the bibliography"
     if not said and not effect.text:
         yield "it has no summary"
     if effect.coefficients and not (effect.check or effect.text):

@@ -182,6 +182,7 @@ WRONG = {
     "family": (replace(KEEL, family="My own"), "of small letters"),
     "summary": (replace(KEEL, summary="Drag. Of a keel."), "is no sentence"),
     "no summary": (replace(KEEL, summary=""), "no summary"),
+    "sources": (replace(KEEL, sources=("hearsay_2020",)), "hearsay_2020 are not in the"),
     "check": (replace(KEEL, check=""), "no check is named"),
     "excites": (replace(KEEL, excites=("sun",)), "sun are no words"),
     "unit": (sized(unit="knots"), "'knots' of size is not known"),

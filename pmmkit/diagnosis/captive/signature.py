@@ -24,6 +24,8 @@ from pmmkit.campaigns.test_kinds.steady import (
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.models import load_model, scaled
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -213,7 +215,7 @@ def _sizes(views: Sequence[View], base: Base) -> dict[tuple[float, str], float]:
 def standard_tests() -> tuple[tuple[View, ...], Base]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
-    values = {**model.values("hull_polynomial"), **model.values("added_mass")}
+    values = {**model.values(HULL), **model.values(INERTIA)}
     names = (*structures()["cubic"].derivatives, "Yd", "Nd", "Xdd")
     known = {"Yd": -0.0026, "Nd": 0.00126, "Xdd": -0.0015}
     table = from_values(
