@@ -11,6 +11,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
 from pmmkit.figures.comparison_free import force_residuals
 from pmmkit.numerics import Array
+from pmmkit.observations.prepare import places_of
 from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.validation.captive import CaptiveRun
@@ -90,7 +91,7 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             x, what = _velocity(run)
             order = max(int(label[1:]) for label in run.view.labels)
             theta = np.linspace(0.0, 2 * np.pi, FINE)
-            basis = design_matrix(theta, order)[:, _places(run)]
+            basis = design_matrix(theta, order)[:, places_of(run.view.labels)]
             whole = (
                 design_matrix(theta, order)
                 @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
@@ -112,13 +113,6 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
-
-
-def _places(run: CaptiveRun) -> list[int]:
-    """Columns of a basis C0, C1, S1 … that the run's harmonics use."""
-    return [
-        0 if label == "C0" else 2 * int(label[1:]) - (label[0] == "C") for label in run.view.labels
-    ]
 
 
 def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
@@ -242,7 +236,7 @@ def _residual(
     whole = np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
     axis.plot(
         basis @ whole,
-        scale * (basis[:, _places(run)] @ run.error(channel)),
+        scale * (basis[:, places_of(run.view.labels)] @ run.error(channel)),
         lw=0.8,
         alpha=0.8,
         **look,

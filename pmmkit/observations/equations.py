@@ -13,9 +13,9 @@ from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig
+from pmmkit.observations.inertia import Rig, inertia_inside
 from pmmkit.observations.prepare import Prepared, RunResult
-from pmmkit.observations.stated import altered, inertia_inside, nominal_path
+from pmmkit.observations.stated import altered, nominal_path
 
 ROUNDING = 1e-12
 """Harmonics of a regressor below this share of its largest sample are rounding."""

@@ -19,8 +19,8 @@ from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, inertia_force, moments_of_sway
-from pmmkit.observations.prepare import label_harmonics, one_cycle
+from pmmkit.observations.inertia import Rig, moments_of_sway
+from pmmkit.observations.prepare import one_cycle, places_of
 from pmmkit.signals import design_matrix
 
 RIG: Final = MappingProxyType(
@@ -186,27 +186,10 @@ def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
     projection: Array = np.ones((1, 1))
     if run.dynamic and omega:
         theta, order = one_cycle(), max(int(label[1:]) for label in labels)
-        rows = [label_harmonics(order).index(label) for label in labels]
-        projection = projector(design_matrix(theta, order))[rows]
+        projection = projector(design_matrix(theta, order))[places_of(labels)]
     t = (theta - run.settings.phase) / (omega or 1.0)
     return Path(
         motion=move_motion(nominal_motion(run, t), rig.motion_x),
         t=theta / (omega or 1.0),
         projection=projection,
     )
-
-
-def inertia_inside(run: Run, motion: State, rig: Rig) -> dict[str, Array]:
-    """The inertia that the balance feels, zero where the forces are those of the water alone.
-
-    Parameters
-    ----------
-    run, rig : Run, Rig
-        What oscillates.
-    motion : State
-        Of midship.
-    """
-    inertia = inertia_force(motion, rig)
-    if run.forces == "balance":
-        return inertia
-    return {name: np.zeros_like(x) for name, x in inertia.items()}

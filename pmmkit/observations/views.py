@@ -311,6 +311,24 @@ def _elsewhere(
     return 0.0 * one, "unknown"
 
 
+def scale_of(channel: str, views: Sequence[View]) -> float:
+    """Root mean square of a force over U², of the views that have it [N/(m/s)²].
+
+    Parameters
+    ----------
+    channel : str
+        X, Y, N or K.
+    views : sequence of View
+        Runs; all harmonics of one count together.
+    """
+    sizes = [
+        float(np.linalg.norm(view.force[channel])) / view.speed**2
+        for view in views
+        if channel in view.force
+    ]
+    return float(np.sqrt(np.mean(np.square(sizes))))
+
+
 def repeat_scatter(views: Sequence[View]) -> dict[str, float]:
     """Standard deviation of one run's harmonics over U² by channel, from runs that were repeated.
 

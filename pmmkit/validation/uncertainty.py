@@ -12,8 +12,8 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.hull import regressors
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, moments_of_sway
-from pmmkit.observations.stated import altered, inertia_inside, nominal_path
+from pmmkit.observations.inertia import Rig, as_read, inertia_inside
+from pmmkit.observations.stated import altered, nominal_path
 from pmmkit.observations.views import View
 from pmmkit.validation.prediction import Forces, Predictor
 
@@ -56,7 +56,7 @@ def stated_share(
         Standard uncertainties, sources added in squares.
     """
     square = {name: np.zeros(view.rows) for name in view.force}
-    read = _as_read(view, rig)
+    read = as_read(view.force, view.run, view.motion, rig, view.project)
     for source in sources:
         change = _change(view, rig, forces, source, water_rho, predicted, read)
         for name, moved in change.items():
@@ -79,14 +79,6 @@ def _change(
     if found.rig is not rig:
         return _by_rig(view, rig, forces, found.rig)
     return found.force
-
-
-def _as_read(view: View, rig: Rig) -> dict[str, Array]:
-    """Harmonics as the balance showed them, inertia inside and moments about their own point."""
-    inside = inertia_inside(view.run, view.motion, rig)
-    read = {name: x - view.project(inside[name]) for name, x in view.force.items()}
-    more = moments_of_sway(read["Y"], rig) if "Y" in read else {}
-    return {name: x - more[name] if name in more else x for name, x in read.items()}
 
 
 def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:

@@ -26,7 +26,7 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, Problem
 from pmmkit.models import Model, load_model
-from pmmkit.observations.views import View, views_of
+from pmmkit.observations.views import View, scale_of, views_of
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
 from pmmkit.structures import Structure, structure_of, structures
@@ -246,11 +246,8 @@ def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) ->
 
 def _scales(views: Sequence[View]) -> dict[str, float]:
     """Root mean square of the force over U² by channel."""
-    sizes: dict[str, list[float]] = {}
-    for view in views:
-        for name, values in view.force.items():
-            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
-    return {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
+    names = dict.fromkeys(name for view in views for name in view.force)
+    return {name: scale_of(name, views) for name in names}
 
 
 def _usable(views: Sequence[View], noise: float | None) -> list[View]:
