@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import UnknownNameError
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.ship import Ship, Water
@@ -53,30 +54,6 @@ class Correction:
     def applies_to(self, run_id: str) -> bool:
         """Whether a run is meant."""
         return any(fnmatch.fnmatchcase(run_id, pattern) for pattern in self.runs)
-
-
-@dataclass(frozen=True, kw_only=True)
-class TypeB:
-    """A standard uncertainty that the user states (GUM type B).
-
-    Parameters
-    ----------
-    name : str
-        ``X_gauge`` (``Y_``, ``N_``, ``K_``), or a setting: ``drift``, ``heel``, ``rudder``,
-        ``speed``, ``period``, ``amplitude``, ``yaw_amplitude``, ``phase``, ``rho``, ``mass``,
-        ``xG``, ``Izz``, ``moment_reference_x``, ``motion_reference_x``.
-    std : float
-        Standard uncertainty, SI (radians); a share where `relative`.
-    relative : bool
-        True for a gain: a share of the value.
-    shared : bool
-        True if all runs have the same error, False if each run draws its own.
-    """
-
-    name: str
-    std: float
-    relative: bool = False
-    shared: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

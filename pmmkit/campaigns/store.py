@@ -16,8 +16,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, TypeVar, cast
 
-from pmmkit.campaigns.run import Campaign, Correction, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import atomic_path
 from pmmkit.json_text import to_json

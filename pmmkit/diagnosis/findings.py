@@ -12,7 +12,7 @@ from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.models import Model
 from pmmkit.models.step import odds
-from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
+from pmmkit.presentation import WIDE, Cell, Described, Grid, Group, Section, counted, number
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,8 +26,6 @@ VERDICTS: Final[Mapping[Verdict, str]] = {
     "missing_effect": "An effect is missing.",
     "unexplained": "Something is missing, and it is not in the catalogue.",
 }
-WIDE: Final = 1.96
-"""Standard deviations of half of a 95 % interval."""
 LARGE: Final = 3.0
 """Times its usual size from which a coefficient is pointed at."""
 _HEAD: Final = ("coefficient", "value", "95 %", "usual size", "")
@@ -64,6 +62,9 @@ class Finding(Described):
     error_before, error_after : float
         Held-out error without and with it, over the rms force, over all channels; of free-running
         records that of the heading [deg].
+    beside : bool
+        Whether the coefficients are what comes to values that the model has, as free-running
+        records tell; captive tests tell the whole of terms that the model lacks.
     errors : mapping of channel to (before, after)
         The same by channel [N, N m]; of free-running records heading [deg] and speed [m/s].
     """
@@ -82,6 +83,7 @@ class Finding(Described):
     separating_test: str
     error_before: float = math.nan
     error_after: float = math.nan
+    beside: bool = False
     errors: Mapping[str, tuple[float, float]] = field(default_factory=_none)
 
     @property
@@ -336,7 +338,8 @@ class Diagnosis(Described):
         ]
 
     def to_pandas(self) -> pd.DataFrame:
-        """Every single effect: family, ln evidence, signal at usual size, what could hide."""
+        """Every single effect: family, ln evidence (NaN where these runs cannot ask for it), signal
+        at usual size, what could hide."""
         import pandas as pd
 
         single = {item.names[0]: item.log_evidence for item in self.entries if len(item.names) == 1}
@@ -345,7 +348,7 @@ class Diagnosis(Described):
                 {
                     "effect": item.name,
                     "family": item.family,
-                    "log_evidence": single[item.name],
+                    "log_evidence": single.get(item.name, math.nan),
                     "signal": item.signal,
                     "size_that_could_hide": item.hides,
                     "shown": item.shown,

@@ -14,8 +14,8 @@ def squat(
 
     Examples
     --------
-    >>> squat(0.2, 5.0, 0.25, 0.0)
-    (0.05, 0.0)
+    >>> squat(0.5, 4.0, 0.25, 0.0)
+    (0.25, 0.0)
     """
     square = Fn * Fn
     return sinkage_per_Fn2 * d * square, trim_deg_per_Fn2 * square * 0.017453292519943295

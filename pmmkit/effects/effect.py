@@ -107,6 +107,17 @@ class Parameter:
         return length + time / 2 + 3 * mass
 
 
+def unit_is_known(unit: str) -> bool:
+    """Whether a parameter may have a unit.
+
+    Examples
+    --------
+    >>> unit_is_known("N m"), unit_is_known("knots")
+    (True, False)
+    """
+    return unit in _DIMENSIONS
+
+
 def _none() -> Mapping[str, Any]:
     return MappingProxyType({})
 

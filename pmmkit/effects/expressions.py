@@ -133,8 +133,8 @@ def written(
     Examples
     --------
     >>> drag = written("keel", [("Y", "a*beyond(v, edge)", 0)], ["a"], ["edge"])
-    >>> drag.function("keel")(2.0, 4.0, 1000.0, 1.0, -0.01, 0.1)
-    (-128.0,)
+    >>> drag.function("keel")(v=0.5, U=1.0, L=4.0, rho=1000.0, a=-0.01, edge=0.25)
+    (-20.0,)
     """
     writer = _Writer(name=name, coefficients=tuple(coefficients), parameters=tuple(parameters))
     sums: dict[str, str] = {}

@@ -95,6 +95,7 @@ _TERMS: Final = {
     "Nccd": "rudder moment",
     "Nccbbd": "rudder moment lost with drift",
 }
+_UNITS: Final = {"cun": "m", "cnn": "m2"}
 _SHALLOW: Final = {
     "Yccbbdz": "Yccbbd per ζ",
     "Nccbbdz": "Nccbbd per ζ",
@@ -119,7 +120,10 @@ TANKER_BIS: Final = Effect(
     "system).",
     parameters=(
         Parameter(name="t", text="thrust deduction fraction", low=-0.99, high=0.99),
-        *(Parameter(name=name, text=text) for name, text in _TERMS.items()),
+        *(
+            Parameter(name=name, text=text, unit=_UNITS.get(name, "-"))
+            for name, text in _TERMS.items()
+        ),
         *(Parameter(name=name, text=text, default=0.0) for name, text in _SHALLOW.items()),
         Parameter(
             name="Yuvz_limit",

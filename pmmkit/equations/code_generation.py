@@ -22,8 +22,8 @@ PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
 CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
-ENGINE: Final = ("integrator.py", "queries.py")
-ESTIMATING: Final = ("integrator.py", "estimators.py")
+ENGINE: Final = ("equilibrium.py", "integrator.py", "queries.py")
+ESTIMATING: Final = ("equilibrium.py", "integrator.py", "estimators.py")
 ENTRIES: Final = (
     "rates",
     "complete",
@@ -355,8 +355,7 @@ def _functions(files: tuple[str, ...]) -> str:
             node.returns = None
             node.body = node.body[1:] if ast.get_docstring(node) else node.body
             mark = "@entry" if node.name in ENTRIES else "@inner"
-            if node.name != "vector":
-                parts.append(f"{mark}\n{ast.unparse(node)}\n")
+            parts.append(f"{mark}\n{ast.unparse(node)}\n")
     return "\n".join(parts)
 
 

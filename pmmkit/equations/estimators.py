@@ -17,8 +17,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.integrator import NS
 from pmmkit.equations.layouts import Constant, InputField, OverGround, State, Status
+from pmmkit.equations.stand_ins import NS
 
 Array = NDArray[np.float64]
 Places = NDArray[np.int64]

@@ -8,18 +8,8 @@ from __future__ import annotations
 
 import math
 
-from pmmkit.equations.integrator import (
-    N_AT,
-    NS,
-    STRIDE,
-    control,
-    dense,
-    rates,
-    root,
-    run,
-    settle,
-    vector,
-)
+from pmmkit.equations.equilibrium import settle
+from pmmkit.equations.integrator import control, dense, root, run
 from pmmkit.equations.layouts import (
     Ask,
     Control,
@@ -31,6 +21,7 @@ from pmmkit.equations.layouts import (
     Status,
     StepField,
 )
+from pmmkit.equations.stand_ins import N_AT, NS, STRIDE, rates, vector
 
 
 def peak(steps: list[float], at: int, state: int, side: float, low: float, high: float) -> float:

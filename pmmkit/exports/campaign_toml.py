@@ -6,8 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.corrections import OF_SAMPLES
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.exports.text import comment, written_by
 from pmmkit.toml_files import toml_text
@@ -48,14 +49,6 @@ _SHIP: Final = {
     "block_stated": "CB",
 }
 _WATER: Final = ("rho", "g", "nu", "depth", "tank_width", "tank_depth")
-_SUFFIXES: Final = {
-    "drift": "_deg",
-    "heel": "_deg",
-    "rudder": "_deg",
-    "yaw_amplitude": "_deg",
-    "phase": "_deg",
-    "amplitude": "_m",
-}
 
 
 def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) -> str:
@@ -209,15 +202,14 @@ def _trial(campaign: Campaign) -> dict[str, Any]:
 def _uncertainty(stated: tuple[TypeB, ...]) -> dict[str, Any]:
     found: dict[str, list[dict[str, Any]]] = {}
     for item in stated:
-        suffix = _SUFFIXES.get(item.name, "")
         std: float = item.std
         if item.relative:
             std = _before(lambda percent: percent / 100, std, 100 * std)
-        elif suffix == "_deg":
+        elif item.kind.unit == "deg":
             std = _before(lambda degrees: degrees * (math.pi / 180), std, math.degrees(std))
         unit = {"unit": "%"} if item.relative else {}
         entry = {"std": std, **unit, "shared": item.shared}
-        found.setdefault(item.name + suffix, []).append(entry)
+        found.setdefault(item.kind.key, []).append(entry)
     return {name: items[0] if len(items) == 1 else items for name, items in found.items()}
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
+from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.hull import HULL
 from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, TableError
 from pmmkit.exports.text import comment, plain, written_by
@@ -34,7 +36,7 @@ _HULL: Final = (
 )
 _ADDED: Final = ("Xudot", "Yvdot", "Nrdot")
 _TAKEN: Final = frozenset({"Xuu", *_HULL, *_ADDED})
-_PARTS: Final = ("hull_polynomial", "added_mass", "propeller", "rudder_mmg")
+_PARTS: Final = (HULL, INERTIA, "propeller", "rudder_mmg")
 _TITLE: Final = "shipmmg takes models of the structure mmg with propeller and rudder_mmg only"
 _DIFFERENT: Final = (
     "What shipmmg 0.0.11 computes otherwise than pmmkit: the wake in a turn is "
@@ -84,9 +86,9 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     Fn = model.ship.froude(at, model.water.g)
     hull, screw, blade = (
         model.values(effect, Fn if model.Fn else None)
-        for effect in ("hull_polynomial", "propeller", "rudder_mmg")
+        for effect in (HULL, "propeller", "rudder_mmg")
     )
-    mmg = _as_mmg(model, {**hull, **_derivatives(model, "added_mass", Fn)})
+    mmg = _as_mmg(model, {**hull, **_derivatives(model, INERTIA, Fn)})
     limits = steering(model)
     lines = [
         *comment(

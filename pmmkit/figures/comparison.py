@@ -2,32 +2,26 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
-from pmmkit.figures.comparison_free import force_residuals, sailed
+from pmmkit.figures.comparison_free import force_residuals
 from pmmkit.numerics import Array
+from pmmkit.observations.prepare import places_of
 from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.comparison import Comparison
-from pmmkit.validation.misfit import Cell, order_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-LEVELS: Final = (0.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 1e9)
-"""Steps of the colours, in units of the expanded uncertainty."""
-SHADES: Final = ("#f4f4f4", "#e2e6ea", "#fbe3bd", "#f5b971", "#e3871c", "#c0501f", "#8f1f1f")
 MEASURED, PREDICTED = style.ORDERED[0], style.ORDERED[2]
-ENDINGS: Final = {1: "st", 2: "nd", 3: "rd"}
 FINE: Final = 241
 """Points of a loop."""
 THIN: Final = 400
@@ -43,9 +37,11 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
         From `compare`.
     """
     if not comparison.captive:
-        worst = max(comparison.free, key=lambda run: run.motion_errors()["heading"][0])
-        return {"sailed": sailed(worst), "force_residuals": force_residuals(worst)}
-    found = {"misfit": misfit_map(comparison), "residuals": residuals_over(comparison)}
+        return {
+            "sailed": comparison.plot(),
+            "force_residuals": force_residuals(comparison.worst_record()),
+        }
+    found = {"misfit": comparison.plot(), "residuals": residuals_over(comparison)}
     dynamic = [run for run in comparison.captive if run.view.run.dynamic]
     if dynamic:
         found["loops"] = loops(worst_of_each_test(dynamic))
@@ -72,110 +68,6 @@ def _worst(runs: Sequence[CaptiveRun]) -> CaptiveRun:
     return max(runs, key=misfit)
 
 
-def misfit_map(comparison: Comparison) -> Figure:
-    """The map of misfit: a panel a channel, test types down, harmonics and speeds across.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Of captive tests.
-
-    Returns
-    -------
-    Figure
-        Numbers are the error in units of the expanded uncertainty; below 1 nothing can be said.
-    """
-    from matplotlib.colors import BoundaryNorm, ListedColormap
-
-    cells = comparison.cells()
-    channels = list(dict.fromkeys(cell.channel for cell in cells))
-    rows = {
-        channel: list(dict.fromkeys(cell.test for cell in cells if cell.channel == channel))
-        for channel in channels
-    }
-    columns = sorted({_column(cell) for cell in cells})
-    heights = [len(tests) for tests in rows.values()]
-    with style.styled():
-        figure = style.canvas(1.3 + 0.3 * len(channels) + 0.27 * sum(heights))
-        axes = figure.subplots(len(channels), 1, squeeze=False, sharex=True, height_ratios=heights)[
-            :, 0
-        ]
-        norm, shades = BoundaryNorm(LEVELS, len(SHADES)), ListedColormap(SHADES)
-        image: Any = None
-        for axis, (channel, tests) in zip(axes, rows.items(), strict=True):
-            values = np.full((len(tests), len(columns)), np.nan)
-            for cell in cells:
-                if cell.channel == channel:
-                    place = tests.index(cell.test), columns.index(_column(cell))
-                    values[place] = np.fmax(values[place], cell.ratio)
-            image = axis.pcolormesh(
-                np.ma.masked_invalid(values),
-                cmap=shades,
-                norm=norm,
-                edgecolors="white",
-                linewidth=1.2,
-            )
-            _write_numbers(axis, values)
-            axis.grid(False)
-            axis.invert_yaxis()
-            axis.set_yticks(np.arange(len(tests)) + 0.5, [kind_of(test).title for test in tests])
-            axis.tick_params(length=0)
-            axis.spines[:].set_visible(False)
-            axis.set_ylabel(channel, rotation=0, fontsize=13, fontweight="bold", labelpad=12)
-        _name_harmonics(axes[0], [harmonic for harmonic, _ in columns])
-        for axis in axes:
-            _part_harmonics(axis, [harmonic for harmonic, _ in columns])
-        axes[-1].set_xticks(
-            np.arange(len(columns)) + 0.5,
-            [f"{speed:.3g}" for _, speed in columns],
-            rotation=90 if len(columns) > 18 else 0,
-        )
-        axes[-1].set_xlabel("speed [m/s]")
-        bar = figure.colorbar(
-            image, ax=list(axes), shrink=0.7, pad=0.01, spacing="uniform", ticks=LEVELS[:-1]
-        )
-        bar.set_label("error over expanded uncertainty [-]")
-        bar.outline.set_visible(False)
-        bar.ax.set_yticklabels([f"{level:g}" for level in LEVELS[:-1]])
-    return figure
-
-
-def _column(cell: Cell) -> tuple[int, float]:
-    """Harmonic and speed to three digits."""
-    return cell.harmonic, float(f"{cell.speed:.3g}")
-
-
-def _write_numbers(axis: Axes, values: Array) -> None:
-    size = 7.5 if values.shape[1] <= 20 else 6.0
-    for row, column in np.argwhere(np.isfinite(values)).tolist():
-        value = float(values[row, column])
-        axis.text(
-            column + 0.5,
-            row + 0.5,
-            f"{value:.0f}" if value >= 9.95 else f"{value:.1f}",
-            ha="center",
-            va="center",
-            fontsize=size,
-            color="white" if value >= 8.0 else style.INK if value >= 1.0 else "#8a8a8a",
-        )
-
-
-def _name_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
-    for harmonic in dict.fromkeys(harmonics):
-        at = [place for place, other in enumerate(harmonics) if other == harmonic]
-        words = order_words(harmonic) if len(at) > 4 else order_words(harmonic).split()[0]
-        if len(at) < 2 < len(harmonics):
-            words = f"{harmonic}{ENDINGS.get(harmonic, 'th')}" if harmonic else words
-        axis.text(float(np.mean(at)) + 0.5, -0.25, words, ha="center", va="bottom", fontsize=9)
-    axis.text(-0.2, -0.25, "harmonic", ha="right", va="bottom", fontsize=9)
-
-
-def _part_harmonics(axis: Axes, harmonics: Sequence[int]) -> None:
-    for place, (one, other) in enumerate(itertools.pairwise(harmonics), start=1):
-        if one != other:
-            axis.axvline(place, color="white", lw=4.0)
-
-
 def loops(runs: Sequence[CaptiveRun]) -> Figure:
     """Hysteresis loops: force over velocity in a cycle, measured and predicted.
 
@@ -199,7 +91,7 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             x, what = _velocity(run)
             order = max(int(label[1:]) for label in run.view.labels)
             theta = np.linspace(0.0, 2 * np.pi, FINE)
-            basis = design_matrix(theta, order)[:, _places(run)]
+            basis = design_matrix(theta, order)[:, places_of(run.view.labels)]
             whole = (
                 design_matrix(theta, order)
                 @ np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
@@ -221,13 +113,6 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
-
-
-def _places(run: CaptiveRun) -> list[int]:
-    """Columns of a basis C0, C1, S1 … that the run's harmonics use."""
-    return [
-        0 if label == "C0" else 2 * int(label[1:]) - (label[0] == "C") for label in run.view.labels
-    ]
 
 
 def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
@@ -351,7 +236,7 @@ def _residual(
     whole = np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
     axis.plot(
         basis @ whole,
-        scale * (basis[:, _places(run)] @ run.error(channel)),
+        scale * (basis[:, places_of(run.view.labels)] @ run.error(channel)),
         lw=0.8,
         alpha=0.8,
         **look,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from pmmkit.plotting import style
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
 from pmmkit.validation.uncertainty import COVERAGE
@@ -14,48 +12,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MEASURED, SIMULATED = style.ORDERED[0], style.ORDERED[2]
-
-
-def sailed(run: FreeRun) -> Figure:
-    """Track, heading, speed and yaw rate, measured and with the measured rudder simulated.
-
-    Parameters
-    ----------
-    run : FreeRun
-        From `compare`.
-
-    Returns
-    -------
-    Figure
-    """
-    m, p = run.measured, run.predicted
-    t = run.t - run.t[0]
-    histories = (
-        ("heading ψ [deg]", np.degrees(m["psi"]), np.degrees(p["psi"])),
-        ("speed [m/s]", np.hypot(m["u"], m["v"]), np.hypot(p["u"], p["v"])),
-        ("yaw rate r [deg/s]", np.degrees(m["r"]), np.degrees(p["r"])),
-    )
-    with style.styled():
-        figure = style.canvas(6.2)
-        left, right = np.asarray(figure.subfigures(1, 2)).tolist()
-        track = left.subplots()
-        track.plot(m["y"], m["x"], color=MEASURED, label="measured")
-        track.plot(p["y"], p["x"], color=SIMULATED, ls="--", label="simulated, measured rudder")
-        track.plot(m["y"][:1], m["x"][:1], ls="", marker="o", color=style.INK, label="start")
-        track.set_aspect("equal", adjustable="datalim")
-        track.set_xlabel("y, east [m]")
-        track.set_ylabel("x, north [m]")
-        track.set_title(f"{run.run.kind_of_test.title} {run.name}")
-        axes = right.subplots(4, 1, sharex=True)
-        for axis, (what, measured, simulated) in zip(axes[:3], histories, strict=True):
-            axis.plot(t, measured, color=MEASURED)
-            axis.plot(t, simulated, color=SIMULATED, ls="--")
-            axis.set_ylabel(what)
-        axes[3].plot(t, np.degrees(run.delta), color=style.INK, lw=1.0)
-        axes[3].set_ylabel("rudder δ [deg]")
-        axes[3].set_xlabel("time [s]")
-        left.legend(*track.get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    return figure
 
 
 def force_residuals(run: FreeRun) -> Figure:

@@ -14,6 +14,7 @@ from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE
 from pmmkit.signals import design_matrix
 from pmmkit.tables import DerivativeTable
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_TWO_SIDED: Final = 1.96
 _ROOMY: Final = 40
 """Points of one Froude number from which on their marks shrink."""
 _POINTS: Final = 1500
@@ -121,7 +121,7 @@ def forces_over_drift(
                 axis.errorbar(
                     np.degrees(group.drift),
                     scale * group.force[channel],
-                    np.nan_to_num(_TWO_SIDED * scale * group.std[channel]),
+                    np.nan_to_num(WIDE * scale * group.std[channel]),
                     ls="",
                     marker=style.marker(number),
                     color=style.colour(number),
@@ -179,7 +179,7 @@ def _curve(
     design = scale * design[:, acting]
     value = design @ table.value[row, columns]
     covariance = table.covariance[row, columns][:, row, columns]
-    half = _TWO_SIDED * np.sqrt(np.einsum("ij,jk,ik->i", design, covariance, design).clip(0))
+    half = WIDE * np.sqrt(np.einsum("ij,jk,ik->i", design, covariance, design).clip(0))
     axis.plot(np.degrees(drift), value, color=colour, lw=1.3)
     axis.fill_between(np.degrees(drift), value - half, value + half, color=colour, alpha=0.18, lw=0)
 

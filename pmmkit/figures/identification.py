@@ -1,4 +1,4 @@
-"""Identification: parameters before and after, over time, innovations, and a predicted window."""
+"""Identification: parameters over time, innovations, and a predicted window."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import UnknownNameError
 from pmmkit.identification.consistency import autocorrelation
 from pmmkit.plotting import style
+from pmmkit.plotting.identification import parameter_symbol
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,12 +22,8 @@ if TYPE_CHECKING:
 
     from pmmkit.identification.comparing import PredictedWindow
     from pmmkit.identification.filters import Filtered
-    from pmmkit.identification.methods import Identified
     from pmmkit.identification.record import FreeRecord
 
-_WIDE: Final = 1.96
-_FARTHEST: Final = 6.0
-"""Distance from the prior, in its standard deviations, up to which values are drawn."""
 _COLUMNS: Final = 3
 _LAGS: Final = 40
 _AXES: Final = {
@@ -41,108 +39,6 @@ _AXES: Final = {
     "ydot": "dy/dt",
     "sog": "speed over ground",
 }
-
-
-def identified_parameters(found: Sequence[Identified]) -> Figure:
-    """Intervals of 95 % before and after, per parameter and method.
-
-    Parameters
-    ----------
-    found : sequence of Identified
-        Results of one method or several, from the same prior.
-
-    Returns
-    -------
-    Figure
-        Each parameter less its prior mean, over the standard deviation of the prior; values beyond
-        the axis are arrows with their number. Open markers: not determined by the records.
-
-    Raises
-    ------
-    DataError
-        If nothing is given.
-    """
-    if not found:
-        raise DataError("There is no result to draw.")
-    names = list(dict.fromkeys(name for item in found for name in item.names))
-    ends = [
-        end for item in found for end in np.concatenate(_ends(item)).tolist() if math.isfinite(end)
-    ]
-    limit = min(max([2.4, *(abs(end) for end in ends)]) * 1.05, _FARTHEST)
-    with style.styled():
-        figure = style.canvas(0.9 + (0.16 + 0.13 * len(found)) * len(names), 7.2)
-        axis = figure.subplots()
-        places = np.arange(len(names), dtype=float)
-        axis.barh(
-            places,
-            2 * _WIDE,
-            left=-_WIDE,
-            height=0.82,
-            color="#e6e6e6",
-            label="prior, 95 %",
-            zorder=0,
-        )
-        axis.axvline(0.0, color=style.REFERENCE, lw=1.0, ls="--", zorder=1)
-        for number, item in enumerate(found):
-            shift = 0.66 * ((number + 0.5) / len(found) - 0.5)
-            at = np.array([places[names.index(name)] for name in item.names]) + shift
-            _intervals(axis, item, at, number, limit)
-        axis.set_yticks(places, [_symbol(name, found[0].model.convention) for name in names])
-        axis.set_ylim(len(names) - 0.4, -0.6)
-        axis.set_xlim(-limit, limit)
-        axis.grid(visible=False, axis="y")
-        axis.set_xlabel("(value - prior mean) / standard deviation of the prior [-]")
-        style.legend_below(figure, [axis], columns=3)
-    return figure
-
-
-def _ends(item: Identified) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values and ends of their intervals on the scale of the prior."""
-    value = (item.values - item.prior.mean) / item.prior.std
-    half = _WIDE * item.std / item.prior.std
-    return value, value - half, value + half
-
-
-def _intervals(axis: Axes, item: Identified, at: np.ndarray, number: int, limit: float) -> None:
-    colour = style.colour(number)
-    value, low, high = _ends(item)
-    axis.hlines(at, low.clip(-limit, limit), high.clip(-limit, limit), color=colour, lw=1.6)
-    inside = np.abs(value) <= limit
-    seen = np.array([name not in item.unseen for name in item.names])
-    for kept, face in ((inside & seen, colour), (inside & ~seen, "white")):
-        axis.plot(
-            value[kept],
-            at[kept],
-            ls="",
-            marker=style.marker(number),
-            color=colour,
-            ms=4.5,
-            markerfacecolor=face,
-            label=f"{item.method}, 95 %" if face == colour else None,
-            zorder=3,
-        )
-    for x, y in zip(value[~inside], at[~inside], strict=True):
-        if math.isnan(x):
-            continue
-        right = bool(x > 0)
-        axis.plot(
-            limit if right else -limit,
-            y,
-            marker=">" if right else "<",
-            color=colour,
-            clip_on=False,
-            zorder=4,
-        )
-        axis.annotate(
-            f"{x:.3g}",
-            (limit if right else -limit, y),
-            xytext=(-8 if right else 8, 0),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            va="center",
-            fontsize=8,
-            color=colour,
-        )
 
 
 def parameter_histories(
@@ -191,8 +87,8 @@ def parameter_histories(
         axes = grid.ravel()
         for axis, name in zip(axes, shown, strict=False):
             i = found.names.index(name)
-            half = _WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
-            mean, wide = found.prior.mean[i], _WIDE * found.prior.std[i]
+            half = WIDE * np.sqrt(np.maximum(spreads[:, i], 0.0))
+            mean, wide = found.prior.mean[i], WIDE * found.prior.std[i]
             axis.axhspan(
                 mean - wide, mean + wide, color="#ececec", lw=0, zorder=0, label="prior, 95 %"
             )
@@ -209,7 +105,7 @@ def parameter_histories(
             axis.plot(t, histories[:, i], color=style.colour(0), label=f"{found.method}")
             for start in starts[1:]:
                 axis.axvline(start, color="#999999", lw=0.8, ls=":")
-            axis.set_title(f"{_symbol(name, convention or Convention())} [{_unit(name)}]")
+            axis.set_title(f"{parameter_symbol(name, convention or Convention())} [{_unit(name)}]")
             axis.set_xlim(t[0], t[-1])
             axis.locator_params(axis="y", nbins=4)
         for axis in axes[len(shown) :]:
@@ -374,14 +270,6 @@ def _one_after_another(records: Sequence[FreeRecord]) -> tuple[np.ndarray, list[
         parts.append(item.t - item.t[0] + end)
         end = float(parts[-1][-1])
     return np.concatenate(parts), starts
-
-
-def _symbol(name: str, convention: Convention) -> str:
-    """A derivative in mathematical text, other parameters as they are called."""
-    try:
-        return style.symbol(name, convention)
-    except UnknownNameError:
-        return name
 
 
 def _unit(name: str) -> str:

@@ -15,7 +15,7 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.errors import DataError, ModelError, PmmkitError, UnknownNameError
 from pmmkit.identification.binding import AROUND, bound, driven
 from pmmkit.identification.filters import STEP
-from pmmkit.identification.methods import METHODS, WIDE, Identified, identify
+from pmmkit.identification.methods import METHODS, Identified, identify
 from pmmkit.identification.parameters import places
 from pmmkit.identification.predict import Prediction, predict
 from pmmkit.identification.prior import Prior, asked_names, prior_of
@@ -24,11 +24,21 @@ from pmmkit.identification.smoother import Smoothed
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
-from pmmkit.presentation import Described, Grid, Group, Section, counted, number, with_uncertainty
+from pmmkit.presentation import (
+    WIDE,
+    Described,
+    Grid,
+    Group,
+    Section,
+    counted,
+    number,
+    with_uncertainty,
+)
 from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 BEFORE: Final = "before"
 """The model as it was, among the methods."""
@@ -91,6 +101,12 @@ class MethodComparison(Described):
             for run, errors in (*item.errors.items(), ("all", item.pooled()))
         ]
         return pd.DataFrame(rows, columns=["model", "run", "window", *UNITS, "windows"])
+
+    def plot(self) -> Figure:
+        """Intervals of 95 % before and after, by method."""
+        from pmmkit.plotting.identification import parameters
+
+        return parameters(list(self.found.values()), self.model.convention)
 
     def _headline(self) -> str:
         failed = f", FAILED: {', '.join(self.failed)}" if self.failed else ""

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from pmmkit.conventions import canonical
+from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.identification.binding import AROUND
 from pmmkit.identification.parameters import places
@@ -44,7 +45,7 @@ def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
     ('Yvvr', 'rudder_mmg.aH')
     """
     if asked is None:
-        return tuple(model.part("hull_polynomial", "identification").values)
+        return tuple(model.part(HULL, "identification").values)
     if not asked:
         raise DataError("Name at least one parameter, such as --derivatives 'Yv Yr Nv Nr'.")
     there = _fittable(model)

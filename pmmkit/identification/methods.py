@@ -23,17 +23,16 @@ from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.step import Step
 from pmmkit.numerics import Array
-from pmmkit.presentation import Described, Grid, Group, Section, counted, with_uncertainty
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 FAR: Final = 4.0
 """Standard deviations from the prior from which a value is pointed at."""
 POINTED_AT: Final = 3.0
 """The same of a report."""
-WIDE: Final = 1.96
-"""Standard deviations of half of a 95 % interval."""
 WHITE: Final = 1.5
 """Variance of the residuals over that of white ones up to which they count as white."""
 METHODS: Final = ("ekf", "ukf", "trajectory", "regression", "sindy")
@@ -103,6 +102,17 @@ class Identified(Described):
             if ratio > POINTED_AT and name not in gone
         )
 
+    def scaled(self) -> tuple[Array, Array]:
+        """Values less their prior means, and half of their 95 % intervals, over the prior's std."""
+        std = self.prior.std
+        return (self.values - self.prior.mean) / std, WIDE * self.std / std
+
+    def plot(self) -> Figure:
+        """Intervals of 95 % before and after."""
+        from pmmkit.plotting.identification import parameters
+
+        return parameters([self], self.model.convention)
+
     def cell(self, name: str) -> str:
         """A value with half of its 95 % interval, or why there is none."""
         if name not in self.names:
@@ -165,8 +175,8 @@ class Identified(Described):
                 "prior_std": self.prior.std,
                 "value": self.values,
                 "std": self.std,
-                "ci_low": self.values - 1.96 * self.std,
-                "ci_high": self.values + 1.96 * self.std,
+                "ci_low": self.values - WIDE * self.std,
+                "ci_high": self.values + WIDE * self.std,
                 "std_over_prior": self.std / self.prior.std,
                 "seen": [name not in self.unseen for name in self.names],
             },

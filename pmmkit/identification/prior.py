@@ -8,6 +8,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.effects.hull import HULL
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import AROUND
@@ -51,7 +52,7 @@ class Prior:
 
 def asked_names(model: Model, names: Sequence[str] | None) -> tuple[str, ...]:
     """The names asked for; all derivatives of the hull where none are."""
-    return tuple(model.parts["hull_polynomial"].values if names is None else names)
+    return tuple(model.parts[HULL].values if names is None else names)
 
 
 def prior_of(

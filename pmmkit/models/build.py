@@ -10,7 +10,9 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.conventions import parse_derivative
-from pmmkit.effects.added_mass import dimensional
+from pmmkit.effects.added_mass import INERTIA, dimensional
+from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import MissingPartError, ModelError, Problem, TableError
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
@@ -95,17 +97,17 @@ def to_model(
     assumed = dict.fromkeys(zeroed, "assumed: zero")
     lent = dict.fromkeys(borrowed, f"library: {donor.name}")
     own = {
-        "hull_polynomial": Part(
-            effect="hull_polynomial",
+        HULL: Part(
+            effect=HULL,
             values=MappingProxyType(hull),
             source=origin,
             sources=MappingProxyType({k: v for k, v in assumed.items() if k in hull}),
         ),
-        "added_mass": Part(
-            effect="added_mass",
+        INERTIA: Part(
+            effect=INERTIA,
             values=MappingProxyType(mass),
             source=origin,
-            references=donor.parts["added_mass"].references if borrowed else (),
+            references=donor.parts[INERTIA].references if borrowed else (),
             sources=MappingProxyType({k: v for k, v in (assumed | lent).items() if k in mass}),
         ),
     }
@@ -113,7 +115,7 @@ def to_model(
     others = {
         key: donor.parts[key]
         for key in donor.parts
-        if key not in own and key != "rudder_abkowitz" and (rolls or key != "roll")
+        if key not in own and key != RUDDER_POLYNOMIAL and (rolls or key != ROLL_PART)
     }
     names = tuple(item for item in taken)
     if zeroed:
@@ -251,7 +253,7 @@ def _way_out(refused: list[str], table: DerivativeTable) -> Problem:
 
 
 def _borrow(name: str, table: DerivativeTable, donor: Model) -> float | None:
-    value = donor.parts["added_mass"].values.get(name) if "added_mass" in donor.parts else None
+    value = donor.parts[INERTIA].values.get(name) if INERTIA in donor.parts else None
     if not isinstance(value, float):
         return None
     theirs = dimensional(name, ship=donor.ship, water=donor.water, convention=donor.convention)

@@ -33,6 +33,10 @@ class Found(Protocol):
     def value(self) -> float:
         """Grid value of its nonlinear parameter."""
 
+    @property
+    def beside(self) -> bool:
+        """Whether the coefficients come to values that the model has."""
+
 
 Named = str | Effect | Found
 Sizes = Mapping[str, float] | Literal["typical"] | None
@@ -96,10 +100,12 @@ def with_effect(
         raise ModelError("Coefficients and values are given for one effect at a time.")
     for item in several:
         asked = _asked(item, coefficients, value, tuple(float(x) for x in Fn), source)
-        if asked.effect.enters:
-            model = _with_part(model, asked)
-        elif asked.effect.kind == "freed":
+        beside = not isinstance(item, (str, Effect)) and item.beside
+        there = asked.name in model.parts or not asked.effect.enters
+        if asked.effect.kind == "freed" or (beside and there):
             model = _with_moved(model, asked)
+        elif asked.effect.enters:
+            model = _with_part(model, asked)
         else:
             model = with_terms(model, asked)
     return model

@@ -5,6 +5,10 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from pmmkit.bibliography import cite
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import (
     METHODS,
     RUDDER_SOURCES,
@@ -115,7 +119,7 @@ def estimated_model(
         hull_sources.append("ittc_1957")
     parts = (
         Part(
-            effect="hull_polynomial",
+            effect=HULL,
             values=MappingProxyType(hull),
             source=f"empirical: {guess.source}",
             references=tuple(dict.fromkeys(hull_sources)),
@@ -124,18 +128,18 @@ def estimated_model(
             ),
         ),
         Part(
-            effect="added_mass",
+            effect=INERTIA,
             values=MappingProxyType(mass),
             source=f"empirical: {cite(guess.sources[1])}",
             references=guess.sources[1:],
         ),
         Part(
-            effect="propeller",
+            effect=PROPELLER.name,
             values=MappingProxyType(screw),
             source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
         ),
         Part(
-            effect="rudder_mmg",
+            effect=RUDDER_MMG.name,
             options=MappingProxyType({"inflow": "mmg"}),
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",

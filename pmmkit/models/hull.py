@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from pmmkit.conventions import parse_derivative
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.errors import UnknownNameError
 from pmmkit.models.model import Model
 from pmmkit.models.store import load_model
@@ -32,7 +34,7 @@ def hull_table(model: Model | str | Path) -> DerivativeTable:
     """
     loaded = model if isinstance(model, Model) else load_model(model)
     values: dict[str, float | Sequence[float]] = {}
-    for effect in ("hull_polynomial", "added_mass"):
+    for effect in (HULL, INERTIA):
         given = loaded.parts[effect].values if effect in loaded.parts else {}
         values |= {name: value for name, value in given.items() if _named(name)}
     return from_values(

@@ -20,11 +20,9 @@ from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
-from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 
-WIDE: Final = 1.96
-"""Standard deviations of half of a 95 % interval."""
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
 FN_TOLERANCE: Final = 1e-3
 """Share of a Froude number by which a speed may lie beside the range of the values."""
@@ -38,20 +36,20 @@ def _frozen() -> Mapping[str, Any]:
 class Part:
     """One effect of a model with its values.
 
-        Parameters
-        ----------
-        effect : str
-            Name in the catalogue.
-        values : mapping of str to float or tuple of float
-            Parameters and derivatives; a tuple holds a value per Froude number of the model.
-        options : mapping of str to str
-            Words that choose a form of the effect.
-        source : str
-            Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
-        references : tuple of str
-            The same as keys of the bibliography, where it stands there.
-        sources : mapping of str to str
-            In words for single values, where it differs.
+    Parameters
+    ----------
+    effect : str
+        Name in the catalogue.
+    values : mapping of str to float or tuple of float
+        Parameters and derivatives; a tuple holds a value per Froude number of the model.
+    options : mapping of str to str
+        Words that choose a form of the effect.
+    source : str
+        Where the values come from: ``measured: …``, ``library: …``, ``empirical: …``.
+    references : tuple of str
+        The same as keys of the bibliography, where it stands there.
+    sources : mapping of str to str
+        In words for single values, where it differs.
     text : str
         The words of a user that the effect was made from; empty for one of the catalogue.
     """

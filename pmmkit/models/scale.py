@@ -210,9 +210,7 @@ def full_scale(
         for m, s in zip(of_model, of_ship, strict=True)
     ]
     parts = dict(carried.parts)
-    parts["hull_polynomial"] = _changed(
-        carried, "hull_polynomial", "Xuu", lambda value, i: min(value + less[i], 0.0)
-    )
+    parts[HULL] = _changed(carried, HULL, "Xuu", lambda value, i: min(value + less[i], 0.0))
     friction: dict[str, Value] = {
         "form": k,
         "wetted": surface,

@@ -2,44 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import dataclass
 
 import numpy as np
 
-from pmmkit.campaigns.motion.kinematics import move_motion, nominal_motion
-from pmmkit.campaigns.run import Campaign, TypeB
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
-from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, inertia_force
-from pmmkit.observations.prepare import GRID, Prepared, RunResult
-from pmmkit.signals import design_matrix
-
-SETTINGS: Final = (
-    "speed",
-    "drift",
-    "heel",
-    "rudder",
-    "propeller_rps",
-    "period",
-    "amplitude",
-    "yaw_amplitude",
-    "phase",
-    "yaw_rate",
-    "radius",
-)
-RIG: Final = {
-    "mass": "mass",
-    "Izz": "Izz",
-    "xG": "xG",
-    "moment_reference_x": "moment_x",
-    "motion_reference_x": "motion_x",
-}
-
+from pmmkit.numerics import Array
+from pmmkit.observations.inertia import Rig, inertia_inside
+from pmmkit.observations.prepare import Prepared, RunResult
+from pmmkit.observations.stated import altered, nominal_path
 
 ROUNDING = 1e-12
 """Harmonics of a regressor below this share of its largest sample are rounding."""
@@ -178,10 +154,9 @@ def sensitivity(
     names: Mapping[str, Sequence[str]],
     convention: Convention,
 ) -> Sensitivity:
-    """Finite differences of a run's equations with respect to one source of uncertainty.
+    """How a run's equations change with one source of uncertainty, as `altered` says.
 
-    Settings act on the nominal motion at the same phase; the gauges act on the channel as
-    measured, before moments are moved to midship.
+    Where run or rig are others, by differences on the nominal motion at the same phase.
 
     Parameters
     ----------
@@ -193,112 +168,37 @@ def sensitivity(
         As in `rows_of`.
     """
     result = rows.result
-    labels = result.labels
-    none = {channel: np.zeros(len(labels)) for channel in rows.force}
-    flat = {channel: np.zeros_like(design) for channel, design in rows.design.items()}
-    if source.name.endswith("_gauge"):
-        channel = source.name[0]
-        if channel not in result.measured:
-            return Sensitivity(source=source, force=none, design=flat, names=names)
-        step = _gauge_step(result, channel, source)
-        moved = _with_gauge(none, channel, step, rig)
-        return Sensitivity(source=source, force=moved, design=flat, names=names)
-    if source.name == "rho":
-        share = source.std if source.relative else source.std / campaign.water.rho
-        return Sensitivity(
-            source=source,
-            force=none,
-            design={channel: share * design for channel, design in rows.design.items()},
-            names=names,
-        )
-    changed = _perturbed(result, source, rig)
-    if changed is None:
-        return Sensitivity(source=source, force=none, design=flat, names=names)
-    projection = _grid_projection(result)
-    before = _equations(result, rig, projection, campaign, names, convention)
-    after = _equations(*changed, projection, campaign, names, convention)
-    return Sensitivity(
-        source=source,
-        force={channel: after[0][channel] - before[0][channel] for channel in rows.force},
-        design={channel: after[1][channel] - before[1][channel] for channel in names},
-        names=names,
+    force = {channel: np.zeros(len(result.labels)) for channel in rows.force}
+    design = {channel: np.zeros_like(columns) for channel, columns in rows.design.items()}
+    found = altered(
+        source, result.run, rig, labels=result.labels, force=result.measured, rho=campaign.water.rho
     )
+    if found is not None:
+        force |= {channel: x for channel, x in found.force.items() if channel in force}
+        if found.density:
+            design = {channel: found.density * x for channel, x in rows.design.items()}
+        if found.run is not result.run or found.rig is not rig:
+            before, after = (
+                _nominal(run, own, result.labels, campaign, names, convention)
+                for run, own in ((result.run, rig), (found.run, found.rig))
+            )
+            force = {channel: after[0][channel] - before[0][channel] for channel in force}
+            design = {channel: after[1][channel] - before[1][channel] for channel in names}
+    return Sensitivity(source=source, force=force, design=design, names=names)
 
 
-def _gauge_step(result: RunResult, channel: str, source: TypeB) -> Array:
-    if source.relative:
-        return source.std * np.nan_to_num(result.measured[channel])
-    step = np.zeros(len(result.labels))
-    step[0] = source.std
-    return step
-
-
-def _with_gauge(none: Mapping[str, Array], channel: str, step: Array, rig: Rig) -> dict[str, Array]:
-    moved = dict(none)
-    moved[channel] = step
-    if channel == "Y":
-        for moment, arm in (("N", rig.moment_x), ("K", -rig.moment_z)):
-            if moment in moved:
-                moved[moment] = arm * step
-    return moved
-
-
-def _grid_projection(result: RunResult) -> Array:
-    if not result.run.dynamic:
-        return np.ones((1, 1))
-    order = (len(result.labels) - 1) // 2
-    return projector(design_matrix(_grid(), order))
-
-
-def _grid() -> Array:
-    return np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
-
-
-def _nominal(result: RunResult) -> State:
-    """Nominal motion on one cycle (one instant for a static run)."""
-    run = result.run
-    omega = run.settings.omega
-    if not result.run.dynamic or omega is None:
-        return nominal_motion(run, np.zeros(1))
-    return nominal_motion(run, (_grid() - run.settings.phase) / omega)
-
-
-def _perturbed(result: RunResult, source: TypeB, rig: Rig) -> tuple[RunResult, Rig] | None:
-    """The run and the rig with one standard deviation of error; None where it cannot act."""
-    if source.name in RIG:
-        field = RIG[source.name]
-        return result, replace(rig, **{field: _stepped(getattr(rig, field), source)})
-    settings = result.run.settings
-    value = getattr(settings, source.name) if source.name in SETTINGS else None
-    if value is None:
-        return None
-    change: dict[str, Any] = {source.name: _stepped(value, source)}
-    run = result.run.with_(settings=replace(settings, **change))
-    return replace(result, run=run), rig
-
-
-def _stepped(value: float, source: TypeB) -> float:
-    return value * (1 + source.std) if source.relative else value + source.std
-
-
-def _equations(
-    result: RunResult,
+def _nominal(
+    run: Run,
     rig: Rig,
-    projection: Array,
+    labels: Sequence[str],
     campaign: Campaign,
     names: Mapping[str, Sequence[str]],
     convention: Convention,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Force correction and regressors on the nominal motion."""
-    midship = move_motion(_nominal(result), rig.motion_x)
-    size = len(result.labels)
-    force = {channel: np.zeros(size) for channel in result.measured}
-    for moment, arm in (("N", rig.moment_x), ("K", -rig.moment_z)):
-        if moment in force and "Y" in force:
-            force[moment] = arm * np.nan_to_num(result.measured["Y"])
-    if result.run.forces == "balance":
-        inertia = inertia_force(midship, rig)
-        force = {channel: force[channel] + projection @ inertia[channel] for channel in force}
-    speed = result.run.settings.speed
-    design = _design(projection, names, midship, speed, campaign, convention)
-    return force, design
+    """Inertia inside the forces, and regressors, on the nominal motion."""
+    path = nominal_path(run, rig, labels)
+    inside = inertia_inside(run, path.motion, rig)
+    return (
+        {channel: path.projection @ x for channel, x in inside.items()},
+        _design(path.projection, names, path.motion, run.settings.speed, campaign, convention),
+    )

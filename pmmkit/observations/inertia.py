@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from pmmkit.campaigns.run import Campaign
+import numpy as np
+
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 
@@ -85,6 +87,63 @@ def inertia_force(motion: State, rig: Rig) -> dict[str, Array]:
     }
 
 
+def inertia_inside(run: Run, motion: State, rig: Rig) -> dict[str, Array]:
+    """The inertia that the balance feels, zero where the forces are those of the water alone.
+
+    Parameters
+    ----------
+    run, rig : Run, Rig
+        What oscillates.
+    motion : State
+        Of midship.
+    """
+    inertia = inertia_force(motion, rig)
+    if run.forces == "balance":
+        return inertia
+    return {name: np.zeros_like(x) for name, x in inertia.items()}
+
+
+def force_of_water(
+    read: Mapping[str, Array],
+    run: Run,
+    motion: State,
+    rig: Rig,
+    project: Callable[[Array], Array] = np.asarray,
+) -> dict[str, Array]:
+    """Forces of the water at midship from what was read.
+
+    Parameters
+    ----------
+    read : mapping of channel to array
+        Samples or harmonics as measured [N, N m].
+    run, rig : Run, Rig
+        What oscillates, and whether its inertia is inside.
+    motion : State
+        Of midship at the samples.
+    project : callable
+        From samples to what `read` holds.
+    """
+    force = at_midship(read, rig)
+    if run.forces == "hydrodynamic":
+        return force
+    inertia = inertia_force(motion, rig)
+    return {name: x + project(inertia[name]) for name, x in force.items()}
+
+
+def as_read(
+    force: Mapping[str, Array],
+    run: Run,
+    motion: State,
+    rig: Rig,
+    project: Callable[[Array], Array] = np.asarray,
+) -> dict[str, Array]:
+    """What was read, from the forces of the water at midship: undoes `force_of_water`."""
+    inside = inertia_inside(run, motion, rig)
+    read = {name: x - project(inside[name]) for name, x in force.items()}
+    more = moments_of_sway(read["Y"], rig) if "Y" in read else {}
+    return {name: x - more[name] if name in more else x for name, x in read.items()}
+
+
 def at_midship(force: Mapping[str, Array], rig: Rig) -> dict[str, Array]:
     """Moments moved from their reference point to midship: N + x Y, K - z Y.
 
@@ -95,9 +154,21 @@ def at_midship(force: Mapping[str, Array], rig: Rig) -> dict[str, Array]:
     rig : Rig
         Its `moment_x`, `moment_z` are used.
     """
-    moved = dict(force)
-    if "Y" in force:
-        for channel, arm in (("N", rig.moment_x), ("K", -rig.moment_z)):
-            if channel in force and arm:
-                moved[channel] = force[channel] + arm * force["Y"]
-    return moved
+    if "Y" not in force:
+        return dict(force)
+    more = moments_of_sway(force["Y"], rig)
+    return {name: x + more[name] if name in more else x for name, x in force.items()}
+
+
+def moments_of_sway(force: Array, rig: Rig) -> dict[str, Array]:
+    """Moments about midship of a sway force at the point of the moments, where they differ.
+
+    Parameters
+    ----------
+    force : array
+        Sway force, any shape [N].
+    rig : Rig
+        Its `moment_x`, `moment_z` are used.
+    """
+    arms = {"N": rig.moment_x, "K": -rig.moment_z}
+    return {name: arm * force for name, arm in arms.items() if arm}

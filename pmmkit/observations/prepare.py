@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -21,7 +21,7 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError, Problem
 from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, at_midship, inertia_force
+from pmmkit.observations.inertia import Rig, force_of_water
 from pmmkit.signals import (
     Harmonics,
     Mean,
@@ -128,11 +128,13 @@ class Prepared:
 
     def water_force(self, rig: Rig) -> dict[str, Array]:
         """Harmonics of the force of the water on the hull at midship [N, N m]."""
-        force = at_midship(self.result.measured, rig)
-        if self.result.run.forces == "hydrodynamic":
-            return force
-        inertia = inertia_force(self.motion_at_midship(rig), rig)
-        return {name: force[name] + self.projection @ inertia[name] for name in force}
+        return force_of_water(
+            self.result.measured,
+            self.result.run,
+            self.motion_at_midship(rig),
+            rig,
+            self.projection.__matmul__,
+        )
 
 
 def label_harmonics(order: int) -> tuple[str, ...]:
@@ -144,6 +146,23 @@ def label_harmonics(order: int) -> tuple[str, ...]:
     ('C0', 'C1', 'S1')
     """
     return ("C0", *(f"{kind}{n}" for n in range(1, order + 1) for kind in "CS"))
+
+
+def places_of(labels: Sequence[str]) -> list[int]:
+    """Where harmonics stand among C0, C1, S1, C2 …
+
+    Examples
+    --------
+    >>> places_of(("C0", "S1", "C2"))
+    [0, 2, 3]
+    """
+    every = label_harmonics(max(int(label[1:]) for label in labels))
+    return [every.index(label) for label in labels]
+
+
+def one_cycle() -> Array:
+    """Phases of the motion on which it is evaluated where there is no record [rad]."""
+    return np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
 
 
 def prepare(
@@ -328,7 +347,7 @@ def _from_harmonics(
 ) -> Prepared:
     del cycles
     order = int(data["harmonic"].values.max())
-    theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
+    theta = one_cycle()
     basis = design_matrix(theta, order)
     omega = run.settings.omega
     if omega is None:

@@ -297,7 +297,7 @@ def _elsewhere(
     one = np.eye(view.rows)
     if channel in scatter:
         return (scatter[channel] * view.speed**2) ** 2 * one, "repeats"
-    stated = [item for item in campaign.uncertainty if item.name == f"{channel}_gauge"]
+    stated = [item for item in campaign.uncertainty if item.kind.channel == channel]
     if stated:
         variance = sum(
             (item.std * view.force[channel]) ** 2
@@ -309,6 +309,24 @@ def _elsewhere(
     if channel in campaign.numerical:
         return campaign.numerical[channel] ** 2 * one, "numerical"
     return 0.0 * one, "unknown"
+
+
+def scale_of(channel: str, views: Sequence[View]) -> float:
+    """Root mean square of a force over U², of the views that have it [N/(m/s)²].
+
+    Parameters
+    ----------
+    channel : str
+        X, Y, N or K.
+    views : sequence of View
+        Runs; all harmonics of one count together.
+    """
+    sizes = [
+        float(np.linalg.norm(view.force[channel])) / view.speed**2
+        for view in views
+        if channel in view.force
+    ]
+    return float(np.sqrt(np.mean(np.square(sizes))))
 
 
 def repeat_scatter(views: Sequence[View]) -> dict[str, float]:

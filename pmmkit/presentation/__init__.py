@@ -14,6 +14,7 @@ from pmmkit.presentation.layout import (
 )
 from pmmkit.presentation.numbers import (
     ABSENT,
+    WIDE,
     counted,
     number,
     percent,
@@ -23,6 +24,7 @@ from pmmkit.presentation.numbers import (
 
 __all__ = [
     "ABSENT",
+    "WIDE",
     "Cell",
     "Described",
     "Grid",

@@ -7,6 +7,8 @@ from typing import Final, Literal
 
 ABSENT: Final = "–"
 """What stands where there is no value."""
+WIDE: Final = 1.96
+"""Standard deviations of half of a 95 % interval."""
 Style = Literal["parentheses", "plus-minus"]
 
 

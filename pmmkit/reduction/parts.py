@@ -19,6 +19,7 @@ from pmmkit.effects.state import State
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Part
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
 
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
@@ -30,8 +31,8 @@ FADES: Final = 2.0
 """C1 of the wake where the drift tests do not determine how fast it fades."""
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Parts:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Parts(Described):
     """Propeller and rudder as the tests have them.
 
     Parameters
@@ -51,6 +52,31 @@ class Parts:
     std: Mapping[str, float]
     notes: tuple[str, ...]
     runs: Mapping[str, int]
+
+    def _headline(self) -> str:
+        both = (self.propeller, self.rudder)
+        return " and ".join(
+            f"{part.effect} ({counted(len(part.values), 'value')})" for part in both
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        groups = []
+        for part in (self.propeller, self.rudder):
+            rows = []
+            for name, value in part.values.items():
+                ends = value if isinstance(value, tuple) else (value,)
+                std = self.std.get(name, math.nan)
+                told = [with_uncertainty(x, WIDE * std, "plus-minus") for x in (ends[0], ends[-1])]
+                rows.append([name, " … ".join(dict.fromkeys(told)), part.source_of(name)])
+            groups.append(Group(title=part.effect, rows=rows))
+        head = ["", "value ± half of the 95 % interval", "source"]
+        table = Grid(head=head, groups=groups, texts=(2,))
+        steps = [f"{step}: {counted(count, 'run')}" for step, count in self.runs.items()]
+        return [
+            Section(tables=[table]),
+            *([Section(title="Runs behind each step", points=steps)] if steps else []),
+            *([Section(title="Notes", points=self.notes)] if self.notes else []),
+        ]
 
 
 @dataclass(frozen=True, kw_only=True)

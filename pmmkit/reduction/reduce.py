@@ -16,6 +16,7 @@ from pmmkit.errors import CampaignError
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.prepare import CycleChoice, RunResult
+from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.methods import by_family, by_run
@@ -214,6 +215,7 @@ def reduce_campaign(
     remarks = (
         *(note for item in results for note in item.notes),
         *notes(solution, rows),
+        *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
         *_tank(campaign, blockage),
     )
     return Reduction(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
@@ -13,8 +12,6 @@ from pmmkit.plotting.style import svg
 from pmmkit.presentation import Picture, Section, counted
 from pmmkit.report.page import page
 from pmmkit.version import __version__
-
-WIDE: Final = 1.96
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

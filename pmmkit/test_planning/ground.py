@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.diagnosis.captive.asked import contestants
+from pmmkit.diagnosis.captive.asked import eligible
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
@@ -165,7 +165,7 @@ def _with_tests(
     views = system.views
     offered = _offered(options, limits, system.base)
     speeds = [*(view.speed for view in views), *limits.speeds]
-    every = _contestants(system.base, speeds, candidates)
+    every = _candidates_of(system.base, speeds, candidates)
     channels = tuple(c.name for c in system.channels)
     base = _ruddered(system.base, structure, offered, channels)
     planned = _views(offered, base, measured_noise(views), campaign.motion_reference_x)
@@ -179,7 +179,7 @@ def _with_tests(
     )
     values = {name: [b.value for b in best_blocks(system, name, 2)] for name in given}
     made = tuple(dict.fromkeys(view.run.id for view in views))
-    return _ground(rows.knowing(values), made, offered, every, given, system)
+    return _ground(rows.condition_on(values), made, offered, every, given, system)
 
 
 def _before_tests(
@@ -200,11 +200,11 @@ def _before_tests(
     scale = {c.name: c.scale for c in channels_of(rough, base)}
     size = {name: x * base.reference**2 for name, x in scale.items()}
     planned = _views(offered, base, stated_noise(size, noise), 0.0)
-    every = _contestants(base, limits.speeds, candidates)
+    every = _candidates_of(base, limits.speeds, candidates)
     rows = rows_of(planned, base, every, floor=floor, scatter=Scatter(), scale=scale)
     grids = {c.name: c.grid for c in every}
     values = {name: grids[name][len(grids[name]) // 2 :][:1] for name in given if name in grids}
-    return _ground(rows.knowing(values), (), offered, every, given, None)
+    return _ground(rows.condition_on(values), (), offered, every, given, None)
 
 
 def _ground(
@@ -246,10 +246,10 @@ def _views(offered: Sequence[Option], base: Base, noise: NoiseOf, motion_x: floa
     ]
 
 
-def _contestants(
+def _candidates_of(
     base: Base, speeds: Sequence[float], candidates: Sequence[Candidate] | None
 ) -> tuple[Candidate, ...]:
     if candidates is not None:
         return tuple(candidates)
-    every = contestants(base, sorted({round(speed, 6) for speed in speeds}))
+    every = eligible(base, sorted({round(speed, 6) for speed in speeds}))
     return tuple(drawn_once(item) for item in every)

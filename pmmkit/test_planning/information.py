@@ -71,7 +71,7 @@ class Rows:
         """Number of the candidates' columns."""
         return len(self.centre)
 
-    def knowing(self, values: Mapping[str, Sequence[float]]) -> Rows:
+    def condition_on(self, values: Mapping[str, Sequence[float]]) -> Rows:
         """Rows for a base that has effects, at some values of their grids; others take part."""
         own = [b.places for b in self.blocks if b.value in values.get(b.candidate.name, ())]
         return replace(

@@ -15,6 +15,8 @@ from pmmkit.campaigns.motion.nominal import nominal_motion
 from pmmkit.campaigns.run import Run
 from pmmkit.conventions import Convention, parse_derivative
 from pmmkit.diagnosis.captive.base import Base
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.errors import UnknownNameError
 from pmmkit.models import Model
 from pmmkit.numerics import Array, projector
@@ -235,7 +237,7 @@ def base_of(model: Model, speeds: Sequence[float]) -> Base:
         If the model's convention has no such form.
     """
     given: dict[str, float | Sequence[float]] = {}
-    for effect in ("hull_polynomial", "added_mass"):
+    for effect in (HULL, INERTIA):
         if effect in model.parts:
             given |= {name: x for name, x in model.parts[effect].values.items() if _named(name)}
     table = converted(

@@ -3,19 +3,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
+from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.metrics import IN_LENGTHS, metric_of, unit_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
 from pmmkit.simulation.imo import Verdict
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+SHOWN: Final[Mapping[str, tuple[str, ...]]] = {
+    TURNING.name: (
+        "advance",
+        "transfer",
+        "tactical_diameter",
+        "steady_diameter",
+        "speed_loss",
+        "time_90",
+        "time_180",
+    ),
+    ZIGZAG.name: (
+        "overshoot_1_deg",
+        "overshoot_2_deg",
+        "overshoot_3_deg",
+        "time_execute_2",
+        "time_execute_3",
+        "reach",
+        "period",
+        "initial_turning_distance",
+    ),
+    STOPPING.name: ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
+}
+"""Measures that are told, by test; `Trial.rows` has all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,8 +67,8 @@ class Wind:
         return f"{self.speed:.1f} m/s from {self.direction_deg:03.0f}° (± {self.spread:.1f} m/s)"
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Trial:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Trial(Described):
     """A turning circle, zigzag or stop as it was measured.
 
     Parameters
@@ -130,6 +157,57 @@ class Trial:
             )
         return found
 
+    def _headline(self) -> str:
+        rudder = "" if self.test == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
+        std = f" ± {self.speed_std:.2f}" if math.isfinite(self.speed_std) else ""
+        return (
+            f"{self.run}: {self.test}{rudder}, approach {self.speed:.2f}{std} m/s on "
+            f"{self.heading_deg:05.1f}°"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        told = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]
+        if self.current is not None:
+            told.append(
+                f"Current {self.current.speed:.3f} ± {self.current.speed_std:.3f} m/s to "
+                f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
+            )
+        if self.wind is not None:
+            told.append(f"Wind {self.wind}")
+        conditions = dict.fromkeys(text for item in self.verdicts for text in item.conditions)
+        notes = [*self.notes, *conditions]
+        return [
+            Section(paragraphs=told),
+            Section(title="Measures", tables=[self._measures()]),
+            *([Section(title="Notes", points=notes)] if notes else []),
+        ]
+
+    def _measures(self) -> Grid:
+        """The main measures beside their limits."""
+        limits = {row["measure"]: row for row in self.rows()}
+        rows = [
+            [*self._cells(name), *_limit(limits.get(f"{name}_L", limits[name]))]
+            for name in SHOWN.get(self.test, ())
+            if name in self.metrics
+        ]
+        head = ["measure", "value", "std", "in L", "limit", ""]
+        return Grid(head=head, groups=[Group(rows=rows)])
+
+    def _cells(self, name: str) -> list[str]:
+        value, std, unit = self.metrics[name], self.std[name], unit_of(name)
+        digits = 3 if unit == "-" else 1
+        shown = "°" if unit == "deg" else "" if unit == "-" else f" {unit}"
+        label = name.removesuffix("_deg").replace("_", " ")
+        if not math.isfinite(value):
+            return [label, ABSENT, ABSENT, ABSENT]
+        length = self.metrics.get(f"{name}_L")
+        return [
+            label,
+            f"{value:.{digits}f}{shown}",
+            f"{std:.{digits}f}{shown}",
+            "" if length is None else f"{length:.2f} L",
+        ]
+
     def to_pandas(self) -> pd.DataFrame:
         """The rows as a table."""
         import pandas as pd
@@ -163,6 +241,14 @@ class Trial:
 
         names = ("t", "x", "y", "psi", "x_ground", "y_ground", "delta")
         return pd.DataFrame({name: getattr(self, name) for name in names})
+
+
+def _limit(row: Mapping[str, Any]) -> list[str]:
+    if not math.isfinite(row["limit"]):
+        return ["", ""]
+    unit = " L" if row["unit"] == "L" else "°"
+    word = {True: "met", False: "NOT met", None: "not judged"}[row["passed"]]
+    return [f"{row['limit']:.4g}{unit}", word]
 
 
 class Measures:

@@ -9,10 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, at_midship, inertia_force, rig_of
+from pmmkit.observations.inertia import Rig, force_of_water, rig_of
+from pmmkit.observations.stated import idle
 from pmmkit.observations.views import View, repeat_scatter, views_of
 from pmmkit.progress import Progress
 from pmmkit.validation.prediction import Forces, Predictor, in_the_tank
@@ -81,13 +83,12 @@ class CaptiveRun:
         data = run.data
         times = np.asarray(data["t"].values, float)
         cut = np.searchsorted(times - times[0], view.t - 1e-9)
-        force = at_midship(
-            {name: np.asarray(data[name].values, float)[cut] for name in "XYNK" if name in data},
+        force = force_of_water(
+            {name: np.asarray(data[name].values, float)[cut] for name in CHANNELS if name in data},
+            run,
+            view.motion,
             rig,
         )
-        if run.forces == "balance":
-            inertia = inertia_force(view.motion, rig)
-            force = {name: x + inertia[name] for name, x in force.items()}
         return {"t": view.t} | {
             key: values
             for name in self.channels
@@ -135,9 +136,12 @@ def compare_captive(
         If the model is of another ship.
     """
     predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
-    notes = list(predictor.notes)
     rig = rig_of(campaign)
     views = views_of(campaign, unknown_noise=True, pieces=False)
+    notes = [
+        *predictor.notes,
+        *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),
+    ]
     scatter = repeat_scatter(views)
     scale = scales(views)
     found: list[CaptiveRun] = []
@@ -193,7 +197,7 @@ def _compared(
         view,
         rig,
         forces,
-        [item for item in sources if not (item.name.endswith("_gauge") and item.name[0] in told)],
+        [item for item in sources if item.kind.channel not in told],
         campaign.water.rho,
         predicted,
     )

@@ -34,6 +34,7 @@ from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 MOST: Final = 12
 """Sentences of a report; `Comparison.standouts` has all of them."""
@@ -125,6 +126,22 @@ class Comparison(Described):
             "manoeuvres": [row for item in self.manoeuvres for row in item.rows()],
             "notes": list(self.notes),
         }
+
+    def plot(self) -> Figure:
+        """The map of misfit; of free-running tests the record that is predicted worst."""
+        from pmmkit.plotting.comparison import misfit_map, sailed
+
+        if self.captive:
+            found = self.cells()
+            titles = {cell.test: kind_of(cell.test).title for cell in found}
+            return misfit_map(found, titles, order_words)
+        worst = self.worst_record()
+        title = f"{worst.run.kind_of_test.title} {worst.name}"
+        return sailed(title, worst.t, worst.measured, worst.predicted, worst.delta)
+
+    def worst_record(self) -> FreeRun:
+        """The free-running record whose heading is predicted worst."""
+        return max(self.free, key=lambda run: run.motion_errors()["heading"][0])
 
     def _headline(self) -> str:
         rows = self.rows()

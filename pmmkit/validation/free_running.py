@@ -25,6 +25,7 @@ from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
 from pmmkit.metrics import unit_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array, rms
+from pmmkit.observations.stated import idle
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
 from pmmkit.simulation.simulate import simulate
@@ -213,6 +214,7 @@ def compare_free(
         If the model is of another ship.
     """
     made, notes = as_tested(model, campaign)
+    notes += idle(campaign.uncertainty, ())
     runs: list[FreeRun] = []
     manoeuvres: list[Manoeuvre] = []
     reasons: list[str] = []

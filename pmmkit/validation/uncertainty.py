@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.kinematics import move_motion, nominal_motion
-from pmmkit.campaigns.run import Campaign, TypeB
+from pmmkit.campaigns.motion.kinematics import move_motion
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.hull import regressors
-from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, inertia_force
+from pmmkit.numerics import Array
+from pmmkit.observations.inertia import Rig, as_read, inertia_inside
+from pmmkit.observations.stated import altered, nominal_path
 from pmmkit.observations.views import View
-from pmmkit.signals import design_matrix
 from pmmkit.validation.prediction import Forces, Predictor
 
 Share = Mapping[str, Array]
@@ -24,22 +23,6 @@ COVERAGE: Final = 2.0
 """Expanded uncertainty over standard uncertainty."""
 SHARES: Final = ("noise", "scatter", "stated", "model", "numerical", "floor")
 """What a validation uncertainty is made of."""
-GRID: Final = 120
-"""Instants of a cycle at which a changed setting is felt."""
-_RIG: Final = {"mass": "mass", "Izz": "Izz", "xG": "xG"}
-_SETTINGS: Final = (
-    "speed",
-    "drift",
-    "heel",
-    "rudder",
-    "propeller_rps",
-    "period",
-    "amplitude",
-    "yaw_amplitude",
-    "phase",
-    "yaw_rate",
-    "radius",
-)
 
 
 def stated_share(
@@ -73,8 +56,9 @@ def stated_share(
         Standard uncertainties, sources added in squares.
     """
     square = {name: np.zeros(view.rows) for name in view.force}
+    read = as_read(view.force, view.run, view.motion, rig, view.project)
     for source in sources:
-        change = _change(view, rig, forces, source, water_rho, predicted)
+        change = _change(view, rig, forces, source, water_rho, predicted, read)
         for name, moved in change.items():
             if name in square:
                 square[name] = square[name] + moved**2
@@ -82,81 +66,45 @@ def stated_share(
 
 
 def _change(
-    view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share
-) -> dict[str, Array]:
-    """Change of the difference by one standard uncertainty of one source."""
-    if source.name.endswith("_gauge"):
-        return _by_gauge(view, rig, source)
-    if source.name == "rho":
-        share = source.std if source.relative else source.std / rho
-        return {name: share * predicted[name] for name in view.force}
-    if source.name == "moment_reference_x" and "Y" in view.force:
-        return {"N": source.std * view.force["Y"]}
-    if source.name in _RIG:
-        if view.run.forces != "balance":
-            return {}
-        value = getattr(rig, _RIG[source.name])
-        heavier = replace(rig, **{_RIG[source.name]: _stepped(value, source)})
-        before, after = inertia_force(view.motion, rig), inertia_force(view.motion, heavier)
-        return {name: view.project(before[name] - after[name]) for name in view.force}
-    return _by_setting(view, rig, forces, source)
-
-
-def _by_gauge(view: View, rig: Rig, source: TypeB) -> dict[str, Array]:
-    channel = source.name[0]
-    if channel not in view.force:
+    view: View, rig: Rig, forces: Forces, source: TypeB, rho: float, predicted: Share, read: Share
+) -> Share:
+    """Change of the difference by one standard uncertainty of one source, whatever its sign."""
+    found = altered(source, view.run, rig, labels=view.labels, force=read, rho=rho)
+    if found is None:
         return {}
-    step = np.zeros(view.rows)
-    if source.relative:
-        step = source.std * view.force[channel]
-    elif "C0" in view.labels:
-        step[view.labels.index("C0")] = source.std
-    moved = {channel: step}
-    if channel == "Y":
-        moved |= {
-            name: arm * step for name, arm in (("N", rig.moment_x), ("K", -rig.moment_z)) if arm
-        }
-    return moved
+    if found.density:
+        return {name: found.density * x for name, x in predicted.items()}
+    if found.run is not view.run:
+        return _by_setting(view, rig, forces, found.run)
+    if found.rig is not rig:
+        return _by_rig(view, rig, forces, found.rig)
+    return found.force
 
 
-def _by_setting(view: View, rig: Rig, forces: Forces, source: TypeB) -> dict[str, Array]:
+def _by_setting(view: View, rig: Rig, forces: Forces, run: Run) -> dict[str, Array]:
     """The nominal motion with another setting: prediction, less the inertia on the balance."""
-    settings = view.run.settings
-    value = getattr(settings, source.name) if source.name in _SETTINGS else None
-    if value is None:
-        return {}
-    changed: dict[str, Any] = {source.name: _stepped(value, source)}
-    runs = (view.run, view.run.with_(settings=replace(settings, **changed)))
-    theta: Array = np.zeros(1)
-    if view.run.dynamic:
-        theta = np.arange(GRID, dtype=np.float64) * (2 * math.pi / GRID)
-    order = max((int(label[1:]) for label in view.labels), default=0)
-    rows = [_place(label) for label in view.labels]
-    projection = (
-        projector(design_matrix(theta, order))[rows] if view.run.dynamic else np.ones((1, 1))
+    paths = [nominal_path(one, rig, view.labels) for one in (view.run, run)]
+    before, after = (
+        _less(forces(path.motion, path.t), inertia_inside(run, path.motion, rig)) for path in paths
     )
-    found = []
-    for run in runs:
-        omega = run.settings.omega or 1.0
-        motion = move_motion(
-            nominal_motion(run, (theta - run.settings.phase) / omega), rig.motion_x
-        )
-        force = forces(motion, theta / omega)
-        if run.forces == "balance":
-            inertia = inertia_force(motion, rig)
-            force = {name: x - inertia[name] for name, x in force.items()}
-        found.append(force)
-    return {name: projection @ (found[1][name] - found[0][name]) for name in view.force}
+    return {name: paths[0].projection @ (after[name] - before[name]) for name in view.force}
 
 
-def _place(label: str) -> int:
-    """Where a harmonic stands among C0, C1, S1, C2, S2 …"""
-    order = int(label[1:])
-    return 0 if order == 0 else 2 * order - (label[0] == "C")
+def _by_rig(view: View, rig: Rig, forces: Forces, other: Rig) -> dict[str, Array]:
+    """The motion as measured with another rig: prediction, less the inertia on the balance."""
+    shift = other.motion_x - rig.motion_x
+    moved = move_motion(view.motion, shift)
+    change = _less(
+        inertia_inside(view.run, view.motion, rig), inertia_inside(view.run, moved, other)
+    )
+    if shift:
+        here, there = (forces(motion, view.instants) for motion in (view.motion, moved))
+        change = {name: x + (there[name] - here[name]) for name, x in change.items()}
+    return {name: view.project(change[name]) for name in view.force}
 
 
-def _stepped(value: float, source: TypeB) -> float:
-    return value * (1 + source.std) if source.relative else value + source.std
+def _less(first: Share, second: Share) -> dict[str, Array]:
+    return {name: x - second[name] for name, x in first.items()}
 
 
 def model_share(view: View, predictor: Predictor, Fn: float) -> dict[str, Array]:

@@ -69,7 +69,7 @@ def campaign(runs: int) -> Campaign:
     return made
 
 
-def contestants(count: int, speeds: Sequence[float]) -> list[Candidate]:
+def eligible(count: int, speeds: Sequence[float]) -> list[Candidate]:
     """The catalogue, cut or filled up with polynomials."""
     known = captive_candidates(tuple(speeds))
     factors = ("v", "r", "|v|", "|r|")
@@ -97,7 +97,7 @@ def main() -> None:
         made = campaign(runs)
         speeds = sorted({round(run.settings.speed, 6) for run in made.runs})[:3]
         for effects in o.effects:
-            candidates = contestants(effects, speeds)
+            candidates = eligible(effects, speeds)
             times = []
             for _ in range(o.rounds if runs <= 100 else 1):
                 start = time.process_time()

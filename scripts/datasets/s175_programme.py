@@ -15,7 +15,8 @@ import xarray as xr
 from scripts.datasets.s175_truth import Truth
 from scripts.datasets.virtual_tank import SHIP, WATER, history, motion, water_forces
 
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.campaigns.settings import Settings
 
 SPEEDS = (1.0, 1.5, 2.0)

@@ -12,6 +12,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.cli import main
+from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.figures import identification as drawings
 from pmmkit.figures import save
@@ -22,6 +23,7 @@ from pmmkit.identification.known import known_before, parameters_of
 from pmmkit.identification.methods import METHODS
 from pmmkit.identification.predict import reference
 from pmmkit.identification.record import FreeRecord
+from pmmkit.plotting.identification import parameters
 
 SHIP, SPEED = "kvlcc2-l7", 1.179
 NOISE = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05)}
@@ -487,7 +489,7 @@ def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_pat
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         figures = {
-            "parameters": drawings.identified_parameters(items),
+            "parameters": parameters(items, items[0].model.convention),
             "history": drawings.parameter_histories(filtered, records[:3]),
             "innovations": drawings.innovation_figure(filtered, records[:3], "ZZ20"),
             "window": drawings.window_figure(predicted_window(models, references, window=50)),
@@ -510,7 +512,7 @@ def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_pat
 def test_figures_say_what_is_not_there(compared, records):
     filtered = compared[0].found["ekf"].detail
     with pytest.raises(DataError, match="no result"):
-        drawings.identified_parameters([])
+        parameters([], Convention())
     with pytest.raises(UnknownNameError, match="there are Yv"):
         drawings.parameter_histories(filtered, records[:3], names=["Yq"])
     with pytest.raises(UnknownNameError, match="there are ZZ10"):

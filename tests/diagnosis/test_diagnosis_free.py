@@ -12,17 +12,22 @@ import pmmkit as pk
 from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.evidence import basis_of, point_at
+from pmmkit.diagnosis.free_running.refit import fit_to_records
 from pmmkit.diagnosis.free_running.system import build_free, held, residuals
 from pmmkit.diagnosis.free_running.weighing import base_prior
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
+from pmmkit.loop.session import undone
+from pmmkit.models import model_text
 
 SPEED = 1.179
 SHIP = pk.load_model("kvlcc2-l7")
 KNOWN = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Nvvr", "rudder_mmg.epsilon")
 SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.006}
 RUNS = ((20.0, 20.0), (-10.0, 10.0), (25.0, 5.0))
+PRIME = SHIP.ship.d / SHIP.ship.L
+"""Of coefficients over ½ρL²U², as findings have them, to those of the ship over ½ρLdU²."""
 ASYMMETRY = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
 YAW_DRAG = SHIP.with_values("hull_polynomial", **{"Yr|r|": 0.10, "Nr|r|": -0.076})
 
@@ -101,7 +106,7 @@ def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
     assert finding.family == "asymmetry"
     assert asymmetric.chance < 0.01
     for name, true in (("Y0", 0.0022), ("N0", -0.001)):
-        assert abs(finding.coefficients[name] - true) < 3.5 * finding.std[name]
+        assert abs(finding.coefficients[name] - true * PRIME) < 3.5 * finding.std[name]
     assert finding.error_after < 0.7 * finding.error_before
     assert finding.to_dict()["errors"]["heading"]["unit"] == "deg"
     before = asymmetric.errors["held out, base refitted"]
@@ -112,9 +117,45 @@ def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
 
 def test_the_model_carries_the_effect(asymmetric):
     values = asymmetric.model.parts["hull_polynomial"].values
-    assert values["N0"] == pytest.approx(asymmetric.findings[0].coefficients["N0"])
+    assert values["N0"] == pytest.approx(asymmetric.findings[0].coefficients["N0"] / PRIME)
     assert "N0" not in asymmetric.refitted.parts["hull_polynomial"].values
     assert asymmetric.model.covariance is None
+
+
+@pytest.mark.slow
+def test_a_finding_enters_the_model_beside_what_it_has(asymmetric):
+    """What is found comes to the values that were known, and is taken out again to the bit."""
+    known = SHIP.with_values("hull_polynomial", Y0=0.001)
+    better = pk.with_effect(known, asymmetric.findings[0])
+    found = asymmetric.findings[0].coefficients
+    values = better.values("hull_polynomial")
+    assert values["Y0"] == pytest.approx(0.001 + found["Y0"] / PRIME)
+    assert values["N0"] == pytest.approx(found["N0"] / PRIME)
+    back, name = undone(better)
+    assert name == "asymmetry"
+    assert model_text(back) == model_text(known)
+
+
+@pytest.mark.slow
+def test_an_effect_is_added_to_records_and_the_error_falls():
+    """An asymmetry of the ship: named by hand, fitted, and taken out again."""
+    records = sailed(ASYMMETRY, 5)
+    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
+    with pytest.raises(UnknownNameError, match="did you mean 'asymmetry'"):
+        fit_to_records(SHIP, records, ["asymetry"], prior=prior, sensors=SENSORS)
+    found = fit_to_records(
+        SHIP, records, ["asymmetry"], prior=prior, sensors=SENSORS, why="by hand"
+    )
+    base, after = found.errors
+    assert (base.step, after.step) == ("base", "asymmetry")
+    assert after.heading_deg < 0.7 * base.heading_deg
+    assert found.useless == ()
+    assert found.model.values("hull_polynomial")["Y0"] == pytest.approx(0.0022, rel=0.3)
+    step = found.model.steps[-1]
+    assert (step.action, step.effect) == ("effect_added", "asymmetry")
+    assert "By hand" in found.model.history[-1]
+    back, _ = undone(found.model)
+    assert "Y0" not in back.values("hull_polynomial")
 
 
 @pytest.mark.slow
@@ -131,7 +172,7 @@ def test_a_rudder_zero_is_no_bare_winner_over_an_asymmetry():
 def test_a_hull_term_is_named_against_an_asymmetry():
     found = asked(1, YAW_DRAG)
     assert found.group == ((("modulus_yaw_drag",), 1.0),)
-    assert found.findings[0].coefficients["Nr|r|"] == pytest.approx(-0.076, rel=0.3)
+    assert found.findings[0].coefficients["Nr|r|"] == pytest.approx(-0.076 * PRIME, rel=0.3)
 
 
 @pytest.mark.slow
@@ -163,13 +204,15 @@ def test_slopes_are_those_of_a_small_step():
 
 
 def test_terms_are_carried_to_the_system_of_the_model():
-    """Usual sizes are of forces: those of ½ρLdU² are L/d times those of ½ρL²U²."""
+    """A coefficient is one of ½ρL²U²: it moves a value over ½ρLdU² by L/d as much."""
     prime = {x.name: x for x in candidates_for(pk.load_model("s175-3dof"), [])}
     tanker = {x.name: x for x in candidates_for(SHIP, [])}
     ratio = SHIP.ship.L / SHIP.ship.d
     for name in ("asymmetry", "modulus_yaw_drag"):
         for label, size in prime[name].typical.items():
-            assert tanker[name].typical[label] == pytest.approx(ratio * size)
+            assert tanker[name].typical[label] == size
+            assert prime[name].moves[label] == {label: pytest.approx(1.0)}
+            assert tanker[name].moves[label] == {label: pytest.approx(ratio)}
 
 
 def test_candidates_have_a_place_in_the_model():

@@ -10,7 +10,7 @@ from hidden_effects import hidden_campaign
 
 from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import evidence_at
 from pmmkit.diagnosis.captive.grid import best_blocks
@@ -50,7 +50,7 @@ def test_evidence_beside_a_known_effect_is_that_of_both_less_that_of_the_known(s
     known, other = (best_blocks(system, name)[0] for name in ("fault_misalignment", "memory"))
     both = evidence_at(system, np.concatenate([known.places, other.places]))
     alone = evidence_at(system, known.places)
-    assert evidence_at(knowing(system, [known]), other.places) == pytest.approx(
+    assert evidence_at(condition_on(system, [known]), other.places) == pytest.approx(
         both - alone, rel=1e-8
     )
 
@@ -61,7 +61,7 @@ def test_the_data_left_beside_a_known_effect_are_those_of_a_larger_covariance(sy
     own = known.places
     G, b = system.gram[np.ix_(own, own)], system.score[own]
     expected = system.square - b @ np.linalg.solve(G + np.eye(len(own)), b)
-    assert knowing(system, [known]).square == pytest.approx(expected, rel=1e-12)
+    assert condition_on(system, [known]).square == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):

@@ -1,4 +1,4 @@
-"""Own effects: a small grammar, on equal terms in the contest, and derivatives in a model."""
+"""Own effects: a small grammar, on equal terms in a diagnosis, and derivatives in a model."""
 
 from __future__ import annotations
 
@@ -165,7 +165,7 @@ def test_a_damaged_file_names_everything_that_is_wrong(tmp_path):
         pk.own_effects(tmp_path / "no.toml")
 
 
-# In the contest
+# In a diagnosis
 
 
 def test_columns_are_those_of_the_polynomial():

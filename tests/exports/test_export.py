@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Correction, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Correction, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError, FileExists
 from pmmkit.exports import FORMATS, table_to_mss

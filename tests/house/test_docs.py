@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit.effects.catalogue import catalogue, forget_effect
 from scripts.documentation import make_docs
 
 ROOT = Path(__file__).parents[2]
@@ -23,13 +24,24 @@ def blocks(page: Path, language: str) -> list[str]:
 @pytest.mark.parametrize(
     "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.name
 )
-def test_python_examples_run(page, tmp_path, monkeypatch):
-    """The examples of one page run one after another, in a folder with a copy of datasets."""
+def test_python_examples_run_and_say_what_the_page_shows(page, tmp_path, monkeypatch, capsys):
+    """The examples of one page run one after another, in a folder with a copy of datasets.
+
+    Each line of what a page shows as text is among what its examples print.
+    """
     shutil.copytree(ROOT / "datasets", tmp_path / "datasets")
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for number, code in enumerate(blocks(page, "python"), start=1):
-        exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    known = set(catalogue())
+    try:
+        for number, code in enumerate(blocks(page, "python"), start=1):
+            exec(compile(code, f"{page.name}, example {number}", "exec"), names)
+    finally:
+        for name in set(catalogue()) - known:
+            forget_effect(name)
+    printed = set(capsys.readouterr().out.splitlines())
+    shown = [line for text in blocks(page, "text") for line in text.splitlines()]
+    assert [line for line in shown if line not in printed] == []
 
 
 @pytest.mark.parametrize("page", LINKED, ids=lambda page: page.name)

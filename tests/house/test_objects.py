@@ -9,12 +9,16 @@ from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
+from pmmkit.reduction.parts import Parts
+from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
@@ -74,7 +78,41 @@ def identified():
     )
 
 
+@cache
+def trial():
+    path = np.arange(5.0)
+    return Trial(
+        run="T1",
+        test="turning",
+        name="tanker",
+        L=320.0,
+        speed=7.97,
+        speed_std=0.02,
+        heading_deg=31.0,
+        rudder_deg=35.0,
+        order=1120.0,
+        orders=(1120.0,),
+        metrics={"advance": 1040.0, "advance_L": 3.25},
+        std={"advance": 8.0, "advance_L": 0.025},
+        verdicts=(pk.imo_turning(track())[0],),
+        wind=Wind(speed=5.0, direction_deg=270.0, spread=1.2),
+        notes=("fixes jump",),
+        **dict.fromkeys(("t", "x", "y", "psi", "x_ground", "y_ground", "delta"), path),
+    )
+
+
+@cache
+def parts():
+    screw = Part(effect="propeller", values={"D": 0.2, "wp": 0.35}, source="measured: tank <2>")
+    blade = Part(effect="rudder_mmg", values={"area": 0.05}, source="library: a ship")
+    return Parts(
+        propeller=screw, rudder=blade, std={"wp": 0.01}, notes=("C1 is assumed",), runs={"wake": 7}
+    )
+
+
 MADE = {
+    "Trial": trial,
+    "Parts": parts,
     "DerivativeTable": cache(lambda: reduction().table),
     "Reduction": reduction,
     "Campaign": cache(lambda: reduction().campaign),
@@ -96,6 +134,8 @@ MADE = {
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
 }
 SAID = {
+    "Trial": ("T1", "1040.0 m", "3.25 L", "4.5 L", "met", "5.0 m/s from 270°", "fixes jump"),
+    "Parts": ("0.350 ± 0.020", "tank <2>", "7 runs", "C1 is assumed"),
     "DerivativeTable": ("Fn 0.217", "10³", "±", "½ρL²U²", "midship", "Yaw moment N", "regression"),
     "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
     "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),
@@ -190,6 +230,14 @@ def test_a_track_of_ones_own_is_told_as_well():
     own = replace(track(), manoeuvre="my own", metrics={"swing": 3.0})
     assert "swing" in str(own)
     assert set(own.figures()) == {"path", "histories"}
+
+
+def test_an_effect_that_was_not_asked_has_no_evidence():
+    """The runs lack what it needs: it is covered, and in no set that was looked at."""
+    found = diagnosis()
+    table = replace(found, entries=found.entries[:1]).to_pandas()
+    assert len(table) == len(found.covered)
+    assert table["log_evidence"].isna().sum() >= len(found.covered) - 1
 
 
 @pytest.mark.parametrize("name", DRAWN)

@@ -14,8 +14,9 @@ import pytest
 import xarray as xr
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import MissingPartError
 from pmmkit.reduction import contributions, reduce_campaign
 from pmmkit.reduction.parts import hull_alone, parts_of

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from pmmkit.campaigns.run import TypeB
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.observations.noise import shrunk_levels
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.monte_carlo import monte_carlo

@@ -20,7 +20,7 @@ from pmmkit.conventions import Convention
 from pmmkit.diagnosis import captive_candidates, diagnose_captive
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.errors import CampaignError, DataError, UnknownNameError
 from pmmkit.models import load_model
@@ -145,15 +145,15 @@ def test_noise_of_a_campaign_goes_to_longer_and_to_other_records():
 def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     """The Gram matrix of `build`, by other algebra; and one run after another."""
     views = views_of(hidden_campaign("small", {"asymmetry": 1.0}, seed=1))
-    every = captive_candidates()
+    every = [item for item in captive_candidates() if not item.each_run]
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}
     rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
     blocks = [block for name in given for block in best_blocks(system, name, 2)]
-    rows = rows.knowing(
+    rows = rows.condition_on(
         {name: [b.value for b in blocks if b.candidate.name == name] for name in given}
     )
-    system = knowing(system, blocks)
+    system = condition_on(system, blocks)
     ids = list(rows.of_run)
     whole, part = known(rows, ids).reduced(), known(rows, ids[:-1]).reduced()
     k = rows.width

@@ -12,8 +12,9 @@ import xarray as xr
 from hidden_effects import hidden_campaign
 
 import pmmkit as pk
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
 from pmmkit.loop.session import begin
@@ -251,6 +252,32 @@ def test_gauges_act_on_means_or_in_proportion(small, one_set):
         assert not np.any(share["Y"][1:])
         np.testing.assert_allclose(share["N"], 0.01 * np.abs(run.view.force["N"]))
         assert not np.any(share["X"])
+
+
+@pytest.mark.parametrize("forces", ["hydrodynamic", "balance"])
+def test_an_uncertain_point_of_the_motions_is_the_difference_when_it_is_moved(
+    small, one_set, forces
+):
+    """Truth: the whole comparison once more with the point further forward."""
+    std = 0.05
+    here = small.with_(
+        runs=tuple(run.with_(forces=forces) for run in small), motion_reference_x=0.12
+    )
+    source = TypeB(name="motion_reference_x", std=std, shared=True)
+    stated, _ = compare_captive(one_set, here.with_(uncertainty=(source,)), floor=0.0)
+    moved, _ = compare_captive(one_set, here.with_(motion_reference_x=0.12 + std), floor=0.0)
+    turning = [run.view.run.test for run in stated if np.any(run.view.motion.r)]
+    assert "pure_yaw" in turning
+    for run, other in zip(stated, moved, strict=True):
+        assert run.view.run.id == other.view.run.id
+        for name in "XYN":
+            change = np.abs(other.error(name) - run.error(name))
+            largest = np.abs(run.predicted[name]).max()
+            np.testing.assert_allclose(
+                run.shares["stated"][name], change, rtol=1e-6, atol=1e-10 * largest
+            )
+            if run.view.run.test in turning and name in "YN":
+                assert np.abs(change).max() > 1e-4 * largest
 
 
 def test_the_covariance_of_a_model_counts(small, one_set):

@@ -11,7 +11,6 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.assembly import Setup
 from pmmkit.campaigns.file.schema import (
-    UNCERTAIN,
     AxesEntry,
     CampaignEntry,
     CfdEntry,
@@ -28,10 +27,11 @@ from pmmkit.campaigns.file.schema import (
     read_named,
 )
 from pmmkit.campaigns.motion.solver_axes import Solver
-from pmmkit.campaigns.run import Correction, TypeB
+from pmmkit.campaigns.run import Correction
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
+from pmmkit.campaigns.uncertainty import STATABLE, Statable, TypeB
 from pmmkit.channels import CHANNEL_UNITS, did_you_mean, factor_to
 from pmmkit.errors import DataError, PmmkitError, Problem
 from pmmkit.readers.base import Options
@@ -40,28 +40,8 @@ from pmmkit.ship import Ship, Water
 _NEUTRAL_SHIP: Final = Ship(name="", L=1.0, B=1.0, d=1.0, volume=1.0, mass=1.0, Izz=1.0)
 """Stands in where the particulars are wrong, so that all other problems are still found."""
 
-_UNCERTAIN_UNITS: Final[dict[str, str]] = {
-    "X_gauge": "N",
-    "Y_gauge": "N",
-    "N_gauge": "N m",
-    "K_gauge": "N m",
-    "speed": "m/s",
-    "drift_deg": "deg",
-    "heel_deg": "deg",
-    "rudder_deg": "deg",
-    "yaw_amplitude_deg": "deg",
-    "phase_deg": "deg",
-    "period": "s",
-    "amplitude_m": "m",
-    "mass": "kg",
-    "xG": "m",
-    "moment_reference_x": "m",
-    "motion_reference_x": "m",
-    "rho": "kg/m3",
-    "Izz": "kg m2",
-}
-_SHARED: Final = frozenset({"rho", "mass", "xG", "Izz", "moment_reference_x", "motion_reference_x"})
-"""What there is only one of in a campaign: its error is the same in all runs."""
+_STATABLE: Final = {item.key: item for item in STATABLE.values()}
+"""By key under ``[uncertainty]``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -335,10 +315,10 @@ def _uncertainty(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> 
     found: list[TypeB] = []
     for name, value in table.items():
         entry = f"[uncertainty], key {name!r}"
-        if name not in UNCERTAIN:
+        if name not in _STATABLE:
             problems.append(
                 Problem(
-                    message=f"not known{did_you_mean(name, UNCERTAIN) or '.'}",
+                    message=f"not known{did_you_mean(name, _STATABLE) or '.'}",
                     file=toml,
                     entry=entry,
                 )
@@ -354,18 +334,17 @@ def _uncertainty(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> 
                 problems=problems,
             )
             if stated is not None:
-                found += _type_b(name, stated, entry, toml, problems)
+                found += _type_b(_STATABLE[name], stated, entry, toml, problems)
     return tuple(found)
 
 
 def _type_b(
-    name: str, stated: UncertainEntry, entry: str, toml: str, problems: list[Problem]
+    known: Statable, stated: UncertainEntry, entry: str, toml: str, problems: list[Problem]
 ) -> list[TypeB]:
-    shared = name in _SHARED if stated.shared is None else stated.shared
-    short = name.removesuffix("_deg").removesuffix("_m")
+    shared = known.single if stated.shared is None else stated.shared
     if stated.unit == "%":
-        return [TypeB(name=short, std=stated.std / 100, relative=True, shared=shared)]
-    target = _UNCERTAIN_UNITS[name]
+        return [TypeB(name=known.name, std=stated.std / 100, relative=True, shared=shared)]
+    target = known.unit
     factor: float | None = 1.0
     if stated.unit not in (None, target):
         try:
@@ -381,7 +360,7 @@ def _type_b(
         )
         return []
     radians = math.pi / 180 if target == "deg" else 1.0
-    return [TypeB(name=short, std=stated.std * factor * radians, shared=shared)]
+    return [TypeB(name=known.name, std=stated.std * factor * radians, shared=shared)]
 
 
 def _corrections(

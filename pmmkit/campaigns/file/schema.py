@@ -74,26 +74,6 @@ ACTIONS: Final = (
     "inertia still inside",
     "inertia already removed",
 )
-UNCERTAIN: Final = (
-    "X_gauge",
-    "Y_gauge",
-    "N_gauge",
-    "K_gauge",
-    "drift_deg",
-    "heel_deg",
-    "rudder_deg",
-    "speed",
-    "period",
-    "amplitude_m",
-    "yaw_amplitude_deg",
-    "phase_deg",
-    "rho",
-    "mass",
-    "xG",
-    "Izz",
-    "moment_reference_x",
-    "motion_reference_x",
-)
 
 M = TypeVar("M", bound="Entry")
 

@@ -377,30 +377,6 @@ def check_rows(found: int, stated: int | None, request: Request) -> None:
         )
 
 
-def validate(campaign: Campaign) -> list[Problem]:
-    """Read every run once and list what is wrong with any of their files.
-
-    Runs that are left out by a correction are not read.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        From `open_campaign`.
-
-    Returns
-    -------
-    list of Problem
-        Empty if every run can be read.
-    """
-    found: list[Problem] = []
-    for run in campaign.runs:
-        try:
-            run.data  # noqa: B018
-        except DataError as error:
-            found += [problem for problem in error.problems if problem not in found]
-    return found
-
-
 def data_files(run: Run) -> dict[str, Path]:
     """The files that the data of a run come from, by the names that messages give them.
 

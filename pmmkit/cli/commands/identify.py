@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.consistency import Consistency
     from pmmkit.identification.smoother import Smoothed
-
-WIDE: Final = 1.96
-FAR: Final = 3.0
-"""Values so many standard deviations of the prior away from it are named."""
 
 
 class Method(StrEnum):
@@ -227,8 +223,7 @@ def _files(work: _Work, content: Mapping[str, Any], extrapolate: bool) -> Iterat
     for name, item in found.found.items():
         ending = "" if len(found.found) + len(found.failed) == 1 else f"_{name}"
         yield f"model{ending}.toml", partial(save_model, item.model)
-    drawn = figures.identified_parameters(list(found.found.values()))
-    yield "parameters.svg", partial(save, drawn)
+    yield "parameters.svg", partial(save, found.plot())
     for name in work.tests:
         detail = found.found[name].detail
         drawn = figures.parameter_histories(detail, records, found.model.convention)

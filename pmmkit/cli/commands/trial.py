@@ -34,7 +34,6 @@ def trial(
     from pmmkit.files import write_results
     from pmmkit.simulation.imo import SOURCE
     from pmmkit.trials import evaluate_trials
-    from pmmkit.trials.words import trial_lines
 
     velocity = numbers(current)
     if velocity is not None and len(velocity) != 2:
@@ -58,11 +57,8 @@ def trial(
     files = write_results(folder, _files(found, content))
     lines = [f"{opened.title}: {len(found)} runs, limits of {SOURCE}"]
     for item in found:
-        lines += ["", *trial_lines(item)]
+        lines += ["", str(item)]
     lines += warned(findings)
-    lines += dict.fromkeys(
-        text for item in found for verdict in item.verdicts for text in verdict.conditions
-    )
     lines.append(f"Results: {folder}")
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 

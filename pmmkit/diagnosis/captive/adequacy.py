@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.evidence import evidence_at, price
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.system import Block, System
@@ -81,7 +81,7 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
         without the run that helps it most; nothing where no set is so. An effect that hangs on one
         run in a better set is not tried again.
     """
-    known = knowing(system, given)
+    known = condition_on(system, given)
     least = price(known) + LEAST
     alone: set[str] = set()
     unneeded: list[set[str]] = []
@@ -147,7 +147,7 @@ def flags(
         Empty where the answer is the whole story; otherwise ``not_the_whole_story`` and the
         reasons in words.
     """
-    known, reasons = knowing(system, given), []
+    known, reasons = condition_on(system, given), []
     if remainder(known, blocks) > SMOOTH:
         reasons.append("something smooth in the motion is left")
     for worst in lack_of_fit(system, [*given, *blocks])[:1]:
@@ -169,7 +169,7 @@ def _refused(
 ) -> list[str]:
     """Why effects of the set of the greatest evidence are not in the answer."""
     answered = [block.candidate for block in blocks]
-    least = price(knowing(system, given)) + LEAST
+    least = price(condition_on(system, given)) + LEAST
     return [
         f"{block.candidate.name} hangs on the run {run} alone"
         if left < least

@@ -44,7 +44,7 @@ def captive_candidates(
     return tuple(item for item in asked if item.grid)
 
 
-def contestants(
+def eligible(
     base: Base, speeds: Sequence[float], own: Sequence[Effect] = ()
 ) -> tuple[Candidate, ...]:
     """The catalogue and effects of the user, without what the base has already.

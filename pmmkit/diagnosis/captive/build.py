@@ -1,4 +1,4 @@
-"""From runs, a base and candidates to the system that the contest asks."""
+"""From runs, a base and candidates to the system that is asked for evidence."""
 
 from __future__ import annotations
 

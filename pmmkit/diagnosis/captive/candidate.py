@@ -1,4 +1,4 @@
-"""What takes part in the contest: an effect or a fault as columns over all runs and channels."""
+"""What takes part in a diagnosis: an effect or a fault as columns over all runs and channels."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.diagnosis.captive.system import Block, System
 
 
-def knowing(system: System, blocks: Sequence[Block]) -> System:
+def condition_on(system: System, blocks: Sequence[Block]) -> System:
     """The system of a base that has some effects, of unknown size within their prior.
 
     Parameters

@@ -12,6 +12,7 @@ from pmmkit.diagnosis.captive.evidence import wide
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
 from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.evidence import HIDES, MIMICS, SHOWS, Visible
+from pmmkit.effects.seen import EXCITES
 from pmmkit.numerics import Array
 
 
@@ -103,7 +104,8 @@ def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float,
 
 def _why(candidate: Candidate, signal: float, run: str) -> str:
     if candidate.excites and signal == 0.0:
-        return f"these runs hold no {' and no '.join(candidate.excites)}"
+        lacking = (EXCITES.get(word, word) for word in candidate.excites)
+        return f"these tests lack {' and '.join(lacking)}"
     if signal < 0.1:
         return "the base absorbs it: its coefficients take it over"
     if signal >= SHOWS:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention
-from pmmkit.diagnosis.captive.asked import contestants, excited
+from pmmkit.diagnosis.captive.asked import eligible, excited
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.candidate import Candidate, candidate_of
@@ -26,7 +26,7 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, Problem
 from pmmkit.models import Model, load_model
-from pmmkit.observations.views import View, views_of
+from pmmkit.observations.views import View, scale_of, views_of
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.reduction.derivatives import columns_of
 from pmmkit.structures import Structure, structure_of, structures
@@ -179,7 +179,7 @@ def captive_system(
         reference=float(np.median(speeds)),
     )
     if candidates is None:
-        every = contestants(base, speeds, own)
+        every = eligible(base, speeds, own)
         held = excited(usable, base)
         asked = [item for item in every if held.issuperset(item.excites)]
     else:
@@ -197,7 +197,7 @@ def _drawn(
     """What every run draws for itself takes part whoever else does."""
     names = {item.name for item in given}
     return tuple(
-        item for item in contestants(base, speeds) if item.each_run and item.name not in names
+        item for item in eligible(base, speeds) if item.each_run and item.name not in names
     )
 
 
@@ -246,11 +246,8 @@ def floor_for(campaign: Campaign, views: Sequence[View], floor: float | None) ->
 
 def _scales(views: Sequence[View]) -> dict[str, float]:
     """Root mean square of the force over U² by channel."""
-    sizes: dict[str, list[float]] = {}
-    for view in views:
-        for name, values in view.force.items():
-            sizes.setdefault(name, []).append(float(np.linalg.norm(values)) / view.speed**2)
-    return {name: float(np.sqrt(np.mean(np.square(own)))) for name, own in sizes.items()}
+    names = dict.fromkeys(name for view in views for name in view.force)
+    return {name: scale_of(name, views) for name in names}
 
 
 def _usable(views: Sequence[View], noise: float | None) -> list[View]:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.numerics import Array
@@ -60,7 +60,7 @@ def price(system: System) -> float:
     return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
 
 
-def contest(system: System, *, most: int = MOST) -> list[Entry]:
+def ranked_sets(system: System, *, most: int = MOST) -> list[Entry]:
     """All single effects, and the sets that deserve it, best first."""
     by_name: dict[str, list[Block]] = {}
     for block in system.blocks:
@@ -72,7 +72,7 @@ def contest(system: System, *, most: int = MOST) -> list[Entry]:
 
     near = {name: _near(system, index, own) for name, own in by_name.items()}
     beside = {
-        id(block): (evidence_at(system, block.places), knowing(system, [block]))
+        id(block): (evidence_at(system, block.places), condition_on(system, [block]))
         for own in near.values()
         for block in own
         if wide(block)

@@ -24,6 +24,8 @@ from pmmkit.campaigns.test_kinds.steady import (
 from pmmkit.conventions import Convention
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.models import load_model, scaled
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -88,13 +90,14 @@ def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
 
     Examples
     --------
-    >>> from pmmkit.diagnosis.captive.physics import from_catalogue
-    >>> (found,) = signatures([from_catalogue("modulus_sway_drag")])
+    >>> from pmmkit.diagnosis.captive.candidate import candidate_of
+    >>> from pmmkit.effects.catalogue import effect_of
+    >>> (found,) = signatures([candidate_of(effect_of("modulus_sway_drag"))])
     >>> sway = found.acts["pure_sway"]["Y"]
     >>> sorted(sway), round(sway["C3"] / sway["C1"], 2)
     (['C1', 'C3'], 0.2)
     """
-    views, base = _standard()
+    views, base = standard_tests()
     sizes = _sizes(views, base)
     hull = {c: np.concatenate([base.design(view, c) for view in views]) for c in CHANNELS}
     over = {
@@ -209,10 +212,10 @@ def _sizes(views: Sequence[View], base: Base) -> dict[tuple[float, str], float]:
 
 
 @cache
-def _standard() -> tuple[tuple[View, ...], Base]:
+def standard_tests() -> tuple[tuple[View, ...], Base]:
     """Standard tests of the S175, and its published cubic hull as base."""
     model = scaled(load_model("s175-3dof"), LENGTH)
-    values = {**model.values("hull_polynomial"), **model.values("added_mass")}
+    values = {**model.values(HULL), **model.values(INERTIA)}
     names = (*structures()["cubic"].derivatives, "Yd", "Nd", "Xdd")
     known = {"Yd": -0.0026, "Nd": 0.00126, "Xdd": -0.0015}
     table = from_values(

@@ -15,7 +15,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
-from pmmkit.observations.views import View
+from pmmkit.observations.views import View, scale_of
 from pmmkit.observations.whitening import Piece
 
 WIDER: Final = 1.5
@@ -46,7 +46,7 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class System:
-    """Everything the contest needs.
+    """Everything that evidence needs.
 
     Parameters
     ----------
@@ -119,8 +119,7 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
             if names
             else np.zeros((len(y), 0))
         )
-        sizes = [float(np.linalg.norm(views[i].force[name])) / views[i].speed ** 2 for i in having]
-        scale = float(np.sqrt(np.mean(np.square(sizes))))
+        scale = scale_of(name, [views[i] for i in having])
         groups: dict[str, list[int]] = {}
         for place, i in enumerate(having):
             groups.setdefault(views[i].run.id, []).append(place)

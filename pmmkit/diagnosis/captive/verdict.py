@@ -11,9 +11,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags
-from pmmkit.diagnosis.captive.conditioning import knowing
+from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.coverage import coverage
-from pmmkit.diagnosis.captive.evidence import contest, gate
+from pmmkit.diagnosis.captive.evidence import gate, ranked_sets
 from pmmkit.diagnosis.captive.grid import best_blocks
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
@@ -58,7 +58,7 @@ def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int
 
 def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
     known = taken_as_given(system, given)
-    entries = contest(known.system)
+    entries = ranked_sets(known.system)
     covered = coverage(known.system)
     singles = [item for item in entries if len(item.names) == 1]
     chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
@@ -123,7 +123,7 @@ def taken_as_given(system: System, names: Sequence[str]) -> Given:
     used, blocks = [], []
     for name in names:
         near = best_blocks(system, name, 2)
-        system = knowing(system, near)
+        system = condition_on(system, near)
         used += near
         blocks.append(near[0])
     return Given(system=_askable(system, blocks), used=tuple(used), blocks=tuple(blocks))

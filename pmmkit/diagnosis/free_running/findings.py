@@ -212,6 +212,7 @@ def findings_of(
                 log_odds=judge.gain(without, best.errors) - price,
                 rivals=tuple(visible[item.name].mimics),
                 separating_test=item.check,
+                beside=True,
                 error_before=off[0],
                 error_after=now[0],
                 errors={"heading": (off[0], now[0]), "speed": (off[1], now[1])},

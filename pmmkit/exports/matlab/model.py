@@ -301,6 +301,7 @@ def _ship(model: Model) -> _Section:
         Line(target="rho", text=number(water.rho), note="density of the water (kg/m3)"),
         Line(target="g", text=number(water.g), note="gravity (m/s2)"),
         Line(target="depth", text=number(depth), note="of the water (m)"),
+        Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)
 

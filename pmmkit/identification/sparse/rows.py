@@ -10,6 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.conventions import parse_derivative
+from pmmkit.effects.added_mass import INERTIA
+from pmmkit.effects.hull import HULL
 from pmmkit.equations import Conditions
 from pmmkit.equations.histories import water_forces
 from pmmkit.equations.prepared import Numbers, packed, values_at
@@ -96,7 +98,7 @@ def homes(model: Model, names: Sequence[str]) -> tuple[Place, ...]:
             if part in model.parts and name in model.parts[part].values
         ]
         factors = parse_derivative(name).factors
-        new = "added_mass" if any(f.endswith("dot") for f in factors) else "hull_polynomial"
+        new = INERTIA if any(f.endswith("dot") for f in factors) else HULL
         found.append((there[0] if there else new, name))
     return tuple(found)
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.checks import Summary, summarise
 from pmmkit.conventions import Convention
 from pmmkit.observations.blockage import speed_increase

@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 import xarray as xr
 
-from pmmkit.campaigns.run import Campaign, Run, TypeB
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.uncertainty import TypeB
 
 from . import catalogue, outside, sources
 from .gauges import GAUGE_EFFECTS, inertia, read

@@ -1,0 +1,37 @@
+"""What a structure's module has of its own, as the functions below the equations see it.
+
+`pmmkit.equations.code_generation` writes them into the module; what stands here is for those who
+read the functions, and for the checker of types.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from pmmkit.equations.layouts import State, StepField
+
+NS = 6
+N_AT = -1
+REVOLUTIONS = 1
+FREE: tuple[int, ...] = (State.u, State.v, State.r)
+BALANCE: tuple[int, ...] = (State.u, State.v, State.r)
+STRIDE: Final = len(StepField) + 5 * NS
+TWICE: Final = 2.0 * math.pi
+
+
+def rates(
+    y: list[float],
+    delta: float,
+    revolutions: float,
+    bucket: float,
+    k: list[float],
+    out: list[float],
+) -> None:
+    """Stands for the equations of a structure: fills `out` with the rates of the states."""
+    raise NotImplementedError
+
+
+def vector(size: int) -> list[float]:
+    """Room for floats."""
+    return [0.0] * size
