@@ -203,6 +203,7 @@ def test_a_kind_of_another_package_holds_the_contract(installed) -> None:
     check_test_kind(installed)
 
 
+@pytest.mark.slow
 def test_a_kind_of_another_package_is_reduced_compared_and_planned(folder, installed) -> None:
     campaign = pk.open_campaign(folder)
     found = reduce_campaign(campaign, jobs=1)

@@ -39,6 +39,7 @@ def test_a_command_that_is_asked_for_is_loaded_alone():
     assert len(typer.main.get_command(app.application("new_campaign")).commands) == len(NAMES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_no_option_is_without_words(name):
     command = group().commands[name.replace("_", "-")]

@@ -57,6 +57,7 @@ def test_reduce_writes_the_files_of_the_contract(reduced):
     assert {round(float(row["Fn"]), 3) for row in rows} == {0.145, 0.29}
 
 
+@pytest.mark.slow
 def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
     rows = rows_of(reduced / "derivatives.csv")
     deviation = [
@@ -82,6 +83,7 @@ def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
     assert len(rows_of(tmp_path / "r" / "derivatives.csv")) == 2 * len(TRUTH)
 
 
+@pytest.mark.slow
 def test_both_table_files_hold_the_same(reduced):
     first = pmmkit.read_table(reduced / "derivatives.csv")
     second = pmmkit.read_table(reduced / "derivatives.nc")
@@ -89,6 +91,7 @@ def test_both_table_files_hold_the_same(reduced):
     assert first.names == second.names
 
 
+@pytest.mark.slow
 def test_every_way_to_a_derivative_is_listed(reduced):
     rows = rows_of(reduced / "derivatives_by_method.csv")
     assert list(rows[0]) == [*COLUMNS, "run"]
@@ -450,6 +453,7 @@ def test_a_file_in_the_way_is_not_replaced(tmp_path, capsys):
     assert target.read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_convert_there_and_back(reduced, tmp_path, capsys):
     table = reduced / "derivatives.nc"
     status, content, _ = said(capsys, "convert", table, "--system", "prime-d", "--out", tmp_path)
@@ -463,6 +467,7 @@ def test_convert_there_and_back(reduced, tmp_path, capsys):
     np.testing.assert_allclose(back.value, first.value, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_convert_to_another_format_keeps_the_table(reduced, tmp_path):
     table = reduced / "derivatives.nc"
     assert main(["convert", str(table), "--format", "xlsx", "--out", str(tmp_path)]) == 0
@@ -512,12 +517,14 @@ def read_page(path) -> Page:
     return page
 
 
+@pytest.mark.slow
 def test_the_report_needs_no_other_file(reduced):
     page = read_page(reduced / "report.html")
     assert page.loads == []
     assert "@import" not in (reduced / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_report_says_what_was_done(reduced, campaign):
     text = " ".join(read_page(reduced / "report.html").text)
     for run in pmmkit.open_campaign(campaign):

@@ -74,6 +74,7 @@ def test_the_json_holds_what_the_contract_says(diagnosed):
     assert "fault_gauge_gain" in {item["effect"] for item in diagnosed["not_testable"]}
 
 
+@pytest.mark.slow
 def test_the_files_of_a_diagnosis(folder, diagnosed):
     names = {file.name for file in (folder / "found").iterdir()}
     assert names == {"diagnosis.json", "effects.csv", "error_fall.csv", "report.html"}

@@ -387,6 +387,7 @@ def test_a_value_that_cannot_be_says_what_to_do(campaign, start, tmp_path, capsy
     assert "narrower prior" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_method_that_fails_beside_others_is_named(records):
     model = pk.load_model(SHIP)
     found = compare_methods(model, records[:2], ["Nv"], methods=("ekf", "sindy"), sensors=NOISE)
@@ -509,6 +510,7 @@ def test_figures_show_the_numbers_and_give_no_warning(compared, records, tmp_pat
     assert len(figures["innovations"].axes) == 8
 
 
+@pytest.mark.slow
 def test_figures_say_what_is_not_there(compared, records):
     filtered = compared[0].found["ekf"].detail
     with pytest.raises(DataError, match="no result"):
@@ -579,6 +581,7 @@ def test_gaps_are_left_out_of_correlations():
     np.testing.assert_allclose(correlation[0], -1.0)
 
 
+@pytest.mark.slow
 def test_a_filter_on_its_own_model_is_white_and_one_without_process_noise_is_not(records):
     model = pk.load_model(SHIP)
     right = compare_methods(model, records[:2], ["Nv"], methods=("ekf",), sensors=NOISE)

@@ -115,6 +115,7 @@ def test_an_asymmetry_is_named_and_the_error_falls(asymmetric):
     assert after["yaw_rate"] < 0.6 * before["yaw_rate"]
 
 
+@pytest.mark.slow
 def test_the_model_carries_the_effect(asymmetric):
     values = asymmetric.model.parts["hull_polynomial"].values
     assert values["N0"] == pytest.approx(asymmetric.findings[0].coefficients["N0"] / PRIME)

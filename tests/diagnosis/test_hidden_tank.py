@@ -435,6 +435,7 @@ def test_unknown_names_are_refused():
         hidden_campaign("small", truth="third")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", ["catalogue", "foreign"])
 @pytest.mark.parametrize("effect", ["froude_linear", "froude_nonlinear", "resistance_curve"])
 def test_one_speed_cannot_show_what_depends_on_speed(effect, truth):
@@ -482,6 +483,7 @@ def test_gauge_faults_by_hand():
     np.testing.assert_allclose(point["N"] - bare["N"], 0.01 * SHIP.L * bare["Y"])
 
 
+@pytest.mark.slow
 def test_a_lag_shifts_the_record_in_seconds():
     run = silent()["SW_1.5_0.22"]
     t, late = run.data["t"].values, silent({"fault_time_lag": 1.0})["SW_1.5_0.22"].data

@@ -55,6 +55,7 @@ def test_evidence_beside_a_known_effect_is_that_of_both_less_that_of_the_known(s
     )
 
 
+@pytest.mark.slow
 def test_the_data_left_beside_a_known_effect_are_those_of_a_larger_covariance(system):
     """z'(I + S S')⁻¹z of the whitened data, from the products alone."""
     (known,) = best_blocks(system, "yaw_sway_coupling")

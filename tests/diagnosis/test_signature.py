@@ -27,6 +27,7 @@ def test_harmonics_have_their_ratios(found):
     assert late["C1"] * late["S1"] < 0
 
 
+@pytest.mark.slow
 def test_effects_act_where_their_variables_do(found):
     tests = {name: set(item.acts) for name, item in found.items()}
     assert tests["memory"] == {"pure_sway"}
@@ -37,6 +38,7 @@ def test_effects_act_where_their_variables_do(found):
     assert set(found["resistance_curve"].acts["static_drift"]) == {"X"}
 
 
+@pytest.mark.slow
 def test_twins_and_what_the_hull_takes_over(found):
     for name in ("fault_gauge_gain", "fault_moment_point", "fault_inertia"):
         assert found[name].absorbed

@@ -128,6 +128,7 @@ def test_roll_by_a_table_is_over_the_mean_height_of_the_lateral_area():
 # Wind in a manoeuvre
 
 
+@pytest.mark.slow
 def test_a_ship_without_a_part_wind_feels_none_bit_for_bit():
     calm = simulate(CONTAINER, speed=6.0, duration=300.0)
     gale = simulate(CONTAINER, speed=6.0, duration=300.0, wind_speed=20.0, wind_direction_deg=50.0)
@@ -155,6 +156,7 @@ def test_still_air_is_the_air_resistance_and_nothing_else():
         assert b[1:] == a[1:]
 
 
+@pytest.mark.slow
 def test_more_revolutions_against_the_wind_fewer_before_it():
     rpm = [
         60 * simulate(WINDY, speed=6.0, duration=1.0, wind_speed=w, wind_direction_deg=d).n[0]
@@ -163,6 +165,7 @@ def test_more_revolutions_against_the_wind_fewer_before_it():
     assert rpm[0] > rpm[1] > rpm[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("direction", [30.0, 90.0, 145.0])
 def test_a_turn_in_wind_is_mirrored_with_wind_and_rudder(direction):
     one, other = (
@@ -181,6 +184,7 @@ def test_a_turn_in_wind_is_mirrored_with_wind_and_rudder(direction):
         assert other.metrics[name] == pytest.approx(one.metrics[name], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_turn_drifts_to_leeward():
     """After a full circle in beam wind from starboard the ship is to port of where it would be."""
     calm, blown = (
@@ -235,6 +239,7 @@ def test_a_ship_adrift_lies_across_the_wind_and_drifts_where_the_forces_balance(
     assert math.copysign(1.0, track.v[-1]) == -math.copysign(1.0, math.sin(bearing))
 
 
+@pytest.mark.slow
 def test_the_wind_does_the_work_that_the_water_takes_from_a_ship_adrift():
     """Steady: the forces of the wind at the end are those of the cross-flow drag, turned round."""
     track = adrift(90.0, wind=8.0, cy=0.9)
@@ -247,6 +252,7 @@ def test_the_wind_does_the_work_that_the_water_takes_from_a_ship_adrift():
 # Current
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("manoeuvre", ["turning", "zigzag"])
 def test_a_current_displaces_the_track_only(manoeuvre):
     speed, towards = 1.3, math.radians(70.0)
@@ -260,6 +266,7 @@ def test_a_current_displaces_the_track_only(manoeuvre):
     np.testing.assert_allclose(drifted.y - still.y, speed * math.sin(towards) * still.t, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_still_air_over_a_current_is_a_wind_against_it():
     """Drifting with the water at 1.5 m/s towards 40° one feels 1.5 m/s from 40°."""
     carried = simulate(
@@ -270,6 +277,7 @@ def test_still_air_over_a_current_is_a_wind_against_it():
         np.testing.assert_allclose(getattr(carried, name), getattr(blown, name), atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_wind_that_goes_with_the_current_is_a_calm():
     calm = simulate(WINDY, speed=6.0, duration=400.0)
     together = simulate(
@@ -292,6 +300,7 @@ def shallow(name):
     return with_part(load_model(name), "shallow_water")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["kvlcc2", "kcs", "s175-3dof"])
 def test_very_deep_water_is_deep_water(name):
     model, speed = load_model(name), load_model(name).ship.speed(0.1)
@@ -301,11 +310,13 @@ def test_very_deep_water_is_deep_water(name):
         assert found[key] == pytest.approx(value, rel=1e-5), key
 
 
+@pytest.mark.slow
 def test_without_a_depth_the_part_changes_no_bit():
     deep, there = (simulate(m, speed=4.0) for m in (load_model("kvlcc2"), shallow("kvlcc2")))
     np.testing.assert_array_equal(there.x, deep.x)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["kvlcc2", "kcs", "s175-3dof", "esso190k"])
 def test_a_ship_turns_wider_the_nearer_the_bottom(name):
     """Down to two draughts; the tanker has its own terms of the depth."""
@@ -384,6 +395,7 @@ def torque_at_approach(speed):
     return 1025.0 * n**2 * 6.533**5 * (0.08 - 0.06 * J)
 
 
+@pytest.mark.slow
 def test_an_engine_with_torque_to_spare_is_a_propeller_of_constant_revolutions():
     strong = simulate(with_engine(10 * torque_at_approach(9.0)), speed=9.0, compiled=False)
     constant = simulate(CONTAINER, speed=9.0)

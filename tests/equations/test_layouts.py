@@ -119,6 +119,7 @@ def outcomes(tmp_path_factory):
     return said(RESULTS, folder), said(OTHER_LAYOUTS + RESULTS, folder)
 
 
+@pytest.mark.slow
 def test_results_do_not_depend_on_where_numbers_stand(outcomes):
     """Constants are inserted before the first and in the middle; kinds and fields are reordered."""
     mine, others = outcomes
@@ -127,6 +128,7 @@ def test_results_do_not_depend_on_where_numbers_stand(outcomes):
     assert results == [line for line in others if line[0] == "result"]
 
 
+@pytest.mark.slow
 def test_compiled_equations_of_other_layouts_are_other_modules(outcomes):
     mine, others = ({line[1] for line in lines if line[0] == "module"} for lines in outcomes)
     assert len(mine) == len(others) == 2

@@ -274,6 +274,7 @@ def test_effects_keep_their_numbers_with_every_option(ship, effect, values, opti
     assert_same_rates(model.with_(parts=parts), 8.0, 20)
 
 
+@pytest.mark.slow
 def test_values_that_depend_on_speed_need_one(reduced):
     with pytest.raises(ModelError, match=r"2 Froude numbers.*--speed"):
         model_to_mss(reduced)

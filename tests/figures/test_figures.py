@@ -124,6 +124,7 @@ def test_derivatives_over_froude_show_values_and_intervals(table):
         np.testing.assert_allclose(reference.get_ydata(), 1e3 * TRUTH[name])
 
 
+@pytest.mark.slow
 def test_a_derivative_without_values_is_left_out_or_said_to_be_unknown(table):
     value = table.value.copy()
     value[:, table.index("Nvrr")] = np.nan
@@ -230,6 +231,7 @@ def test_static_means_of_a_campaign_come_with_their_settings(reduction):
         assert np.max(np.abs(error)) < 4.5
 
 
+@pytest.mark.slow
 def test_harmonics_follow_the_record_of_a_cycle(reduction):
     cycles = typical_cycles(reduction)
     assert [cycle.title.split(",")[0] for cycle in cycles] == [

@@ -142,6 +142,7 @@ def astray(
     return found + [f"{place} need not be listed" for place in sorted(set(allowed) - used)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("registry", REGISTRIES)
 def test_names_stand_where_they_may(registry: str) -> None:
     names, allowed = REGISTRIES[registry]

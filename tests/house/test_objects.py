@@ -240,6 +240,7 @@ def test_an_effect_that_was_not_asked_has_no_evidence():
     assert table["log_evidence"].isna().sum() >= len(found.covered) - 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DRAWN)
 def test_plot_gives_a_figure(name):
     figure = MADE[name]().plot()
@@ -247,6 +248,7 @@ def test_plot_gives_a_figure(name):
     assert figure.axes
 
 
+@pytest.mark.slow
 def test_plots_leave_pyplot_alone():
     code = f"""
 import sys, matplotlib, pmmkit

@@ -200,6 +200,7 @@ def test_the_std_over_bags_of_runs_is_the_scatter_between_campaigns(ship):
     assert np.all((ratio > 0.6) & (ratio < 2.2))
 
 
+@pytest.mark.slow
 def test_the_model_found_gives_the_forces_and_is_simulated(ship, found):
     ready = prepare(found.model, 1.2)
     motion = captive()["yaw 0.1 drift 8"]

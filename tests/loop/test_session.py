@@ -156,6 +156,7 @@ def test_a_fault_found_before_is_known_in_the_next_session(session):
     assert "fault_misalignment" not in {x for x, _ in later.diagnose().group}
 
 
+@pytest.mark.slow
 def test_undo_takes_the_last_step_and_nothing_else(session):
     one = session.add("memory")
     two = one.add("fault_misalignment")

@@ -36,6 +36,7 @@ def test_the_checks_are_silent_on_the_clean_programme(s175):
     assert not any("misfit" in note for note in s175.notes)
 
 
+@pytest.mark.slow
 def test_derivatives_lie_within_their_uncertainty_of_the_truth(s175):
     truth = load_truth()
     right = np.array([[truth.at(Fn)[name] for name in s175.table.names] for Fn in s175.table.Fn])
@@ -44,6 +45,7 @@ def test_derivatives_lie_within_their_uncertainty_of_the_truth(s175):
     assert 0.6 < np.sqrt(np.mean(error**2)) < 1.4
 
 
+@pytest.mark.slow
 def test_trends_of_the_turning_circle_are_found_back(s175):
     """From Fn .145 to .290 within 1.5 percentage points of the true model's, and of paper C's."""
     truth = load_truth()

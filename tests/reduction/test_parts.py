@@ -341,6 +341,7 @@ def test_parts_of_kvlcc2_are_near_those_published_for_another_model(
     assert values[name] == pytest.approx(published, abs=within)
 
 
+@pytest.mark.slow
 def test_standard_errors_are_of_the_size_of_the_differences(measured):
     for name in ("t", "epsilon", "kappa", "gamma_positive", "gamma_negative", "tR", "aH", "wp"):
         assert 1e-3 < measured.std[name] < 0.1, name

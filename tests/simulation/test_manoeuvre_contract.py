@@ -37,6 +37,7 @@ SMALLER = {"spiral": {"rudder_deg": 10.0, "step_deg": 5.0}}
 """Settings that take less time."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", catalogue.manoeuvres())
 def test_every_manoeuvre_holds_its_contract(name):
     check_manoeuvre(manoeuvre_of(name), **SMALLER.get(name, {}))

@@ -234,6 +234,7 @@ def test_latitudes_become_metres(origin):
     np.testing.assert_allclose((back[1] - lon + 180.0) % 360.0, 180.0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_run_is_read_in_metres_midship_and_si(turn, tmp_path):
     logger = Logger(slow=0.0, fast=0.0, heading_noise=0.0, digits=9)
     columns = recorded(turn, logger)
@@ -264,6 +265,7 @@ def test_a_run_is_read_in_metres_midship_and_si(turn, tmp_path):
     assert again.trial == campaign.trial
 
 
+@pytest.mark.slow
 def test_axes_of_other_channels_leave_the_compass_alone(turn, tmp_path):
     columns = recorded(turn, Logger())
     plain = write_campaign(tmp_path / "a", {"T": (TURN, columns)})["T"].data
@@ -276,6 +278,7 @@ def test_axes_of_other_channels_leave_the_compass_alone(turn, tmp_path):
     assert float(turned["r"][0]) == -1.0
 
 
+@pytest.mark.slow
 def test_what_is_wrong_with_a_position_is_said(turn, tmp_path):
     columns = recorded(turn, Logger())
     wild = {**columns, "lat": columns["lat"] * 100.0}
@@ -290,6 +293,7 @@ def test_what_is_wrong_with_a_position_is_said(turn, tmp_path):
         write_campaign(tmp_path / "d", {"T": (TURN, columns)}, trial="antena_x = 1.0")
 
 
+@pytest.mark.slow
 def test_a_wild_first_fix_is_not_the_origin(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns["lat"][0] = columns["lon"][0] = 0.0
@@ -318,6 +322,7 @@ def test_the_current_is_found_within_its_uncertainty(many, part):
     assert np.mean(stds) < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
@@ -339,6 +344,7 @@ def test_measures_of_a_turn_lie_within_their_uncertainty(many, turn, name):
         assert np.mean(stds) < 0.012 * 320.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["head_reach", "track_reach", "lateral_deviation", "time_to_stop"])
 def test_measures_of_a_stop_lie_within_their_uncertainty(many, stop, name):
     values = [trials[1].metrics[name] for trials in many]
@@ -347,6 +353,7 @@ def test_measures_of_a_stop_lie_within_their_uncertainty(many, stop, name):
     assert np.mean(stds) < 7.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [1, 2, 3])
 def test_overshoots_lie_within_their_uncertainty(many, zigzag, number):
     name = f"overshoot_{number}_deg"
@@ -356,6 +363,7 @@ def test_overshoots_lie_within_their_uncertainty(many, zigzag, number):
     assert np.mean(stds) < 0.2
 
 
+@pytest.mark.slow
 def test_executes_and_initial_turning(many, zigzag):
     way = pk.simulate("kvlcc2", "initial_turning", rudder_deg=10, speed=SPEED)
     truth = way.metrics["initial_turning_distance"]
@@ -368,6 +376,7 @@ def test_executes_and_initial_turning(many, zigzag):
         assert within(values, zigzag.metrics[name], [item.std[name] for item in found]) >= 0.88
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [0, 1, 2])
 def test_approach_wind_and_order(many, place):
     found = [trials[place] for trials in many]
@@ -406,6 +415,7 @@ def test_the_current_under_other_ships(ship, degrees):
     assert circle.noise.fast == pytest.approx(0.8, abs=0.15)
 
 
+@pytest.mark.slow
 def test_without_a_current_none_is_found(turn, tmp_path):
     campaign = write_campaign(
         tmp_path, {"T": (TURN, recorded(turn, Logger(seed=9), current=(0.0, 0.0)))}
@@ -438,6 +448,7 @@ def close(trial, turn, within=0.03):
         assert trial.metrics[name] == pytest.approx(turn.metrics[name], abs=within)
 
 
+@pytest.mark.slow
 def test_gaps_empty_rows_and_repeated_times(turn, tmp_path):
     columns = rows_left_out(recorded(turn, Logger()), range(330, 370))
     columns = emptied(columns, [50, 51, 600], ["lat", "lon"])
@@ -457,6 +468,7 @@ def test_gaps_empty_rows_and_repeated_times(turn, tmp_path):
         _ = refused["T"].data
 
 
+@pytest.mark.slow
 def test_a_crossing_within_a_gap_is_told_and_costs_certainty(turn, tmp_path):
     columns = recorded(turn, Logger())
     at = int(120 + turn.metrics["time_90"])
@@ -470,6 +482,7 @@ def test_a_crossing_within_a_gap_is_told_and_costs_certainty(turn, tmp_path):
         assert abs(second.metrics[name] - turn.metrics[name]) < 3 * second.std[name]
 
 
+@pytest.mark.slow
 def test_jumps_steps_and_averaged_headings(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns["lat"][300] += 2e-3
@@ -488,6 +501,7 @@ def test_jumps_steps_and_averaged_headings(turn, tmp_path):
     assert {"spikes", "steps"} <= {name for item in findings for name in item.numbers}
 
 
+@pytest.mark.slow
 def test_coarse_digits_are_told_and_count(turn, tmp_path):
     fine, coarse = (
         write_campaign(tmp_path / str(digits), {"T": (TURN, recorded(turn, Logger(digits=digits)))})
@@ -502,6 +516,7 @@ def test_coarse_digits_are_told_and_count(turn, tmp_path):
         assert abs(second.metrics[name] - turn.metrics[name]) < 3 * second.std[name]
 
 
+@pytest.mark.slow
 def test_knots_taken_for_metres_are_refused(turn, tmp_path, capsys):
     campaign = write_campaign(tmp_path, {"T": (TURN, recorded(turn, Logger()))})
     toml = tmp_path / "campaign.toml"
@@ -511,6 +526,7 @@ def test_knots_taken_for_metres_are_refused(turn, tmp_path, capsys):
     assert campaign["T"].data["sog"].max() < 10
 
 
+@pytest.mark.slow
 def test_half_a_circle_gives_no_current_and_says_so(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns = rows_left_out(columns, range(120 + 400, len(columns["t"])))
@@ -532,6 +548,7 @@ def test_half_a_circle_gives_no_current_and_says_so(turn, tmp_path):
     assert any("not by 180°" in note for note in trial.notes)
 
 
+@pytest.mark.slow
 def test_the_turn_ends_where_the_rudder_is_eased(turn, tmp_path):
     columns = recorded(turn, Logger())
     whole = int(120 + np.interp(2 * math.pi, turn.psi, turn.t)) + 15
@@ -544,6 +561,7 @@ def test_the_turn_ends_where_the_rudder_is_eased(turn, tmp_path):
     assert abs(trial.current.speed - CURRENT[0]) < 4 * trial.current.speed_std
 
 
+@pytest.mark.slow
 def test_a_record_from_the_order_on_needs_its_instant(turn, tmp_path):
     columns = recorded(turn, Logger())
     late = rows_left_out(columns, range(140))
@@ -562,6 +580,7 @@ def test_a_record_from_the_order_on_needs_its_instant(turn, tmp_path):
         evaluate(campaign["T"], campaign, order=5000.0)
 
 
+@pytest.mark.slow
 def test_requests_that_cannot_be_met(turn, stop, tmp_path):
     columns = recorded(turn, Logger())
     still = recorded(stop, Logger(), heading=200.0)
@@ -594,6 +613,7 @@ def test_requests_that_cannot_be_met(turn, stop, tmp_path):
     assert trial.metrics["track_reach"] == pytest.approx(stop.metrics["track_reach"], abs=20.0)
 
 
+@pytest.mark.slow
 def test_waterjets_are_judged_with_their_largest_angle(turn, tmp_path):
     columns = recorded(turn, Logger())
     columns["waterjet_deg"] = columns.pop("rudder") * 30.0 / 35.0
@@ -652,6 +672,7 @@ def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
         assert start in text
 
 
+@pytest.mark.slow
 def test_rows_hold_value_uncertainty_and_limit(many):
     rows = {row["measure"]: row for row in many[0][0].rows()}
     assert rows["advance_L"]["limit"] == 4.5
@@ -717,6 +738,7 @@ def test_requests_of_the_command_that_make_no_sense(folder, tmp_path, capsys, ar
     assert not (tmp_path / "o").exists()
 
 
+@pytest.mark.slow
 def test_figures_show_both_paths(many):
     from pmmkit.figures.trials import trial_figure
 

@@ -530,6 +530,7 @@ def test_the_error_falls_when_the_missing_effect_is_added():
     assert (after > 1.0).mean() < 0.05
 
 
+@pytest.mark.slow
 def test_the_map_holds_every_channel_test_speed_and_harmonic(s175, perfect):
     found = cells(perfect.captive)
     keys = {(cell.channel, cell.test, cell.speed, cell.harmonic) for cell in found}
