@@ -20,6 +20,7 @@ RUDDER_ZERO: Final = "rudder_zero"
 EXCITES: Final = {
     "several speeds": "runs at two speeds or more",
     "four speeds": "runs at four speeds or more",
+    "repeats": "a run that was repeated later",
     "roll": "heel or roll",
     "rudder": "rudder angles",
     "large motion": "drift beyond 17° or a yaw rate r' beyond 0.8",

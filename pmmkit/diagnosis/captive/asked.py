@@ -76,6 +76,7 @@ def excited(views: Sequence[View], base: Base) -> frozenset[str]:
         for word, there in {
             "several speeds": len(speeds) > 1,
             "four speeds": len(speeds) > 3,
+            "repeats": any(view.run.settings.repeat_of for view in views),
             "roll": any(np.any(view.motion.phi) or np.any(view.motion.p) for view in views),
             "rudder": any(np.any(view.motion.delta) for view in views),
             "large motion": sway > LARGE[0] or yaw > LARGE[1],

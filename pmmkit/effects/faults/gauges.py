@@ -160,6 +160,7 @@ EFFECTS: Final = (
             size("N", "N m", 3.5, "from the first run to the last"),
         ),
         check="zero records between the runs; repeat the first run at the end",
+        excites=("repeats",),
         not_free_running=AT_SEA,
     ),
 )
