@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from importlib.metadata import entry_points
 from inspect import signature
 from types import MappingProxyType
 from typing import Any, Final
@@ -16,6 +14,7 @@ import pmmkit.effects as folder
 from pmmkit.channels import did_you_mean
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.plugins import offered
 
 GROUP: Final = "pmmkit.effects"
 """Entry points under which installed packages offer an effect, or a sequence of them."""
@@ -149,15 +148,7 @@ def _installed() -> Mapping[str, Effect]:
     for module in sorted(_modules()):
         for item in getattr(importlib.import_module(module), "EFFECTS", ()):
             found[item.name] = item
-    for item in _offered():
-        if item.name in found:
-            warnings.warn(
-                f"An installed package offers an effect {item.name!r}, which there is already: "
-                f"it is left out.",
-                stacklevel=2,
-            )
-        else:
-            found[item.name] = item
+    found |= offered(GROUP, Effect, found)
     return MappingProxyType(found)
 
 
@@ -165,19 +156,6 @@ def _modules() -> Iterator[str]:
     for module in pkgutil.walk_packages(folder.__path__, f"{folder.__name__}."):
         if module.name != __name__:
             yield module.name
-
-
-def _offered() -> Iterator[Effect]:
-    """Effects of installed packages; one that cannot be loaded is named, not fatal."""
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        try:
-            given = point.load()
-            for item in (given,) if isinstance(given, Effect) else tuple(given):
-                if not isinstance(item, Effect):
-                    raise TypeError(f"{item!r:.60} is no Effect")
-                yield item
-        except Exception as error:
-            warnings.warn(f"The effects of {point.value} cannot be used: {error}", stacklevel=2)
 
 
 def is_fault(name: str) -> bool:

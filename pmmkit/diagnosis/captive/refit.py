@@ -15,7 +15,6 @@ from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.joint_fit import JointFit
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block
-from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
@@ -187,7 +186,7 @@ def refitted(
     if left:
         notes.append(f"Fitted, but the model has no place for them: {', '.join(left)}.")
     taken = table.select([name for name in known if name not in left])
-    changed = _with_table(model, taken, Fn, rudder if steered else [], campaign)
+    changed = _with_table(model, taken, Fn, campaign)
     for block in effects:
         entry = _entry(block.candidate.name, own)
         if entry is not None and entry.enters:
@@ -247,17 +246,13 @@ def froude_numbers(campaign: Campaign) -> tuple[float, ...]:
 
 
 def _with_table(
-    model: Model,
-    table: DerivativeTable,
-    Fn: Sequence[float],
-    rudder: Sequence[str],
-    campaign: Campaign,
+    model: Model, table: DerivativeTable, Fn: Sequence[float], campaign: Campaign
 ) -> Model:
     """A model with the values and the covariance of a table."""
     parts = dict(model.parts)
     source = f"measured: {campaign.title or campaign.ship.name}"
     for name in table.names:
-        home = _home(name, rudder)
+        home = home_of(model, name)
         part = parts.get(home, Part(effect=home))
         column = table[name]
         value = tuple(column.tolist()) if len(Fn) else float(column[0])
@@ -278,13 +273,6 @@ def _with_table(
         covariance_names=table.names,
         convention=_target(model.convention),
     )
-
-
-def _home(name: str, rudder: Sequence[str]) -> str:
-    if name in rudder:
-        return RUDDER_POLYNOMIAL
-    accelerates = any(factor.endswith("dot") for factor in parse_derivative(name).factors)
-    return INERTIA if accelerates else HULL
 
 
 def effects_of(model: Model) -> tuple[str, ...]:
