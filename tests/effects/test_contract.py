@@ -113,7 +113,9 @@ def test_an_effect_of_an_installed_package():
     offered = [SimpleNamespace(name="keels", value="keels:KEEL", load=lambda: (KEEL,))]
     registry._installed.cache_clear()
     try:
-        with mock.patch("pmmkit.plugins.entry_points", return_value=offered):
+        with mock.patch(
+            "pmmkit.plugins.entry_points", lambda group: offered if group == registry.GROUP else []
+        ):
             assert effect_of(KEEL.name) is KEEL
             check_effect(KEEL)
     finally:
