@@ -15,10 +15,8 @@ from __future__ import annotations
 import argparse
 import importlib
 import math
-import sys
 from collections import Counter
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,26 +27,8 @@ from pmmkit.test_planning.ground import ground_of
 from pmmkit.test_planning.next_run import Advice, next_runs
 from pmmkit.test_planning.options import USUAL, Limits, options_of
 from pmmkit.test_planning.programme import plan, sights
+from scripts.studies.hidden_effects import ABSORBED, BASE, tank
 
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
-ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
 RIVALLED = (
     "asymmetry",
     "fault_gauge_zero",
@@ -70,12 +50,6 @@ LIMITS = Limits(
     tests=(*USUAL, "sway_yaw"),
 )
 """What the rig of the tank's programmes does."""
-
-
-def tank() -> Any:
-    """The virtual tank, which lies with the tests."""
-    sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
-    return importlib.import_module("hidden_effects")
 
 
 def programmes() -> Any:
