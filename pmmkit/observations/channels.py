@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,5 +56,10 @@ class Scatter:
 
     @property
     def sizes(self) -> Array:
-        """The three, in the order of the columns of `run_columns`."""
-        return np.array([self.offset, self.gain, self.drift])
+        """The three, in the order of the columns of what each run draws."""
+        return np.array([getattr(self, name) for name in self.names()])
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """What a run may draw, in that order."""
+        return tuple(field.name for field in fields(cls))

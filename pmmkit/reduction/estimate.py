@@ -11,11 +11,14 @@ from numpy.typing import NDArray
 
 from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
+from pmmkit.observations.channels import Scatter
 from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whitener
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
+SETTING = Scatter.names().index("drift")
+"""What a run draws once for all its channels."""
 STATED = 5.0
 """Degrees of freedom that the noise stated by the records counts for beside the residuals."""
 BIRGE_P = 0.01
@@ -42,6 +45,25 @@ class Block:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Width:
+    """What scatter between runs adds to the uncertainty of a fit of p coefficients.
+
+    Parameters
+    ----------
+    columns : tuple of array (m_i, 3)
+        What each block draws for itself, per standard deviation: offset, gain, drift setting.
+    factor : array (p,)
+        By which the standard uncertainties grow, since the sizes are not known exactly.
+    dof : array (p,)
+        Degrees of freedom that stand for that.
+    """
+
+    columns: tuple[Array, ...]
+    factor: Array
+    dof: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelFit:
     """One channel at one Froude number.
 
@@ -51,6 +73,9 @@ class ChannelFit:
         The channel.
     fit : Fit
         Coefficients; the gain acts on whitened rows.
+    plain : Fit
+        The same by the noise of the records alone: how far the tests part the coefficients, which
+        an error that all rows of a run share says nothing about.
     chosen : tuple of int
         Columns of the blocks' designs that were fitted.
     blocks : tuple of Block
@@ -69,10 +94,13 @@ class ChannelFit:
         Factor by which the residuals correct the variances that the records state.
     excessive : bool
         Whether the misfit is larger than the noise allows.
+    width : Width
+        What scatter between runs adds.
     """
 
     channel: str
     fit: Fit
+    plain: Fit
     chosen: tuple[int, ...]
     blocks: tuple[Block, ...]
     whiteners: tuple[Array, ...]
@@ -82,6 +110,7 @@ class ChannelFit:
     chi_square: float
     scale: float
     excessive: bool
+    width: Width
 
     @property
     def freedom(self) -> int:
@@ -110,6 +139,10 @@ class ChannelFit:
             self.fit.gain, np.cumsum([len(block.rows) for block in self.blocks])[:-1], axis=1
         )
         return [part @ white for part, white in zip(parts, self.whiteners, strict=True)]
+
+    def pulls(self) -> list[Array]:
+        """The same, larger by what the sizes of the scatter are not known."""
+        return [self.width.factor[:, None] * gain for gain in self.gains()]
 
 
 def blocks_of(
@@ -176,6 +209,7 @@ def fit_channel(
     names: Sequence[str],
     required: int,
     private: Mapping[int, Array],
+    inflation: float = 1.0,
 ) -> ChannelFit:
     """Fit the derivatives of one channel to the rows of one Froude number.
 
@@ -191,18 +225,22 @@ def fit_channel(
     required : int
         How many are required.
     private : mapping of run to array (m_i, q)
-        Errors that each run draws on its own (setting scatter), as columns per standard deviation.
+        Errors that each run draws on its own, as columns per standard deviation.
+    inflation : float
+        Factor of the variances that the records state, as far as an earlier fit found one.
     """
-    noise, dof = _stated_noise(blocks)
     scatter = [
         private[block.run] if block.run in private and block.covariance is not None else None
         for block in blocks
     ]
-    whiteners = _whiteners(noise, scatter)
-    design, rows = _white(blocks, whiteners)
+    noise, dof = _stated_noise(blocks, scatter, inflation)
+    design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
     columns = [names[place] for place in chosen]
+    plain = fit(columns, design[:, chosen], rows)
+    whiteners = _whiteners(noise, scatter)
+    design, rows = _white(blocks, whiteners)
     found = fit(columns, design[:, chosen], rows)
     from_residuals = any(block.covariance is None for block in blocks)
     for _ in range(ROUNDS if from_residuals else 0):
@@ -220,6 +258,7 @@ def fit_channel(
     return ChannelFit(
         channel=channel,
         fit=found,
+        plain=plain,
         chosen=tuple(chosen),
         blocks=tuple(blocks),
         whiteners=tuple(whiteners),
@@ -227,8 +266,13 @@ def fit_channel(
         noise_dof=np.maximum(dof, scale.dof),
         residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
         chi_square=scale.chi_square,
-        scale=scale.factor,
+        scale=inflation * scale.factor,
         excessive=scale.excessive,
+        width=Width(
+            columns=tuple(np.zeros((len(block.rows), 0)) for block in blocks),
+            factor=np.ones(len(columns)),
+            dof=np.full(len(columns), math.inf),
+        ),
     )
 
 
@@ -236,7 +280,9 @@ def _freedom(found: Fit, rows: int) -> int:
     return max(rows - int(np.sum(np.any(found.gain != 0, axis=1))), 0)
 
 
-def _stated_noise(blocks: Sequence[Block]) -> tuple[list[Array], Array]:
+def _stated_noise(
+    blocks: Sequence[Block], scatter: Sequence[Array | None], inflation: float
+) -> tuple[list[Array], Array]:
     """Moderated noise of the runs that state one; equal noise for the rest."""
     rows = np.concatenate([block.rows for block in blocks])
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
@@ -250,28 +296,37 @@ def _stated_noise(blocks: Sequence[Block]) -> tuple[list[Array], Array]:
         places, covariances, degrees = zip(*members, strict=True)
         calm, freedom = moderated(covariances, degrees, size)
         for place, covariance, value in zip(places, calm, freedom, strict=True):
-            noise[place] = covariance
+            noise[place] = inflation * covariance
             dof[place] = value
     for dynamic in (False, True):
-        noise, dof = _with_repeat_scatter(dynamic, blocks, noise, dof)
+        noise, dof = _with_repeat_scatter(dynamic, blocks, noise, scatter, dof)
     return noise, dof
 
 
 def _with_repeat_scatter(
-    dynamic: bool, blocks: Sequence[Block], noise: Sequence[Array], dof: Array
+    dynamic: bool,
+    blocks: Sequence[Block],
+    noise: Sequence[Array],
+    scatter: Sequence[Array | None],
+    dof: Array,
 ) -> tuple[list[Array], Array]:
-    """Noise of static or of oscillating runs with what their repeats scatter beyond it."""
+    """Noise of static or of oscillating runs with what repeats scatter beyond it and their own."""
     known = [
         place
         for place, block in enumerate(blocks)
         if block.dynamic == dynamic and block.covariance is not None
     ]
+
+    def known_of(place: int) -> Array:
+        part = scatter[place]
+        return noise[place] if part is None else noise[place] + part @ part.T
+
     conditions: dict[str, list[int]] = {}
     for place in known:
         conditions.setdefault(blocks[place].origin, []).append(place)
     extra, freedom = repeat_scatter(
         [[blocks[place].rows for place in places] for places in conditions.values()],
-        [[noise[place] for place in places] for places in conditions.values()],
+        [[known_of(place) for place in places] for places in conditions.values()],
     )
     wide, degrees = list(noise), dof.copy()
     for place in known if extra > 0 else ():
@@ -413,24 +468,32 @@ def join(
     type_a = np.zeros((total, total))
     shares = np.zeros(total)
     unknown = np.zeros(total, dtype=bool)
-    pushes: dict[tuple[int, int], Array] = {}
+    pushes: dict[tuple[str, int, int, str], Array] = {}
     for (group, item), start in zip(fits, starts, strict=True):
         span = slice(start, start + len(item.fit.names))
         values = {**known.get(group, {}), **item.values()}
+        drawn = np.zeros(len(item.fit.names))
+        pulls = item.pulls()
         for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
-            part = gain @ item.noise[index] @ gain.T
+            pull = pulls[index]
+            part = pull @ item.noise[index] @ pull.T
             type_a[span, span] += part
             degrees = float(item.noise_dof[index])
             shares[span] += np.diagonal(part) ** 2 / max(degrees, 1e-3)
             unknown[span] |= (degrees == 0) & (np.diagonal(part) > 0)
             run = run_of[group][block.run]
+            for kind, column in enumerate(item.width.columns[index].T):
+                drawn += (pull @ column) ** 2
+                key = ("drawn", kind, run, "" if kind == SETTING else item.channel)
+                pushes.setdefault(key, np.zeros(total))[span] += pull @ column
             for number, change in enumerate(sensitivities[run]):
                 if not change.source.shared and block.covariance is None:
                     continue
                 shift = change.residual(item.channel, values)[block.keep]
-                key = (number, -1 if change.source.shared else run)
+                key = ("stated", number, -1 if change.source.shared else run, "")
                 push = pushes.setdefault(key, np.zeros(total))
-                push[span] += gain @ np.nan_to_num(shift)
+                push[span] += (gain if change.source.shared else pull) @ np.nan_to_num(shift)
+        shares[span] += (np.diagonal(type_a)[span] + drawn) ** 2 / item.width.dof
     covariance = type_a + sum(
         (np.outer(push, push) for push in pushes.values()), np.zeros((total, total))
     )

@@ -51,7 +51,7 @@ def by_family(
         wanted = columns.only(kind.fit.factors)
         if not groups or not any(wanted.required.values()):
             continue
-        found = solve(rows, sensitivities, wanted, groups)
+        found = solve(rows, sensitivities, wanted, groups, solution.between)
         if found.fits:
             tables[kind.title] = to_table(found, wanted, campaign, convention, method=kind.title)
     return tables
@@ -102,7 +102,12 @@ def by_run(
             if not any(wanted.required.values()):
                 continue
             found = solve(
-                rows, sensitivities, wanted, [(float(solution.Fn[group]), [place])], {0: held}
+                rows,
+                sensitivities,
+                wanted,
+                [(float(solution.Fn[group]), [place])],
+                solution.between,
+                {0: held},
             )
             if found.fits:
                 tables[run.id] = to_table(found, wanted, campaign, convention, method="single run")

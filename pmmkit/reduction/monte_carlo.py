@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -46,7 +46,10 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
     for number in range(n):
         rng = np.random.default_rng([seed, number])
         rows = _perturbed(reduction.rows, reduction.sensitivities, noise, rng)
-        found = solve(rows, reduction.sensitivities, reduction.columns, groups)
+        between = reduction.solution.between
+        found = solve(
+            rows, reduction.sensitivities, reduction.columns, groups, between, intervals=False
+        )
         table = to_table(
             found, reduction.columns, reduction.campaign, reduction.convention, method="draw"
         )
@@ -54,21 +57,43 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
     return np.stack(draws)
 
 
-def _noise(solution: Solution) -> dict[tuple[int, str], tuple[Array, NDArray[np.bool_]]]:
-    """Cholesky factor of the noise of each run and channel, with the rows it stands for."""
-    found: dict[tuple[int, str], tuple[Array, NDArray[np.bool_]]] = {}
-    for group, item in solution.fits:
-        for block, covariance in zip(item.blocks, item.noise, strict=True):
-            run = solution.groups[group][block.run]
-            factor = np.linalg.cholesky(covariance).astype(np.float64)
-            found[run, item.channel] = (factor, block.keep)
-    return found
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Chance:
+    """What chance does to the rows of one run in one channel.
+
+    `factor` is the Cholesky factor of the noise, `drawn` what the run draws for itself per
+    standard deviation, at the rows `keep`.
+    """
+
+    factor: Array
+    drawn: Array
+    keep: NDArray[np.bool_]
+
+    def draw(self, rng: np.random.Generator) -> Array:
+        """One error (m,)."""
+        shake = np.zeros(len(self.keep))
+        shake[self.keep] = self.factor @ rng.normal(size=len(self.factor))
+        shake[self.keep] += self.drawn @ rng.normal(size=self.drawn.shape[1])
+        return shake
+
+
+def _noise(solution: Solution) -> dict[tuple[int, str], _Chance]:
+    """Noise and scatter of each run and channel."""
+    return {
+        (solution.groups[group][block.run], item.channel): _Chance(
+            factor=np.linalg.cholesky(covariance).astype(np.float64), drawn=drawn, keep=block.keep
+        )
+        for group, item in solution.fits
+        for block, covariance, drawn in zip(
+            item.blocks, item.noise, item.width.columns, strict=True
+        )
+    }
 
 
 def _perturbed(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
-    noise: dict[tuple[int, str], tuple[Array, NDArray[np.bool_]]],
+    noise: dict[tuple[int, str], _Chance],
     rng: np.random.Generator,
 ) -> list[Rows]:
     sources = [change.source for change in sensitivities[0]] if sensitivities else []
@@ -85,9 +110,6 @@ def _perturbed(
             design = {name: values + size * change.design[name] for name, values in design.items()}
         for channel in design:
             if (place, channel) in noise:
-                factor, keep = noise[place, channel]
-                shake = np.zeros(len(force[channel]))
-                shake[keep] = factor @ rng.normal(size=int(keep.sum()))
-                force[channel] = force[channel] + shake
+                force[channel] = force[channel] + noise[place, channel].draw(rng)
         made.append(replace(item, force=force, design=design))
     return made

@@ -187,7 +187,7 @@ def _list(names: Sequence[str]) -> str:
 
 
 def _together(item: ChannelFit, where: str) -> Iterator[str]:
-    gain = item.fit.gain
+    gain = item.plain.gain
     covariance = gain @ gain.T
     with np.errstate(divide="ignore", invalid="ignore"):
         scale = np.sqrt(np.diagonal(covariance))
@@ -201,12 +201,12 @@ def _together(item: ChannelFit, where: str) -> Iterator[str]:
                     f"{names}{where} move together (correlation {value:+.3f}): the runs fix a "
                     f"combination better than each of them."
                 )
-    for name, inflation in zip(item.fit.names, item.fit.inflation.tolist(), strict=True):
+    for name, inflation in zip(item.fit.names, item.plain.inflation.tolist(), strict=True):
         if inflation > INFLATED:
             yield (
                 f"{name}{where} resembles other terms in these runs: its variance is "
                 f"{inflation:.0f} times what it would be alone (condition number of "
-                f"{item.channel} {item.fit.condition:.0f})."
+                f"{item.channel} {item.plain.condition:.0f})."
             )
 
 

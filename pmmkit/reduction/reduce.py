@@ -18,6 +18,7 @@ from pmmkit.observations.equations import Rows, Sensitivity
 from pmmkit.observations.prepare import CycleChoice, RunResult
 from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
+from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.methods import by_family, by_run
 from pmmkit.reduction.notes import Offset, notes, offsets
@@ -209,7 +210,8 @@ def reduce_campaign(
             f"({', '.join(sorted(measured))})."
         )
     tell(len(rows), len(rows), "fitting")
-    solution = solve(rows, sensitivities, columns, _groups(rows, fn))
+    between = between_runs(rows, campaign, convention)
+    solution = solve(rows, sensitivities, columns, _groups(rows, fn), between)
     results = tuple(item.result for item in rows)
     curve = resistance(results)
     remarks = (

@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.reduction.estimate import SETTING
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,7 +38,7 @@ def contributions(
     Returns
     -------
     DataFrame
-        A row per test type (the noise of its runs and what is private to them, such as the
+        A row per test type (the noise of its runs and what each draws for itself: offset, gain, the
         setting of the drift angle) and per source that all runs share (such as a gauge), with the
         number of runs, the standard deviation of the result by it alone, and its share of the
         variance, the largest first. The shares sum to 1.
@@ -59,7 +60,7 @@ def contributions(
     weight = _weights(solution.Fn, Fn)
     by_test: dict[str, float] = defaultdict(float)
     runs_of: dict[str, set[int]] = defaultdict(set)
-    pushes: dict[tuple[int, int], float] = defaultdict(float)
+    pushes: dict[tuple[str, int, int, str], float] = defaultdict(float)
     for group, item in solution.fits:
         if weight[group] == 0.0:
             continue
@@ -68,19 +69,26 @@ def contributions(
             weight[group] * np.array([slopes.get(name, 0.0) for name in item.fit.names]) * there
         )
         values = item.values()
+        pulls = item.pulls()
         for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
             run = solution.groups[group][block.run]
             test = reduction.rows[run].result.run.test
-            pull = gradient @ gain
+            pull = gradient @ pulls[index]
             by_test[test] += float(pull @ item.noise[index] @ pull)
             runs_of[test].add(run)
+            for kind, column in enumerate(item.width.columns[index].T):
+                own = "" if kind == SETTING else item.channel
+                pushes["drawn", kind, run, own] += float(pull @ column)
             for number, change in enumerate(reduction.sensitivities[run]):
                 if not change.source.shared and block.covariance is None:
                     continue
                 shift = np.nan_to_num(change.residual(item.channel, values)[block.keep])
-                pushes[number, -1 if change.source.shared else run] += float(pull @ shift)
+                if change.source.shared:
+                    pushes["stated", number, -1, ""] += float(gradient @ gain @ shift)
+                else:
+                    pushes["stated", number, run, ""] += float(pull @ shift)
     shared: dict[str, float] = defaultdict(float)
-    for (number, run), push in pushes.items():
+    for (_, number, run, _), push in pushes.items():
         if run >= 0:
             by_test[reduction.rows[run].result.run.test] += push**2
         else:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -14,10 +14,14 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.scatter import Restricted, RunScatter, run_scatter
+from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, likelihood_of, size_of, widened
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import Block, ChannelFit, Joint, blocks_of, fit_channel, join
 from pmmkit.tables import DerivativeTable
 
+ROUNDS = 3
+"""Times that values, scatter and misfit are found in turns; scatter explains what it can first."""
 SPEED_GAP = 0.01
 """Runs whose speeds differ by less than this share belong to one Froude number."""
 
@@ -36,12 +40,15 @@ class Solution:
         The fits, each with its Froude group.
     joint : Joint
         Values and covariance.
+    between : BetweenRuns
+        Scatter between runs.
     """
 
     Fn: Array
     groups: tuple[tuple[int, ...], ...]
     fits: tuple[tuple[int, ChannelFit], ...]
     joint: Joint
+    between: BetweenRuns
 
 
 def froude_groups(froude: Sequence[float]) -> list[tuple[float, tuple[int, ...]]]:
@@ -67,7 +74,10 @@ def solve(
     sensitivities: Sequence[Sequence[Sensitivity]],
     columns: Columns,
     groups: Sequence[tuple[float, Sequence[int]]],
+    between: BetweenRuns,
     known: Mapping[int, Mapping[str, float]] | None = None,
+    *,
+    intervals: bool = True,
 ) -> Solution:
     """Fit every channel at every Froude number.
 
@@ -81,57 +91,126 @@ def solve(
         Derivatives to be fitted, a choice of the designs' columns.
     groups : sequence of (Fn, runs)
         Froude numbers and their runs.
+    between : BetweenRuns
+        What runs draw for themselves; its sizes are estimated from all groups where not given.
     known : mapping of group to values, optional
         Derivatives that are held at known values.
+    intervals : bool
+        Whether the intervals are those of the mixture over all sizes of the scatter; values do
+        not need it.
     """
-    fits: list[tuple[int, ChannelFit]] = []
-    for number, (_, members) in enumerate(groups):
-        held = (known or {}).get(number, {})
-        chosen = [rows[place] for place in members]
-        for channel in columns.required:
-            names = [*columns.required[channel], *columns.optional[channel]]
-            blocks = blocks_of(chosen, channel, names, held)
-            if not blocks or not names:
-                continue
-            changes = [sensitivities[place] for place in members]
-            fits.append(
-                (
-                    number,
-                    _fit(channel, blocks, names, len(columns.required[channel]), changes, held),
-                )
-            )
+    cases = list(_cases(rows, sensitivities, columns, groups, between, known or {}))
+    size = {
+        channel: float(np.sqrt(np.mean([case.size**2 for case in own])))
+        for channel, own in _by_channel(cases).items()
+    }
+    scatter = between.scatter or RunScatter.usual(list(size))
+    draws = [case.drawn(None, size[case.channel]) for case in cases]
+    fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
+    for number in range((ROUNDS if between.scatter is None else 1) if fits else 0):
+        draws = [
+            case.drawn(found, size[case.channel]) for case, found in zip(cases, fits, strict=True)
+        ]
+        if between.scatter is None:
+            likelihoods: dict[str, list[Restricted]] = {}
+            for case, found, draw in zip(cases, fits, draws, strict=True):
+                likelihoods.setdefault(case.channel, []).append(likelihood_of(found, draw))
+            scatter = run_scatter(likelihoods)
+        fits = [
+            case.fit(draw, scatter, found if number else None)
+            for case, draw, found in zip(cases, draws, fits, strict=True)
+        ]
+    done = tuple(
+        (case.group, widened(found, draw, scatter) if intervals else found)
+        for case, found, draw in zip(cases, fits, draws, strict=True)
+    )
     run_of = {number: list(members) for number, (_, members) in enumerate(groups)}
     return Solution(
         Fn=np.array([froude for froude, _ in groups]),
         groups=tuple(tuple(members) for _, members in groups),
-        fits=tuple(fits),
-        joint=join(fits, sensitivities, run_of, known or {}),
+        fits=done,
+        joint=join(done, sensitivities, run_of, known or {}),
+        between=replace(between, scatter=scatter),
     )
 
 
-def _fit(
-    channel: str,
-    blocks: Sequence[Block],
-    names: Sequence[str],
-    required: int,
-    changes: Sequence[Sequence[Sensitivity]],
-    held: Mapping[str, float],
-) -> ChannelFit:
-    """Fit once by the records' noise, and again with the scatter of each run's settings."""
-    first = fit_channel(channel, blocks, names, required, {})
-    values = {**held, **first.values()}
-    scatter = {
-        block.run: np.stack(own, axis=1)
-        for block in blocks
-        if (
-            own := [
-                change.residual(channel, values)[block.keep]
-                for change in changes[block.run]
-                if not change.source.shared
-            ]
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Case:
+    """One channel at one Froude number."""
+
+    group: int
+    channel: str
+    names: Sequence[str]
+    required: int
+    blocks: Sequence[Block]
+    rows: Sequence[Rows]
+    changes: Sequence[Sequence[Sensitivity]]
+    between: BetweenRuns
+    held: Mapping[str, float]
+
+    @property
+    def size(self) -> float:
+        """Root mean square of the readings [N, N m]."""
+        return size_of(self.blocks, self.channel, self.between)
+
+    def drawn(self, found: ChannelFit | None, size: float) -> Drawn:
+        """What its runs draw for themselves, as far as a fit tells."""
+        return drawn(
+            self.channel,
+            self.blocks,
+            {**self.held, **(found.values() if found else {})},
+            found.residual if found else None,
+            self.rows,
+            self.changes,
+            self.between,
+            size,
         )
-    }
-    return fit_channel(channel, blocks, names, required, scatter) if scatter else first
+
+    def fit(self, draw: Drawn, scatter: RunScatter, before: ChannelFit | None = None) -> ChannelFit:
+        """Fit with the mean sizes of the scatter, and the misfit that an earlier fit left."""
+        private = draw.private(self.blocks, scatter.sizes(self.channel))
+        inflation = before.scale if before else 1.0
+        found = fit_channel(
+            self.channel, self.blocks, self.names, self.required, private, inflation
+        )
+        return replace(
+            found, excessive=found.excessive or (before is not None and before.excessive)
+        )
+
+
+def _cases(
+    rows: Sequence[Rows],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    columns: Columns,
+    groups: Sequence[tuple[float, Sequence[int]]],
+    between: BetweenRuns,
+    known: Mapping[int, Mapping[str, float]],
+) -> Iterator[_Case]:
+    for number, (_, members) in enumerate(groups):
+        held = known.get(number, {})
+        chosen = [rows[place] for place in members]
+        for channel in columns.required:
+            names = [*columns.required[channel], *columns.optional[channel]]
+            blocks = blocks_of(chosen, channel, names, held)
+            if blocks and names:
+                yield _Case(
+                    group=number,
+                    channel=channel,
+                    names=names,
+                    required=len(columns.required[channel]),
+                    blocks=blocks,
+                    rows=chosen,
+                    changes=[sensitivities[place] for place in members],
+                    between=between.of(members),
+                    held=held,
+                )
+
+
+def _by_channel(cases: Sequence[_Case]) -> dict[str, list[_Case]]:
+    found: dict[str, list[_Case]] = {}
+    for case in cases:
+        found.setdefault(case.channel, []).append(case)
+    return found
 
 
 def to_table(

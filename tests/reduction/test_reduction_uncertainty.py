@@ -163,10 +163,10 @@ def test_repeats_that_scatter_widen_the_intervals():
 
 @pytest.mark.slow
 def test_numerical_uncertainty_of_a_solver_counts_as_a_common_zero_error():
-    """CFD has no noise: what is stated as U_SN is what the intervals rest on."""
+    """CFD has no noise, and its runs agree: what is stated as U_SN makes the intervals."""
     made = captive()
     bare = reduce_campaign(made, check=False).table
     grid = reduce_campaign(made.with_(numerical={"Y": 2.0}), check=False).table
     same = made.with_(uncertainty=(TypeB(name="Y_gauge", std=2.0, shared=True),))
-    assert grid.std[0, 5] > 100 * bare.std[0, 5]
+    assert grid.std[0, 5] > 30 * bare.std[0, 5]
     assert np.array_equal(grid.std, reduce_campaign(same, check=False).table.std)

@@ -210,7 +210,7 @@ YAW_DRIFT: Final = TestKind(
     varies=("u", "v", "r", "udot", "vdot", "rdot"),
     swings=(YAW,),
     motion=PATH_OF_YAW,
-    fit=Fit(factors=("u", "v", "r", "udot", "rdot", "T")),
+    fit=Fit(factors=("u", "v", "r", "udot", "vdot", "rdot", "T")),
     quasi_steady=3.0,
     codes=("YD", "PYD"),
     phrase=r"\byaw\b.*\bdrift\b|\bdrift\b.*\byaw\b",

@@ -24,8 +24,9 @@ from pmmkit.diagnosis.captive.system import (
 )
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
+from pmmkit.observations.scatter import estimated_scatter
 from pmmkit.observations.views import View
-from pmmkit.observations.whitening import FLOOR, Piece, Projection, estimated_scatter, whitened
+from pmmkit.observations.whitening import FLOOR, Piece, Projection, whitened
 
 ROUGH: Final = Scatter(offset=0.004, gain=0.0, drift=0.0)
 """Run scatter for the first fit of the base."""

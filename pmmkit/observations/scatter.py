@@ -1,0 +1,346 @@
+"""Scatter between runs: what each run draws for itself, and how large that is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.observations.channels import Channel, Scatter
+from pmmkit.observations.whitening import alike, noise_whitened, orthonormal
+
+OFFSETS: Final = (0.0, 0.001, 0.002, 0.003, 0.005, 0.008, 0.013, 0.02, 0.03, 0.05)
+GAINS: Final = (0.0, 0.002, 0.004, 0.006, 0.01, 0.02)
+SETTINGS: Final = (0.0, 0.015, 0.03, 0.06)
+"""Run scatter that the diagnosis tries: offset over the channel's scale, gain, drift [deg]."""
+USUAL: Final[Mapping[str, float]] = MappingProxyType(
+    {"offset": 0.003, "gain": 0.004, "drift": 0.03}
+)
+"""Medians of a good laboratory: offset over the channel's rms force, gain, drift setting [deg]."""
+BETWEEN_LABORATORIES: Final = 0.8
+"""Standard deviation of the logarithm of the sizes from one laboratory to another."""
+BETWEEN_CHANNELS: Final = 0.4
+"""The same from one channel to another of one laboratory."""
+DOUBLINGS: Final[Mapping[str, tuple[int, int]]] = MappingProxyType(
+    {"offset": (-6, 3), "gain": (-6, 3), "drift": (-4, 2)}
+)
+"""Sizes that are weighed: the usual one times these powers of two and all between. They reach
+further down than up: runs of a solver may agree to rounding."""
+NEGLIGIBLE: Final = 1e-4
+"""Share of the greatest weight below which a node does not count."""
+CHUNK: Final = 2**22
+"""Numbers that one step over the nodes may hold."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Restricted:
+    """What the restricted likelihood of run scatter needs of one channel, whitened by its noise.
+
+    The columns of `whole` and of the sums are: the largest model, the smooth floor, the data.
+
+    Parameters
+    ----------
+    whole : array (q, q)
+        Products of all columns.
+    own : array (runs, k, k)
+        Products of what each run draws for itself, at size one.
+    across : array (runs, k, q)
+        Products of that with all columns.
+    model, floor : int
+        How many columns the model and the floor have.
+    back : array (p, model)
+        From the orthonormal basis to the coefficients of the model.
+    """
+
+    whole: Array
+    own: Array
+    across: Array
+    model: int
+    floor: int
+    back: Array
+
+    def log_likelihood(self, sizes: Array) -> Array:
+        """Of several scatters, array (g, k) of their sizes; minus infinity where singular."""
+        return np.concatenate([self._likelihood(part) for part in self._parts(sizes)])
+
+    def estimates(self, sizes: Array) -> tuple[Array, Array]:
+        """Coefficients and their variances by generalised least squares, arrays (g, p) each."""
+        parts = []
+        for part in self._parts(sizes):
+            gram, _ = self._gram(part)
+            inverse = np.linalg.inv(gram[:, : self.model, : self.model])
+            value = np.einsum("pm,gmn,gn->gp", self.back, inverse, gram[:, : self.model, -1])
+            variance = np.einsum("pm,gmn,pn->gp", self.back, inverse, self.back)
+            parts.append((value, variance))
+        return np.concatenate([x for x, _ in parts]), np.concatenate([x for _, x in parts])
+
+    def _parts(self, sizes: Array) -> list[Array]:
+        held = max(1, CHUNK // max(1, self.across.size))
+        return [sizes[begin : begin + held] for begin in range(0, len(sizes), held)]
+
+    def _gram(self, sizes: Array) -> tuple[Array, Array]:
+        """Products under the covariance of noise and scatter, and the log determinant of it.
+
+        Each run takes its own share off the sums of all (Woodbury).
+        """
+        scaled = sizes[:, None, :, None] * self.own * sizes[:, None, None, :]
+        root = np.linalg.cholesky(np.eye(sizes.shape[1]) + scaled)
+        taken = np.linalg.solve(root, sizes[:, None, :, None] * self.across)
+        flat = taken.reshape(len(sizes), -1, taken.shape[-1])
+        gram = self.whole - np.swapaxes(flat, 1, 2) @ flat
+        diagonal = np.arange(self.model, self.model + self.floor)
+        gram[:, diagonal, diagonal] += 1.0
+        logs = np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=(1, 2))
+        return gram, logs
+
+    def _likelihood(self, sizes: Array) -> Array:
+        gram, logs = self._gram(sizes)
+        order = np.r_[self.model : self.model + self.floor, : self.model]
+        square, cross = gram[:, order[:, None], order], gram[:, order, -1]
+        try:
+            root = np.linalg.cholesky(square)
+        except np.linalg.LinAlgError:
+            if len(sizes) == 1:
+                return np.array([-np.inf])
+            return np.concatenate([self._likelihood(one[None]) for one in sizes])
+        explained = np.sum(np.linalg.solve(root, cross[:, :, None])[:, :, 0] ** 2, axis=1)
+        logs = logs + np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=1)
+        found: Array = -logs - 0.5 * np.maximum(gram[:, -1, -1] - explained, 0.0)
+        return found
+
+
+def restricted(
+    channel: Channel, own: Array, model: Array, floor: Array | None = None
+) -> Restricted:
+    """The restricted likelihood of what the runs of a channel draw for themselves.
+
+    Parameters
+    ----------
+    channel : Channel
+        Rows and noise.
+    own : array (n, k)
+        What each run draws for itself, at size one.
+    model : array (n, p)
+        The model that the runs share.
+    floor : array (n, D), optional
+        Features of a smooth floor at its size, which have a unit prior.
+    """
+    features = np.zeros((len(channel.y), 0)) if floor is None else floor
+    white = noise_whitened(channel, np.column_stack([model, features, channel.y, own]))
+    p, q = model.shape[1], features.shape[1]
+    basis = orthonormal(white[:, :p])
+    A = np.column_stack([basis, white[:, p : p + q + 1]])
+    sums = [
+        (np.swapaxes(Z, 1, 2) @ Z, np.swapaxes(Z, 1, 2) @ A[at])
+        for at, _ in alike(channel)
+        for Z in [white[at][:, :, p + q + 1 :]]
+    ]
+    length = np.linalg.norm(white[:, :p], axis=0)
+    unit = np.where(length > 0, length, 1.0)
+    back = np.linalg.pinv(basis.T @ (white[:, :p] / unit), rcond=1e-9) / unit[:, None]
+    return Restricted(
+        whole=A.T @ A,
+        own=np.concatenate([x for x, _ in sums]),
+        across=np.concatenate([x for _, x in sums]),
+        model=basis.shape[1],
+        floor=q,
+        back=back,
+    )
+
+
+def estimated_scatter(
+    channels: Sequence[Channel],
+    own: Mapping[str, Array],
+    models: Mapping[str, Array],
+    floors: Mapping[str, Array],
+) -> Scatter:
+    """Run scatter of the greatest restricted likelihood, one for all channels.
+
+    Parameters
+    ----------
+    channels : sequence of Channel
+        Rows.
+    own : mapping of channel to array (n, 3)
+        What each run draws for itself, at size one.
+    models : mapping of channel to array (n, p)
+        The largest model, so that a missing effect is not taken for scatter.
+    floors : mapping of channel to array (n, D)
+        Features of the smooth floor at its size.
+
+    Returns
+    -------
+    Scatter
+    """
+    found = [restricted(c, own[c.name], models[c.name], floors[c.name]) for c in channels]
+    best = Scatter()
+    for field, tried in (
+        ("offset", OFFSETS),
+        ("gain", GAINS),
+        ("drift", SETTINGS),
+        ("offset", OFFSETS),
+    ):
+        options = [replace(best, **{field: x}) for x in tried]
+        sizes = np.stack([option.sizes for option in options])
+        best = options[int(np.argmax(sum(item.log_likelihood(sizes) for item in found)))]
+    return best
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunScatter:
+    """How much runs scatter between each other: sizes with their weights, channel by channel.
+
+    Parameters
+    ----------
+    nodes : array (g, 3)
+        Sizes of offset (over the channel's rms force), gain, and drift setting [deg].
+    weights : mapping of channel to array (g,)
+        Posterior weight of each; they sum to one.
+
+    Examples
+    --------
+    >>> usual = RunScatter.usual(["X", "Y"])
+    >>> usual
+    <RunScatter X: offset 0.55 %, gain 0.73 %, drift 0.055°; Y: offset 0.55 %, gain 0.73 %, ...>
+    """
+
+    nodes: Array
+    weights: Mapping[str, Array]
+
+    @classmethod
+    def usual(cls, channels: Sequence[str]) -> RunScatter:
+        """That of a good laboratory, before any run is looked at."""
+        nodes, _, _ = _grid()
+        return cls(nodes=nodes, weights=_weights(dict.fromkeys(channels, np.zeros(len(nodes)))))
+
+    def sizes(self, channel: str) -> Array:
+        """Root of the mean squares of the sizes in a channel, array (3,)."""
+        return np.sqrt(self.weights[channel] @ self.nodes**2)
+
+    def weighed(self, channel: str) -> tuple[Array, Array]:
+        """The nodes that count in a channel and their weights, arrays (g, 3) and (g,)."""
+        weight = self.weights[channel]
+        counts = weight > NEGLIGIBLE * weight.max()
+        return self.nodes[counts], weight[counts] / weight[counts].sum()
+
+    def __repr__(self) -> str:
+        told = [f"{channel}: {self.words(channel)}" for channel in self.weights]
+        return f"<RunScatter {'; '.join(told)}>"
+
+    def words(self, channel: str) -> str:
+        """The sizes in one channel, in words."""
+        offset, gain, drift = self.sizes(channel).tolist()
+        return f"offset {100 * offset:.2g} %, gain {100 * gain:.2g} %, drift {drift:.2g}°"
+
+
+def run_scatter(likelihoods: Mapping[str, Sequence[Restricted]]) -> RunScatter:
+    """Sizes of the scatter between runs by restricted likelihood and the laboratory's prior.
+
+    The sizes of gain and offset differ a little between the channels of one laboratory, and
+    laboratories differ more; the setting of a run is one for its channels. With few runs the
+    prior speaks, with many the runs' own disagreement.
+
+    Parameters
+    ----------
+    likelihoods : mapping of channel to sequence of Restricted
+        Those of a channel, such as one for each Froude number; their runs scatter alike.
+
+    Returns
+    -------
+    RunScatter
+
+    Notes
+    -----
+    Log sizes have the normal prior N(log median, 0.8²) for the laboratory and N(log of that,
+    0.4²) for each channel; all integrals are sums over a grid, so nothing is random and no
+    maximum at zero can stand for certainty. See Gelman (2006), Bayesian Anal. 1(3), on priors
+    for the variance of few groups.
+    """
+    nodes, _, _ = _grid()
+    return RunScatter(
+        nodes=nodes,
+        weights=_weights(
+            {
+                channel: np.sum([item.log_likelihood(nodes) for item in items], axis=0)
+                for channel, items in likelihoods.items()
+            }
+        ),
+    )
+
+
+def _grid() -> tuple[Array, tuple[Array, ...], tuple[int, ...]]:
+    """Sizes that are tried: all combinations (g, 3), and one by one."""
+    axes: tuple[Array, ...] = tuple(
+        USUAL[name] * np.exp2(np.arange(low, high + 1.0))
+        for name in Scatter.names()
+        for low, high in [DOUBLINGS[name]]
+    )
+    mesh = np.meshgrid(*axes, indexing="ij")
+    nodes: Array = np.stack([x.ravel() for x in mesh], axis=1)
+    return nodes, axes, tuple(len(axis) for axis in axes)
+
+
+def _weights(logs: Mapping[str, Array]) -> dict[str, Array]:
+    """Posterior weights of the grid in each channel, laboratory's sizes summed out."""
+    _, axes, shape = _grid()
+    to_channel = []
+    laboratory = []
+    for axis, name in zip(axes, Scatter.names(), strict=True):
+        prior = np.exp(-0.5 * (np.log(axis / USUAL[name]) / BETWEEN_LABORATORIES) ** 2)
+        laboratory.append(prior / prior.sum())
+        near = np.exp(-0.5 * (np.log(axis[:, None] / axis) / BETWEEN_CHANNELS) ** 2)
+        to_channel.append(near / near.sum(axis=1, keepdims=True))
+    offset, gain, _ = to_channel
+    prior = np.einsum("a,b,c->abc", *laboratory)
+    likelihood = {channel: np.exp(log - log.max()).reshape(shape) for channel, log in logs.items()}
+    evidence = {
+        channel: np.einsum("ai,bj,ijc->abc", offset, gain, x) for channel, x in likelihood.items()
+    }
+    found = {}
+    for channel, own in likelihood.items():
+        others = prior.copy()
+        for name, x in evidence.items():
+            if name != channel:
+                others = others * x / x.max()
+        weight = own * np.einsum("ai,bj,abc->ijc", offset, gain, others)
+        found[channel] = (weight / weight.sum()).ravel()
+    return found
+
+
+def half_width(
+    value: Array, variance: Array, weight: Array, centre: Array, confidence: float
+) -> Array:
+    """Half width of the symmetric interval about a centre that holds a mixture of normals.
+
+    Parameters
+    ----------
+    value, variance : array (g, p)
+        Of each coefficient at each node.
+    weight : array (g,)
+        Of the nodes.
+    centre : array (p,)
+        Middle of the interval.
+    confidence : float
+        What it holds.
+
+    Examples
+    --------
+    >>> one = np.ones((1, 1))
+    >>> half_width(0 * one, one, np.ones(1), np.zeros(1), 0.95).round(3)
+    array([1.96])
+    """
+    from scipy.special import ndtr
+
+    std = np.sqrt(variance)
+    away = value - centre
+    low = np.zeros_like(centre)
+    high: Array = np.max(np.abs(away) + 10.0 * std, axis=0)
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        inside = weight @ (ndtr((middle - away) / std) - ndtr((-middle - away) / std))
+        short = inside < confidence
+        low, high = np.where(short, middle, low), np.where(short, high, middle)
+    return high
