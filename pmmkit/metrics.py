@@ -134,8 +134,24 @@ def _turning(name: str, limit: float) -> tuple[Criterion, ...]:
     )
 
 
-def _zigzag(angle: float, executes: int) -> Mapping[str, float]:
-    return MappingProxyType({"rudder_deg": angle, "switch_deg": angle, "executes": executes})
+def _overshoot(
+    name: str,
+    paragraph: str,
+    limit: float | Callable[[float], float],
+    *,
+    angle: float,
+    executes: int,
+    number: int = 1,
+) -> Criterion:
+    settings = {"rudder_deg": angle, "switch_deg": angle, "executes": executes}
+    return Criterion(
+        name=name,
+        paragraph=paragraph,
+        limit=limit,
+        manoeuvre="zigzag",
+        settings=MappingProxyType(settings),
+        number=number,
+    )
 
 
 INITIAL_TURNING: Final = Criterion(
@@ -147,28 +163,16 @@ INITIAL_TURNING: Final = Criterion(
     shown_by=("zigzag",),
 )
 OVERSHOOTS: Final = (
-    Criterion(
-        name="first_overshoot_10_10",
-        paragraph="5.3.3.1",
-        limit=first_overshoot_limit,
-        manoeuvre="zigzag",
-        settings=_zigzag(10.0, 3),
-    ),
-    Criterion(
-        name="second_overshoot_10_10",
-        paragraph="5.3.3.2",
-        limit=second_overshoot_limit,
-        manoeuvre="zigzag",
-        settings=_zigzag(10.0, 3),
+    _overshoot("first_overshoot_10_10", "5.3.3.1", first_overshoot_limit, angle=10.0, executes=3),
+    _overshoot(
+        "second_overshoot_10_10",
+        "5.3.3.2",
+        second_overshoot_limit,
+        angle=10.0,
+        executes=3,
         number=2,
     ),
-    Criterion(
-        name="first_overshoot_20_20",
-        paragraph="5.3.3.3",
-        limit=25.0,
-        manoeuvre="zigzag",
-        settings=_zigzag(20.0, 2),
-    ),
+    _overshoot("first_overshoot_20_20", "5.3.3.3", 25.0, angle=20.0, executes=2),
 )
 TRACK_REACH: Final = Criterion(
     name="track_reach", paragraph="5.3.4", limit=15.0, manoeuvre="stopping"

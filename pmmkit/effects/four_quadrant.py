@@ -18,7 +18,7 @@ from pmmkit.effects.primitives import (
     sqrt,
     where,
 )
-from pmmkit.effects.propeller import wake_inflow
+from pmmkit.effects.propeller import WAKE_PARAMETERS, WAKES, wake_inflow
 
 _TIP: Final = 0.7 * pi
 _THRUST_COS: Final = (
@@ -231,10 +231,6 @@ def force(
 _POLYNOMIAL: Final = ("characteristics", "polynomial")
 _TABLE: Final = ("characteristics", "table")
 _ASTERN: Final = ("astern", "table")
-_SN: Final = ("wake", "son-nomoto")
-_TAU: Final = ("wake", "son-nomoto", "kose")
-_KOSE: Final = ("wake", "kose")
-_MMG: Final = ("wake", "mmg")
 FOUR_QUADRANT_PROPELLER: Final = Effect(
     name="four_quadrant_propeller",
     family="propeller",
@@ -303,21 +299,10 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
             low=-0.99,
             high=0.99,
         ),
-        Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
-        Parameter(
-            name="tau",
-            text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
-            form=_TAU,
-        ),
-        Parameter(name="cpv", text="inflow per v'", default=0.0, form=_SN),
-        Parameter(name="cpr", text="inflow per r'", default=0.0, form=_SN),
-        Parameter(name="cp", text="growth with (v' + xp r')²", default=0.0, form=_KOSE),
-        Parameter(name="C1", text="how fast the wake fades with drift", form=_MMG),
-        Parameter(name="C2_positive", text="inflow at large positive drift", form=_MMG),
-        Parameter(name="C2_negative", text="inflow at large negative drift", form=_MMG),
+        *WAKE_PARAMETERS,
     ),
     options={
-        "wake": ("constant", "son-nomoto", "mmg", "kose"),
+        "wake": WAKES,
         "characteristics": ("polynomial", "b4-70", "table"),
         "astern": ("none", "table"),
     },

@@ -106,7 +106,7 @@ def regressors(
             g=water.g,
             U=1.0,
         )
-        for channel in {name[0] for name in names}
+        for channel in {"X", *(name[0] for name in names)}
     }
     speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
     reference = U if convention.system != "bis" else np.full_like(U, speed)
@@ -114,16 +114,6 @@ def regressors(
     sway = -1.0 if convention.sway == "beta" else 1.0
     rudder = 1.0 if convention.rudder_positive == "starboard" else -1.0
     along, over = ship.L / reference, ship.L / reference**2
-    thrust_unit = force_unit(
-        "X",
-        convention.system,
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=1.0,
-    )
     square = np.ones_like(U) if convention.system == "bis" else U**2
     primed = {
         "0": np.ones_like(U),
@@ -133,7 +123,7 @@ def regressors(
         "p": state.p * along,
         "phi": state.phi,
         "d": rudder * state.delta,
-        "T": state.thrust / (thrust_unit * square),
+        "T": state.thrust / (pressure["X"] * square),
         "udot": state.udot * over,
         "vdot": sway * state.vdot * over,
         "rdot": state.rdot * over * ship.L,

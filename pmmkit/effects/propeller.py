@@ -121,6 +121,23 @@ def force(
     return (1.0 - t) * thrust, inflow, thrust, rho * D * D * D * twist, loading
 
 
+WAKES: Final = ("constant", "son-nomoto", "mmg", "kose")
+"""The option ``wake`` of a propeller, as `wake_inflow` numbers it."""
+WAKE_PARAMETERS: Final = (
+    Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
+    Parameter(
+        name="tau",
+        text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
+        form=("wake", "son-nomoto", "kose"),
+    ),
+    Parameter(name="cpv", text="inflow per v'", default=0.0, form=("wake", "son-nomoto")),
+    Parameter(name="cpr", text="inflow per r'", default=0.0, form=("wake", "son-nomoto")),
+    Parameter(name="cp", text="growth with (v' + xp r')²", default=0.0, form=("wake", "kose")),
+    Parameter(name="C1", text="how fast the wake fades with drift", form=("wake", "mmg")),
+    Parameter(name="C2_positive", text="inflow at large positive drift", form=("wake", "mmg")),
+    Parameter(name="C2_negative", text="inflow at large negative drift", form=("wake", "mmg")),
+)
+"""What a propeller says of its place and of the wake in a turn."""
 _POLYNOMIAL: Final = ("open_water", "polynomial")
 _TABLE: Final = ("open_water", "table")
 PROPELLER: Final = Effect(
@@ -146,23 +163,9 @@ PROPELLER: Final = Effect(
         Parameter(
             name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99, uncertain=True
         ),
-        Parameter(name="xp", text="propeller forward of midship over L", default=-0.5),
-        Parameter(
-            name="tau",
-            text="growth of the inflow with (v' + xp r')², kose: with |v' + xp r'|",
-            form=("wake", "son-nomoto", "kose"),
-        ),
-        Parameter(name="cpv", text="inflow per v'", default=0.0, form=("wake", "son-nomoto")),
-        Parameter(name="cpr", text="inflow per r'", default=0.0, form=("wake", "son-nomoto")),
-        Parameter(name="cp", text="growth with (v' + xp r')²", default=0.0, form=("wake", "kose")),
-        Parameter(name="C1", text="how fast the wake fades with drift", form=("wake", "mmg")),
-        Parameter(name="C2_positive", text="inflow at large positive drift", form=("wake", "mmg")),
-        Parameter(name="C2_negative", text="inflow at large negative drift", form=("wake", "mmg")),
+        *WAKE_PARAMETERS,
     ),
-    options={
-        "wake": ("constant", "son-nomoto", "mmg", "kose"),
-        "open_water": ("polynomial", "table"),
-    },
+    options={"wake": WAKES, "open_water": ("polynomial", "table")},
     needs=("n",),
     force=force,
     outputs=("X", "propeller_inflow", "thrust", "torque", "loading"),

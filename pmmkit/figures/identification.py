@@ -14,6 +14,7 @@ from pmmkit.errors import UnknownNameError
 from pmmkit.identification.consistency import autocorrelation
 from pmmkit.plotting import style
 from pmmkit.plotting.identification import parameter_symbol
+from pmmkit.plotting.marks import open_mark
 from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
@@ -241,17 +242,8 @@ def window_figure(found: PredictedWindow) -> Figure:
             )
             right.plot(t, np.degrees(motion["psi"]), label=name, lw=1.4, color=colour, ls=dash)
         right.plot(t, np.degrees(found.delta), color="#9a9a9a", lw=1.0, ls=":", label="rudder δ")
-        left.plot(
-            found.measured["y"][0] / found.L,
-            found.measured["x"][0] / found.L,
-            ls="",
-            marker="o",
-            ms=5,
-            color=style.INK,
-            markerfacecolor="white",
-            zorder=4,
-            label="start",
-        )
+        x, y = found.measured["y"][0] / found.L, found.measured["x"][0] / found.L
+        open_mark(left, x, y, "start", color=style.INK)
         left.set_aspect("equal", adjustable="datalim")
         left.set_xlabel("to east, y / L [-]")
         left.set_ylabel("to north, x / L [-]")

@@ -11,6 +11,7 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError
 from pmmkit.plotting import style
+from pmmkit.plotting.marks import dimension, guide, open_mark
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 _FORE: Final = 1.5
 """Ship lengths of the approach that are shown."""
-_LINE: Final = {"arrowstyle": "<->", "color": style.REFERENCE, "shrinkA": 0, "shrinkB": 0}
 
 
 def trial_figure(trial: Trial) -> Figure:
@@ -172,27 +172,6 @@ def _title(trial: Trial) -> str:
     return "\n".join([*lines, *words])
 
 
-def _measure(
-    axis: Axes, start: tuple[float, float], end: tuple[float, float], text: str, *, upright: bool
-) -> None:
-    axis.annotate("", end, start, arrowprops=_LINE)
-    axis.annotate(
-        text,
-        ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2),
-        xytext=(-5, 0) if upright else (0, 3),
-        textcoords="offset points",
-        rotation=90 if upright else 0,
-        ha="right" if upright else "center",
-        va="center" if upright else "bottom",
-        fontsize=9,
-        color=style.REFERENCE,
-    )
-
-
-def _guide(axis: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
-    axis.plot([start[0], end[0]], [start[1], end[1]], color="#bbbbbb", lw=0.8, ls=":")
-
-
 def _turn_lines(axis: Axes, trial: Trial) -> None:
     side = math.copysign(1.0, trial.rudder_deg)
     found = {
@@ -203,11 +182,11 @@ def _turn_lines(axis: Axes, trial: Trial) -> None:
     quarter = (side * found["transfer"], found["advance"])
     axis.plot(*quarter, ls="", marker="D", ms=5, color=style.colour(0), label="90°", zorder=4)
     beyond = -0.35 * side
-    _guide(axis, quarter, (beyond, quarter[1]))
-    _measure(
+    guide(axis, quarter, (beyond, quarter[1]))
+    dimension(
         axis, (beyond, 0.0), (beyond, quarter[1]), f"advance {found['advance']:.2f} L", upright=True
     )
-    _measure(
+    dimension(
         axis,
         (0.0, quarter[1] + 0.3),
         (quarter[0], quarter[1] + 0.3),
@@ -215,22 +194,13 @@ def _turn_lines(axis: Axes, trial: Trial) -> None:
         upright=False,
     )
     for at in (0.0, quarter[0]):
-        _guide(axis, (at, quarter[1]), (at, quarter[1] + 0.35))
+        guide(axis, (at, quarter[1]), (at, quarter[1] + 0.35))
     if math.isnan(found["tactical_diameter"]):
         return
     level = float(np.interp(trial.metrics["time_180"], trial.t, trial.x)) / trial.L
     half = (side * found["tactical_diameter"], level)
-    axis.plot(
-        *half,
-        ls="",
-        marker="D",
-        ms=5,
-        color=style.colour(0),
-        markerfacecolor="white",
-        label="180°",
-        zorder=4,
-    )
-    _measure(
+    open_mark(axis, *half, "180°", marker="D")
+    dimension(
         axis,
         (0.0, level),
         half,
@@ -243,20 +213,10 @@ def _stop_lines(axis: Axes, trial: Trial) -> None:
     head, aside = trial.metrics["head_reach_L"], trial.metrics["lateral_deviation_L"]
     if math.isnan(head):
         return
-    axis.plot(
-        aside,
-        head,
-        ls="",
-        marker="D",
-        ms=5,
-        color=style.colour(0),
-        markerfacecolor="white",
-        label="stopped",
-        zorder=4,
-    )
+    open_mark(axis, aside, head, "stopped", marker="D")
     beyond = -0.5 if aside >= 0 else 0.5
-    _guide(axis, (aside, head), (beyond, head))
-    _measure(axis, (beyond, 0.0), (beyond, head), f"head reach {head:.2f} L", upright=True)
+    guide(axis, (aside, head), (beyond, head))
+    dimension(axis, (beyond, 0.0), (beyond, head), f"head reach {head:.2f} L", upright=True)
     axis.annotate(
         f"lateral deviation {aside:+.2f} L\ntrack reach {trial.metrics['track_reach_L']:.2f} L",
         (aside, head),

@@ -12,6 +12,7 @@ from pmmkit.errors import DataError
 from pmmkit.metrics import HARD_OVER, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.marks import open_mark
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -201,17 +202,8 @@ def path(track: History) -> Figure:
         axis.plot(track.y / track.L, track.x / track.L, color=style.colour(0), label="midship")
         places = [int(np.searchsorted(track.t, t)) for t in track.orders]
         places = [min(place, len(track) - 1) for place in places]
-        axis.plot(
-            track.y[places] / track.L,
-            track.x[places] / track.L,
-            ls="",
-            marker="o",
-            ms=5,
-            color=style.colour(0),
-            markerfacecolor="white",
-            label="orders",
-            zorder=3,
-        )
+        x, y = track.y[places] / track.L, track.x[places] / track.L
+        open_mark(axis, x, y, "orders", zorder=3)
         axis.set_aspect("equal", adjustable="datalim")
         axis.set_xlabel("to starboard, y / L [-]")
         axis.set_ylabel("ahead, x / L [-]")

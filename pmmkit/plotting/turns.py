@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.marks import dimension, guide
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -168,19 +169,7 @@ def _measures(axis: Axes, track: History) -> None:
         ("transfer", (0.0, ahead[quarter]), (aside[quarter], ahead[quarter]), abs(aside[quarter])),
         ("tactical diameter", (0.0, ahead[half]), (aside[half], ahead[half]), abs(aside[half])),
     )
-    axis.plot([aside[quarter], outer], [ahead[quarter]] * 2, color="#bbbbbb", lw=0.8, ls=":")
+    guide(axis, (aside[quarter], ahead[quarter]), (outer, ahead[quarter]))
     for name, start, end, value in lines:
-        axis.annotate("", end, start, arrowprops={"arrowstyle": "<->", "color": style.REFERENCE})
-        middle = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
-        upright = name == "advance"
-        axis.annotate(
-            f"{name} {value:.2f} L",
-            middle,
-            xytext=(-6, 0) if upright else (0, 4),
-            textcoords="offset points",
-            rotation=90 if upright else 0,
-            ha="right" if upright else "center",
-            va="center" if upright else "bottom",
-            fontsize=9,
-            color=style.REFERENCE,
-        )
+        text = f"{name} {value:.2f} L"
+        dimension(axis, start, end, text, upright=name == "advance")

@@ -11,48 +11,24 @@ asks for. Histories are in memory; reading files is not counted. Times are those
 from __future__ import annotations
 
 import argparse
-import importlib
 import itertools
 import resource
 import statistics
-import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis import Candidate, captive_candidates, diagnose_captive, polynomial
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.observations.views import views_of
-
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
+from scripts.studies.hidden_effects import programmes, tank
 
 
 def campaign(runs: int) -> Campaign:
     """The full programme with two effects hidden, again at other speeds for more runs."""
-    sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
-    tank: Any = importlib.import_module("hidden_effects")
-    plans: Any = importlib.import_module("hidden_effects.programmes").plans("full")
+    plans = programmes().plans("full")
     copies = [
         replace(
             plan,
@@ -65,7 +41,7 @@ def campaign(runs: int) -> Campaign:
         for plan in plans
     ]
     hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
-    made: Campaign = tank.hidden_campaign(copies[:runs], hidden, seed=1)
+    made: Campaign = tank().hidden_campaign(copies[:runs], hidden, seed=1)
     return made
 
 
@@ -91,7 +67,7 @@ def main() -> None:
     parser.add_argument("--effects", type=int, nargs="*", default=[31, 100])
     parser.add_argument("--rounds", type=int, default=3)
     o = parser.parse_args()
-    diagnose_captive(campaign(13), BASE)
+    diagnose_captive(campaign(13), tank().BASE)
     print("runs  effects  views [s]  system [s]  answer [s]  all [s]  memory [MB]")
     for runs in o.runs:
         made = campaign(runs)
@@ -103,7 +79,7 @@ def main() -> None:
                 start = time.process_time()
                 views_of(made)
                 viewed = time.process_time()
-                system = captive_system(made, BASE, candidates=candidates)
+                system = captive_system(made, tank().BASE, candidates=candidates)
                 built = time.process_time()
                 answer(system, floor=0.005)
                 times.append(

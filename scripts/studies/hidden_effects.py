@@ -47,24 +47,6 @@ from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.evidence import SHOWS
 from pmmkit.observations.views import views_of
 
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
 ABSORBED = ("fault_gauge_gain", "fault_moment_point", "fault_inertia")
 TABLES = {
     1: (
@@ -83,6 +65,12 @@ def tank() -> Any:
     """The virtual tank, which lies with the tests."""
     sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "support"))
     return importlib.import_module("hidden_effects")
+
+
+def programmes() -> Any:
+    """Its programmes."""
+    tank()
+    return importlib.import_module("hidden_effects.programmes")
 
 
 @dataclass(frozen=True)
@@ -170,7 +158,7 @@ def diagnosed(job: Job) -> Answer:
     """Make a campaign and diagnose it."""
     campaign = job.campaign()
     begin = time.perf_counter()
-    found = diagnose_captive(campaign, BASE)
+    found = diagnose_captive(campaign, tank().BASE)
     seconds = time.perf_counter() - begin
     covered = {item.name: item for item in found.covered}
     known = [(covered[name], size) for name, size in job.effects if name in covered]
@@ -199,7 +187,7 @@ def separations(job: Job, campaign: Any, rivals: Sequence[tuple[str, ...]]) -> l
     The force of the truth is that of the tank without noise; the rival is fitted to it at each
     point of its grids, and at two neighbours together for what lies between.
     """
-    system = captive_system(campaign, BASE)
+    system = captive_system(campaign, tank().BASE)
     with np.errstate(divide="ignore", invalid="ignore"):
         pure, empty = (
             [view.force for view in views_of(x.campaign("none")) if view.force]

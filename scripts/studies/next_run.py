@@ -13,7 +13,6 @@ effects detected and named exactly in the tank.
 from __future__ import annotations
 
 import argparse
-import importlib
 import math
 from collections import Counter
 from dataclasses import dataclass, replace
@@ -27,7 +26,7 @@ from pmmkit.test_planning.ground import ground_of
 from pmmkit.test_planning.next_run import Advice, next_runs
 from pmmkit.test_planning.options import USUAL, Limits, options_of
 from pmmkit.test_planning.programme import plan, sights
-from scripts.studies.hidden_effects import ABSORBED, BASE, tank
+from scripts.studies.hidden_effects import ABSORBED, programmes, tank
 
 RIVALLED = (
     "asymmetry",
@@ -52,17 +51,11 @@ LIMITS = Limits(
 """What the rig of the tank's programmes does."""
 
 
-def programmes() -> Any:
-    """Its programmes."""
-    tank()
-    return importlib.import_module("hidden_effects.programmes")
-
-
 def cubic_model() -> Model:
     """The tank's model with linear and cubic terms alone."""
     made = load_model("s175-3dof")
     part = made.parts["hull_polynomial"]
-    hull = replace(part, values={name: x for name, x in part.values.items() if name in BASE})
+    hull = replace(part, values={name: x for name, x in part.values.items() if name in tank().BASE})
     return made.with_(
         ship=tank().SHIP, water=tank().WATER, parts={**made.parts, "hull_polynomial": hull}
     )
@@ -105,16 +98,16 @@ def closed(effect: str, programme: str, size: float, seed: int) -> Loop:
     """Diagnose, make the advised run, diagnose again."""
     hidden = {effect: size}
     campaign = tank().hidden_campaign(programme, hidden, seed=seed)
-    before = diagnose_captive(campaign, BASE)
+    before = diagnose_captive(campaign, tank().BASE)
     if len(before.group) < 2:
         return Loop(effect, before, None, None)
-    advice = next_runs(BASE, campaign, before)
+    advice = next_runs(tank().BASE, campaign, before)
     if not advice.runs:
         return Loop(effect, before, advice, None)
     best = advice.runs[0]
     added = [programmes().asked(best.option, number) for number in range(best.repeats)]
     runs = (*programmes().plans(programme), *added)
-    after = diagnose_captive(tank().hidden_campaign(runs, hidden, seed=seed), BASE)
+    after = diagnose_captive(tank().hidden_campaign(runs, hidden, seed=seed), tank().BASE)
     return Loop(effect, before, advice, after)
 
 
@@ -177,7 +170,7 @@ def _named(runs: Any, size: float, seeds: range) -> str:
     for effect in tank().INSIDE:
         for seed in seeds if effect not in ABSORBED else ():
             campaign = tank().hidden_campaign(runs, {effect: size}, seed=seed)
-            found = [names for names, _ in diagnose_captive(campaign, BASE).group]
+            found = [names for names, _ in diagnose_captive(campaign, tank().BASE).group]
             count["campaigns"] += 1
             count["detected"] += bool(found)
             count["exact"] += found == [(effect,)]

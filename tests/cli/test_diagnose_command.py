@@ -216,6 +216,8 @@ def test_records_of_a_ship_that_is_the_model_name_nothing(tmp_path, capsys):
         "diagnose",
         "kvlcc2-l7",
         place,
+        "--runs",
+        "ZZ1*",
         "--test-runs",
         "ZZ35",
         "--spread",

@@ -9,6 +9,7 @@ import warnings
 
 import numpy as np
 import pytest
+from commands import rows_of, said
 
 import pmmkit as pk
 from pmmkit.cli import main
@@ -132,16 +133,9 @@ def compared(records):
     ), references
 
 
-def said(capsys, *arguments):
-    """Status, JSON object and words of a command run with --json."""
-    status = main([*map(str, arguments), "--json"])
-    output = capsys.readouterr()
-    return status, json.loads(output.out), output.err
-
-
-def rows_of(path):
-    with path.open(encoding="utf-8", newline="") as stream:
-        return list(csv.DictReader(stream))
+def identified(capsys, campaign, start, out, *options):
+    """Status, JSON object and words of an identification into a folder."""
+    return said(capsys, "identify", campaign, "--model", start, *options, "--out", out)
 
 
 @pytest.mark.slow
@@ -149,20 +143,17 @@ def test_one_method_writes_its_files_and_predicts_what_was_held_out(
     campaign, start, tmp_path, capsys
 ):
     out = tmp_path / "found"
-    status, content, words = said(
+    status, content, words = identified(
         capsys,
-        "identify",
         campaign,
-        "--model",
         start,
+        out,
         "--derivatives",
         "Yv Nv,Nr",
         "--spread",
         "0.2",
         "--test-runs",
         "ZZ35",
-        "--out",
-        out,
     )
     assert status == 0
     names = {
@@ -205,12 +196,11 @@ def test_one_method_writes_its_files_and_predicts_what_was_held_out(
 @pytest.mark.slow
 def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
     out = tmp_path / "all"
-    status, content, words = said(
+    status, content, words = identified(
         capsys,
-        "identify",
         campaign,
-        "--model",
         start,
+        out,
         "--method",
         "all",
         "--spread",
@@ -219,8 +209,6 @@ def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
         "Yv Nv Nr rudder_mmg.aH",
         "--test-runs",
         "ZZ35",
-        "--out",
-        out,
     )
     assert status == 0
     assert (tuple(content["methods"]), content["failed"]) == (METHODS, {})
@@ -240,12 +228,11 @@ def test_all_methods_side_by_side(campaign, start, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
-    status, content, words = said(
+    status, content, words = identified(
         capsys,
-        "identify",
         campaign,
-        "--model",
         start,
+        tmp_path / "t",
         "--method",
         "trajectory",
         "--derivatives",
@@ -257,8 +244,6 @@ def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
         "--window",
         "40",
         "--no-wind",
-        "--out",
-        tmp_path / "t",
     )
     assert status == 0
     assert content["held_out"] is None
@@ -270,20 +255,17 @@ def test_without_runs_held_out_it_says_so(campaign, start, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
-    status, content, words = said(
+    status, content, words = identified(
         capsys,
-        "identify",
         campaign,
-        "--model",
         start,
+        tmp_path / "t",
         "--derivatives",
         "Nv current_x",
         "--runs",
         "ZZ10",
         "--sensors",
         "x=0.02,y=0.02,psi_deg=0.1,r_deg=0.05",
-        "--out",
-        tmp_path / "t",
     )
     assert status == 0
     rows = {row["parameter"]: row for row in content["methods"]["ekf"]["parameters"]}
@@ -296,20 +278,17 @@ def test_sensors_stated_and_a_current(campaign, start, tmp_path, capsys):
 @pytest.mark.slow
 def test_what_the_records_do_not_determine_is_named_and_kept(campaign, start, tmp_path, capsys):
     out = tmp_path / "t"
-    status, content, words = said(
+    status, content, words = identified(
         capsys,
-        "identify",
         campaign,
-        "--model",
         start,
+        out,
         "--derivatives",
         "Nv Nrrr",
         "--runs",
         "ZZ10",
         "--spread",
         "0.02",
-        "--out",
-        out,
     )
     assert status == 0
     assert content["methods"]["ekf"]["unseen"] == ["Nrrr"]
@@ -339,9 +318,7 @@ def test_wrong_requests_are_answered_with_what_exists(
     campaign, start, tmp_path, capsys, arguments, words
 ):
     out = tmp_path / "t"
-    status, content, _ = said(
-        capsys, "identify", campaign, "--model", start, *arguments, "--out", out
-    )
+    status, content, _ = identified(capsys, campaign, start, out, *arguments)
     assert status == 1
     assert [word for word in words if word not in content["error"]["message"]] == []
     assert not out.exists()

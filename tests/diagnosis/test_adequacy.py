@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hidden_effects import hidden_campaign
-from test_diagnosis import BASE
+from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.diagnosis.captive.adequacy import (
     LACK,

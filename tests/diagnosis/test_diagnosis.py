@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hidden_effects import hidden_campaign
+from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.diagnosis import diagnose, diagnose_captive
 from pmmkit.diagnosis.captive.diagnose import captive_system
@@ -22,24 +22,6 @@ from pmmkit.models import load_model
 from pmmkit.structures import structures
 
 HERE = Path(__file__).parent
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
 
 
 def diagnosed(effects, seed=11, programme="full", **settings):

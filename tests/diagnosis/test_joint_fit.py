@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hidden_effects import hidden_campaign
+from hidden_effects import BASE, hidden_campaign
 
 from pmmkit.diagnosis import diagnose_captive
 from pmmkit.diagnosis.captive.build import build
@@ -19,24 +19,6 @@ from pmmkit.diagnosis.captive.joint_fit import joint_fit
 from pmmkit.diagnosis.captive.verdict import answer, taken_as_given
 from pmmkit.errors import UnknownNameError
 
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
 HIDDEN = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
 
 

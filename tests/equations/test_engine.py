@@ -292,7 +292,7 @@ def test_an_effect_is_one_file_listed_saved_simulated_fitted_and_documented(tmp_
         save_model(braked, tmp_path / "braked.toml")
         again = load_model(tmp_path / "braked.toml")
         assert model_text(again) == model_text(braked)
-        plain = simulate(TANKER, speed=SPEED)
+        plain = simulate(TANKER, speed=SPEED, compiled=False)
         slow, fast = (simulate(again, speed=SPEED, compiled=x) for x in (False, True))
         assert slow.n[0] > plain.n[0]
         assert slow.metrics["advance"] == pytest.approx(fast.metrics["advance"], rel=1e-9)

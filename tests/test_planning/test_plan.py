@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hidden_effects import SHIP, WATER, hidden_campaign
+from hidden_effects import BASE, SHIP, WATER, hidden_campaign
 from hidden_effects.programmes import asked, options, plans
 
 from pmmkit.campaigns.file.schema import RunEntry
@@ -34,24 +34,6 @@ from pmmkit.test_planning.planned import Piece, measured_noise, planned_views, s
 from pmmkit.test_planning.programme import plan, sights
 from pmmkit.test_planning.separation import Likely, expected_odds
 
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
 NAMES = {c: tuple(name for name in (*BASE, "Xdd", "Yd", "Nd") if name[0] == c) for c in "XYN"}
 LIMITS = Limits(
     speeds=(1.0, 1.5, 2.0),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import small_campaign
 import xarray as xr
-from hidden_effects import hidden_campaign
+from hidden_effects import BASE, hidden_campaign
 
 import pmmkit as pk
 from pmmkit.campaigns.run import Campaign, Run
@@ -454,26 +454,6 @@ def test_speeds_are_merged_listed_or_counted():
     assert "(noise not known)" in str(replace(item, known=False))
     falls = replace(item, growth={"speed": -1, "drift": 2})
     assert str(falls).endswith("grows with drift squared; falls with speed")
-
-
-BASE = (
-    "Xudot",
-    "Xuu",
-    "Xvv",
-    "Xrr",
-    "Yv",
-    "Yr",
-    "Yvvv",
-    "Yrrr",
-    "Yvdot",
-    "Yrdot",
-    "Nv",
-    "Nr",
-    "Nvvv",
-    "Nrrr",
-    "Nvdot",
-    "Nrdot",
-)
 
 
 def in_the_tank(effects, seed):

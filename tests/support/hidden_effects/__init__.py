@@ -4,7 +4,8 @@ It shares no formula with the package: the catalogue's forms are written here ag
 foreign truth puts each effect in at its physical source.
 """
 
+from .hull import BASE
 from .sizes import SHIP, SIZES, WATER
 from .tank import EFFECTS, INSIDE, OUTSIDE, hidden_campaign
 
-__all__ = ["EFFECTS", "INSIDE", "OUTSIDE", "SHIP", "SIZES", "WATER", "hidden_campaign"]
+__all__ = ["BASE", "EFFECTS", "INSIDE", "OUTSIDE", "SHIP", "SIZES", "WATER", "hidden_campaign"]

@@ -14,10 +14,10 @@ Force = dict[str, Array]
 """X, Y, N of the water on the hull about midship [N, N m]; channels without force are left out."""
 
 TRUTH: dict[str, float] = {
+    "Xudot": -0.000238,
     "Xuu": -0.0004226,
     "Xvv": -0.00386,
     "Xrr": 0.00020,
-    "Xudot": -0.000238,
     "Xdd": -0.0014,
     "Yv": -0.0116,
     "Yr": 0.00242 - 0.000238,
@@ -39,6 +39,8 @@ TRUTH: dict[str, float] = {
 The rudder's three are a straight-ahead tangent of Son and Nomoto's rudder force with the propeller
 at the model's self-propulsion point, rounded.
 """
+BASE = tuple(name for name in TRUTH if not name.endswith("d"))
+"""The derivatives from which a diagnosis of the tank starts: the rudder brings its own."""
 
 
 def hull_force(m: Motion) -> Force:
