@@ -13,12 +13,14 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.errors import UnknownNameError
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.ship import Ship, Water
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
 Kind = Literal["history", "means", "harmonics"]
 FORCES: Final = {
@@ -114,6 +116,28 @@ class Run(Described):
         """Whether the model oscillates."""
         return self.kind_of_test.oscillates
 
+    def plot(self) -> Figure:
+        """The channels of its history over time.
+
+        Raises
+        ------
+        DataError
+            If the run is a row of means or harmonics: it has no history.
+        """
+        from pmmkit.plotting.programme import record
+
+        if self.kind != "history":
+            raise DataError(
+                f"Run {self.id} is a row of {self.kind}: it has no history to draw, see `data`."
+            )
+        data = self.data
+        channels = {str(name): x.values for name, x in data.items() if x.dims == ("t",)}
+        units = {
+            name: CHANNEL_UNITS.get(name, str(data[name].attrs.get("units", "-")))
+            for name in channels
+        }
+        return record(self._headline(), data["t"].values, channels, units)
+
     def _headline(self) -> str:
         setting = ", ".join(self.settings.words)
         return (
@@ -199,6 +223,23 @@ class Campaign(Described):
 
     def __len__(self) -> int:
         return len(self.runs)
+
+    def plot(self) -> Figure:
+        """Which tests were made at which Froude numbers, with how many runs.
+
+        Raises
+        ------
+        DataError
+            If the campaign has no run.
+        """
+        from pmmkit.plotting.programme import programme
+
+        if not self.runs:
+            raise DataError(f"Campaign {self.title!r} has no run to draw.")
+        return programme(
+            [run.kind_of_test.title for run in self.runs],
+            [self.ship.froude(run.settings.speed, self.water.g) for run in self.runs],
+        )
 
     def _headline(self) -> str:
         left = f", {len(self.excluded)} left out" if self.excluded else ""

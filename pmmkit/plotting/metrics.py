@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.metrics import limits_in_lengths, metrics_named
+from pmmkit.metrics import IN_LENGTHS, limits_in_lengths, metric_of
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
@@ -16,10 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LIMITS: Final = limits_in_lengths()
-MEASURES: Final = {
-    f"{metric.name}_L": f"{metric.title} / L [-]"
-    for metric in metrics_named("advance", "transfer", "tactical_diameter", "steady_diameter")
-}
 
 
 def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
@@ -89,8 +85,9 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
     """
     with style.styled():
         figure = style.canvas(3.2)
-        axes = figure.subplots(1, len(MEASURES))
-        for axis, (measure, title) in zip(axes, MEASURES.items(), strict=True):
+        lengths = [x for x in map(str, next(iter(sweeps.values()))) if x.endswith(IN_LENGTHS)]
+        axes = figure.subplots(1, len(lengths))
+        for axis, measure in zip(axes, lengths, strict=True):
             for number, (name, sweep) in enumerate(sweeps.items()):
                 axis.plot(
                     sweep["Fn"].values,
@@ -104,7 +101,7 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
             if measure in _LIMITS:
                 axis.axhline(_LIMITS[measure], color=style.LIMIT, lw=1.2, label="IMO limit")
             axis.set_ylim(0, 1.08 * axis.get_ylim()[1])
-            axis.set_title(title)
+            axis.set_title(f"{metric_of(measure).title} / L [-]")
             axis.set_xlabel("Froude number [-]")
         style.legend_below(figure, list(axes))
     return figure

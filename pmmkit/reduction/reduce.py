@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import CheckFinding, examine, refuse
 from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError
@@ -25,13 +26,14 @@ from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings
-from pmmkit.reduction.solve import Solution, froude_groups, solve, to_table
+from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
 from pmmkit.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 Progress = Callable[[int, int, str], None]
 
@@ -93,6 +95,12 @@ class Reduction(Described):
         import pandas as pd
 
         return pd.DataFrame([_run_row(item) for item in self.runs])
+
+    def plot(self) -> Figure:
+        """What the fit leaves of the measured means and harmonics, by channel."""
+        from pmmkit.plotting.programme import left_by_the_fit
+
+        return left_by_the_fit(measured_and_fitted(self.rows, self.solution), CHANNEL_UNITS)
 
     def _headline(self) -> str:
         title = self.campaign.title or self.campaign.ship.name

@@ -213,6 +213,42 @@ def _by_channel(cases: Sequence[_Case]) -> dict[str, list[_Case]]:
     return found
 
 
+def measured_and_fitted(
+    rows: Sequence[Rows], solution: Solution
+) -> dict[str, dict[str, tuple[Array, Array]]]:
+    """Means and harmonics of the force, and what the fit makes of them.
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+        The equations of each run.
+    solution : Solution
+        Their fits.
+
+    Returns
+    -------
+    dict of str to dict of str to (array (n,), array (n,))
+        By channel and title of the kind of test: measured and fitted [N, N m].
+    """
+    values = np.nan_to_num(solution.joint.value).tolist()  # what the runs do not tell acts in none
+    known = dict(zip(solution.joint.labels, values, strict=True))
+    found: dict[str, dict[str, list[Array]]] = {}
+    for group, places in enumerate(solution.groups):
+        for item in (rows[place] for place in places):
+            kind = item.result.run.kind_of_test.title
+            for channel, force in item.force.items():
+                own = [known.get((group, name), 0.0) for name in item.names[channel]]
+                pair = np.stack([force, item.design[channel] @ np.array(own)])
+                found.setdefault(channel, {}).setdefault(kind, []).append(pair)
+    return {
+        channel: {
+            kind: (np.concatenate([x[0] for x in pairs]), np.concatenate([x[1] for x in pairs]))
+            for kind, pairs in kinds.items()
+        }
+        for channel, kinds in found.items()
+    }
+
+
 def to_table(
     solution: Solution,
     columns: Columns,

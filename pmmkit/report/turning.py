@@ -14,6 +14,7 @@ from pmmkit.models import Model
 from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
 from pmmkit.report.reference import Reference
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
+from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,10 +22,7 @@ if TYPE_CHECKING:
     from pmmkit.simulation import Track
 
 MEASURES: Final = (
-    "advance_L",
-    "transfer_L",
-    "tactical_diameter_L",
-    "steady_diameter_L",
+    *LENGTHS,
     "steady_drift_deg",
     "speed_ratio",
     "steady_yaw_rate_deg_s",
@@ -32,7 +30,6 @@ MEASURES: Final = (
 )
 STEPS: Final = 7
 """Froude numbers of a sweep."""
-CHANGING: Final = ("steady_diameter_L", "tactical_diameter_L", "transfer_L", "advance_L")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,7 +96,7 @@ def changes(tracks: Sequence[Track]) -> dict[str, float]:
         return {}
     ordered = sorted(tracks, key=lambda item: item.Fn)
     first, last = ordered[0].metrics, ordered[-1].metrics
-    return {name: last[name] / first[name] - 1 for name in CHANGING}
+    return {name: last[name] / first[name] - 1 for name in reversed(LENGTHS)}
 
 
 def turning_section(turns: Turns) -> Section:

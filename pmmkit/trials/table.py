@@ -18,6 +18,7 @@ from pmmkit.trials.noise import PositionNoise
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 SHOWN: Final[Mapping[str, tuple[str, ...]]] = {
@@ -135,6 +136,18 @@ class Trial(Described):
     x_ground: Array = field(repr=False)
     y_ground: Array = field(repr=False)
     delta: Array = field(repr=False)
+
+    def plot(self) -> Figure:
+        """The path with its measures; of a zigzag the heading and the rudder over time.
+
+        Raises
+        ------
+        DataError
+            If the record holds nothing after the order.
+        """
+        from pmmkit.trials.drawing import trial_figure
+
+        return trial_figure(self)
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure: run, measure, value, std, unit, limit and whether it is met."""

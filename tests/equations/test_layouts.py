@@ -81,16 +81,17 @@ told_track("turn", turn)
 told_track("turn, interpreted", pk.simulate("kvlcc2-l7", speed=1.179, compiled=False))
 zigzag = pk.simulate("kvlcc2-l7", "zigzag", speed=1.179, dt=0.5)
 told_track("zigzag", zigzag)
-told("many", *monte_carlo("kvlcc2-l7", "zigzag", speed=1.179, n=4, spread=0.05).metrics.values())
+told("many", *monte_carlo("kvlcc2-l7", "zigzag", speed=1.179, n=2, spread=0.05).metrics.values())
 measured = {
     "x": zigzag.x, "y": zigzag.y, "psi": zigzag.psi, "sog": np.hypot(zigzag.u, zigzag.v),
     "xdot": zigzag.u * np.cos(zigzag.psi) - zigzag.v * np.sin(zigzag.psi),
 }
 noise = np.random.default_rng(1).normal(scale=1e-3, size=(len(measured), len(zigzag.t)))
+N = 80
 record = FreeRecord(
-    name="zigzag", t=zigzag.t, delta=zigzag.delta, turns=zigzag.n, speed=1.179,
-    measured={name: x + e for (name, x), e in zip(measured.items(), noise, strict=True)},
-    wind_speed=np.full(len(zigzag.t), 0.3), wind_direction=np.full(len(zigzag.t), 1.0),
+    name="zigzag", t=zigzag.t[:N], delta=zigzag.delta[:N], turns=zigzag.n[:N], speed=1.179,
+    measured={name: (x + e)[:N] for (name, x), e in zip(measured.items(), noise, strict=True)},
+    wind_speed=np.full(N, 0.3), wind_direction=np.full(N, 1.0),
 )
 found = identify(load_model("kvlcc2-l7"), [record], ["Yv", "Nr", "current_x"], method="ekf")
 told("filter", found.values, found.covariance)

@@ -321,6 +321,42 @@ def test_figures_do_without_pyplot():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.slow
+def test_a_run_plots_its_record_with_angles_in_degrees(reduction):
+    run = next(run for run in reduction.campaign if run.test == "pure_yaw")
+    turned = run.with_(loader=lambda: run.data.assign(psi=0.01 * run.data["N"]))
+    axes = {axis.get_title(loc="left"): axis for axis in drawn(turned.plot())}
+    assert set(axes) == {"X [N]", "Y [N]", "N [N m]", "psi [deg]"}
+    shown = axes["psi [deg]"].lines[0].get_ydata()
+    np.testing.assert_allclose(shown, np.degrees(0.01 * run.data["N"].values))
+    with pytest.raises(DataError, match="no history to draw"):
+        run.with_(kind="means").plot()
+
+
+@pytest.mark.slow
+def test_a_campaign_plots_how_many_runs_there_are_of_each_test(reduction):
+    (axis,) = reduction.campaign.plot().axes
+    said = {(text.xy[0], text.xy[1]): text.get_text() for text in axis.texts}
+    titles = [label.get_text() for label in axis.get_yticklabels()]
+    assert titles == ["static drift", "pure sway", "pure yaw", "yaw with drift"]
+    assert said[(0.145, 0)] == "6"
+    assert sum(map(int, said.values())) == len(reduction.campaign)
+    with pytest.raises(DataError, match="no run to draw"):
+        replace(reduction.campaign, runs=()).plot()
+
+
+@pytest.mark.slow
+def test_a_reduction_plots_what_its_fit_leaves_which_is_noise(reduction):
+    """Static means of 20 s at 10 Hz leave the noise of a mean of 200 samples, not the force."""
+    noise = {"X": 0.4, "Y": 1.0, "N": 1.5}
+    for axis, channel in zip(drawn(reduction.plot()), noise, strict=True):
+        static_drift = axis.lines[0]
+        assert static_drift.get_label() == "static drift"
+        assert len(static_drift.get_xdata()) == 12
+        left = np.sqrt(np.mean(static_drift.get_ydata() ** 2))
+        assert 0.4 < left / (noise[channel] / math.sqrt(200)) < 2.0
+
+
 def test_a_track_plots_itself(track):
     figure = track.plot()
     np.testing.assert_allclose(figure.axes[0].lines[0].get_ydata(), track.x / track.L)

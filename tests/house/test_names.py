@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Collection, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -112,19 +113,26 @@ REGISTRIES = {
 """Names of a registry, and the files of the package in which they may stand, with the reason."""
 
 
-def named_in(source: str, names: Collection[str]) -> list[tuple[int, str]]:
-    """Lines of some code, and the names that stand there as strings, docstrings left out."""
-    tree = ast.parse(source)
-    texts = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    wanted = set(names)
-    return sorted(
-        (node.lineno, node.value)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Constant)
-        and isinstance(node.value, str)
-        and node.value in wanted
-        and id(node) not in texts
+@cache
+def strings_in(source: str) -> tuple[tuple[int, str], ...]:
+    """Lines of some code, and the strings that stand there, docstrings left out."""
+    nodes = [*ast.walk(ast.parse(source))]
+    texts = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    return tuple(
+        sorted(
+            (node.lineno, node.value)
+            for node in nodes
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and id(node) not in texts
+        )
     )
+
+
+def named_in(source: str, names: Collection[str]) -> list[tuple[int, str]]:
+    """Lines of some code, and the names that stand there as strings."""
+    wanted = set(names)
+    return [item for item in strings_in(source) if item[1] in wanted]
 
 
 def astray(

@@ -740,10 +740,8 @@ def test_requests_of_the_command_that_make_no_sense(folder, tmp_path, capsys, ar
 
 @pytest.mark.slow
 def test_figures_show_both_paths(many):
-    from pmmkit.figures.trials import trial_figure
-
     for trial in many[0]:
-        figure = trial_figure(trial)
+        figure = trial.plot()
         (axis,) = figure.axes
         assert "IMO at most" in axis.get_title(loc="left")
         labels = axis.get_legend_handles_labels()[1]
@@ -751,7 +749,7 @@ def test_figures_show_both_paths(many):
             assert {"as measured, over ground", "current removed"} <= set(labels)
             assert axis.get_aspect() == 1.0
     alone = replace(many[0][0], current=None)
-    assert "current removed" not in trial_figure(alone).axes[0].get_legend_handles_labels()[1]
+    assert "current removed" not in alone.plot().axes[0].get_legend_handles_labels()[1]
 
 
 def test_a_mean_current_names_its_runs_in_full():

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.free_running.refit import FreeRefit
     from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
-
-METRICS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 
 
 def add(
@@ -145,6 +143,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     """Turning circles with both models at the middle speed of the tests; empty if they cannot."""
     from pmmkit.errors import PmmkitError
     from pmmkit.metrics import HARD_OVER
+    from pmmkit.simulation.manoeuvres.turning import LENGTHS
     from pmmkit.simulation.simulate import simulate
 
     speeds = sorted({run.settings.speed for run in campaign.runs})
@@ -162,7 +161,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
             )
         except PmmkitError:
             return {}
-        found[name] = {key: track.metrics[key] for key in METRICS if key in track.metrics}
+        found[name] = {key: track.metrics[key] for key in LENGTHS if key in track.metrics}
     return found
 
 

@@ -282,8 +282,8 @@ def turn_table(turns: Turns) -> str:
     """
     from pmmkit.presentation import percent
     from pmmkit.report import changes
+    from pmmkit.simulation.manoeuvres.turning import LENGTHS
 
-    names = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
     moved = changes(turns.tracks)
     rows = [
         [
@@ -291,7 +291,7 @@ def turn_table(turns: Turns) -> str:
             *(f"{track.metrics[name]:.3f}" for track in turns.tracks),
             *([percent(moved[name])] if moved else []),
         ]
-        for name in names
+        for name in LENGTHS
     ]
     head = ["", *(f"Fn {track.Fn:.3f}" for track in turns.tracks)]
     return aligned([*head, "change"] if moved else head, rows)

@@ -66,14 +66,13 @@ def trial(
 def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     import pandas as pd
 
-    from pmmkit.figures.trials import trial_figure
     from pmmkit.plotting.style import save
 
     yield "trial.csv", pd.DataFrame([row for item in found for row in item.rows()])
     yield "trial.json", content
     for item, name in zip(found, _names(found), strict=True):
         yield f"path_{name}.csv", item.path()
-        yield f"trial_{name}.svg", partial(save, trial_figure(item))
+        yield f"trial_{name}.svg", partial(save, item.plot())
 
 
 def _names(found: Sequence[Trial]) -> list[str]:

@@ -6,7 +6,7 @@ import math
 from typing import Any, Final
 
 from pmmkit.equations.layouts import Ask, End, State
-from pmmkit.metrics import metrics_named
+from pmmkit.metrics import IN_LENGTHS, metrics_named
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre, Setting, rudder_setting
 from pmmkit.simulation.plan import LONGEST, Phase, Plan, Probe, ProbeResults
 from pmmkit.simulation.scalars import arctan2, chosen, cos, degrees, hypot, larger
@@ -97,33 +97,32 @@ def _positive(rate: Any) -> Any:
     return larger(rate, 1e-300)
 
 
-MANOEUVRES: Final = (
-    Manoeuvre(
-        name="turning",
-        title="turning circle",
-        settings=(
-            rudder_setting(35.0),
-            Setting(
-                name="duration", text="length of the turn; until it is steady if absent", unit="s"
-            ),
-        ),
-        orders=turning_circle,
-        asks_for_wind=True,
-        drawn="turning circle",
-        metrics=metrics_named(
-            "advance",
-            "transfer",
-            "tactical_diameter",
-            "steady_diameter",
-            "time_90",
-            "time_180",
-            "steady_drift_deg",
-            "speed_ratio",
-            "steady_yaw_rate_deg_s",
-            "heel_max_deg",
-            "heel_steady_deg",
-        ),
+TURNING_CIRCLE: Final = Manoeuvre(
+    name="turning",
+    title="turning circle",
+    settings=(
+        rudder_setting(35.0),
+        Setting(name="duration", text="length of the turn; until it is steady if absent", unit="s"),
     ),
+    orders=turning_circle,
+    asks_for_wind=True,
+    drawn="turning circle",
+    metrics=metrics_named(
+        "advance",
+        "transfer",
+        "tactical_diameter",
+        "steady_diameter",
+        "time_90",
+        "time_180",
+        "steady_drift_deg",
+        "speed_ratio",
+        "steady_yaw_rate_deg_s",
+        "heel_max_deg",
+        "heel_steady_deg",
+    ),
+)
+MANOEUVRES: Final = (
+    TURNING_CIRCLE,
     Manoeuvre(
         name="initial_turning",
         title="initial turning",
@@ -135,3 +134,7 @@ MANOEUVRES: Final = (
         metrics=metrics_named("initial_turning_distance", "time_to_heading", "yaw_rate_deg_s"),
     ),
 )
+LENGTHS: Final = tuple(
+    metric.name + IN_LENGTHS for metric in TURNING_CIRCLE.metrics if metric.length
+)
+"""The measures of a turning circle in ship lengths."""
