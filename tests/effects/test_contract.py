@@ -273,10 +273,15 @@ WRONG = {
     ),
 }  # fmt: skip
 """An effect that breaks one rule, and what is said of it."""
+SIMULATED = ("nonlinear rate", "growing state")
+"""Rules that are seen in a simulation alone."""
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize("rule", WRONG)
+@pytest.mark.parametrize(
+    "rule",
+    [pytest.param(rule, marks=pytest.mark.slow) if rule in SIMULATED else rule for rule in WRONG],
+)
 def test_what_does_not_hold_is_noticed(rule):
     wrong, said = WRONG[rule]
     with ExitStack() as stack:

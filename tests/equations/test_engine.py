@@ -61,7 +61,9 @@ def by_scipy(name, speed, rudder_deg, end, times):
     return np.concatenate(found, axis=1)
 
 
-@pytest.mark.parametrize(("name", "speed"), [("kvlcc2-l7", SPEED), ("s175", 9.0)])
+@pytest.mark.parametrize(
+    ("name", "speed"), [("kvlcc2-l7", SPEED), pytest.param("s175", 9.0, marks=pytest.mark.slow)]
+)
 def test_a_turn_is_that_of_another_integrator(name, speed):
     end = 60.0 * load_model(name).ship.L / speed / 2
     track = simulate(name, speed=speed, duration=end, rtol=1e-10)

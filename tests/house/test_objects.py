@@ -144,6 +144,8 @@ MADE = {
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
 }
+LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
+EACH = [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MADE]
 SAID = {
     "Trial": ("T1", "1040.0 m", "3.25 L", "4.5 L", "met", "5.0 m/s from 270°", "fixes jump"),
     "Parts": ("0.350 ± 0.020", "tank <2>", "7 runs", "C1 is assumed"),
@@ -210,7 +212,7 @@ def test_every_public_object_that_tells_its_state_is_tried_here():
     assert named == set(MADE) == set(SAID)
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", EACH)
 def test_repr_is_one_short_line(name):
     for thing in (MADE[name](), spoiled(MADE[name]())):
         text = repr(thing)
@@ -220,14 +222,14 @@ def test_repr_is_one_short_line(name):
         assert len(text) < 120
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", EACH)
 def test_str_says_what_a_reader_must_know(name):
     text = str(MADE[name]())
     assert [word for word in SAID[name] if word not in text] == []
     assert len(text.splitlines()) < 120
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", EACH)
 def test_html_is_well_formed_and_escaped(name):
     """It holds what the text holds, and nothing of a name from a file becomes an element."""
     thing = spoiled(MADE[name]())

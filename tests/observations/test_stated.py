@@ -29,9 +29,16 @@ def folder(tmp_path_factory):
     return small_campaign.write_campaign(tmp_path_factory.mktemp("stated") / "small")
 
 
+def in_memory(run):
+    data = run.data
+    return run.with_(loader=lambda: data)
+
+
 @pytest.fixture(scope="module")
 def small(folder):
-    return pk.open_campaign(folder)
+    """Every kind of test at one speed, read once."""
+    opened = pk.open_campaign(folder)
+    return opened.with_(runs=tuple(in_memory(x) for x in opened if x.settings.speed == 1.0))
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +75,7 @@ def test_all_that_can_be_stated_is_known_to_the_room_that_says_what_it_does():
     assert set(RIG) >= INERTIA
 
 
+@pytest.mark.slow
 def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder, tmp_path):
     lines = [f"{item.key} = {{ std = 0.25, unit = {item.unit!r} }}" for item in STATABLE.values()]
     made = small_campaign.write_campaign(tmp_path / "all")
@@ -102,6 +110,7 @@ def test_what_cannot_be_stated_is_refused_with_the_nearest_name():
 # What it does
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(WHOLE))
 def test_the_comparison_changes_as_if_the_campaign_said_otherwise(balance, model, name):
     """Truth: the comparison once more with the campaign changed by one standard uncertainty."""
@@ -121,6 +130,7 @@ def test_the_comparison_changes_as_if_the_campaign_said_otherwise(balance, model
     assert largest > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("relative", [False, True])
 @pytest.mark.parametrize("channel", ["X", "Y", "N"])
 def test_the_comparison_changes_as_if_a_gauge_read_otherwise(balance, model, channel, relative):
@@ -147,6 +157,7 @@ def test_the_comparison_changes_as_if_a_gauge_read_otherwise(balance, model, cha
         assert np.any(run.shares["stated"][channel])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(WHOLE))
 def test_the_reduction_changes_as_if_the_campaign_said_otherwise(balance, name):
     """Truth: the equations of all runs with the campaign changed by one standard uncertainty."""
@@ -184,6 +195,7 @@ def test_a_gain_of_the_sway_force_moves_the_moments_that_refer_elsewhere(balance
 # What does nothing is said
 
 
+@pytest.mark.slow
 def test_what_no_run_feels_is_said_by_both_rooms(small, model):
     stated = (
         TypeB(name="mass", std=1.0, shared=True),

@@ -131,6 +131,7 @@ EASING = Manoeuvre(
 )
 
 
+@pytest.mark.slow
 def test_a_new_manoeuvre_works_like_those_of_pmmkit():
     check_manoeuvre(EASING, ease_deg=30.0)
     track = simulate("s175-3dof", EASING, speed=8.0, ease_deg=30.0)

@@ -128,6 +128,7 @@ def son_nomoto(u, v, r, p, phi, delta, n):
     return (X / (m + mx) * U**2 / L, vdot * U**2 / L, rdot * (U / L) ** 2, pdot * (U / L) ** 2)
 
 
+@pytest.mark.slow
 @given(state=STATE)
 def test_four_degrees_of_freedom_are_son_and_nomoto_as_printed(state):
     c = kernel.prepare(FOUR, 6.0)

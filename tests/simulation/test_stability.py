@@ -413,6 +413,7 @@ def test_turns_that_the_curve_calls_stable_have_eigenvalues_to_the_left():
         assert bool(np.all(values.real < 0.0)) == row["stable"]
 
 
+@pytest.mark.slow
 def test_more_points_do_not_move_the_folds():
     coarse, fine = (spiral_curve("esso190k", TANKER, points=points) for points in (161, 641))
     assert coarse.loop_width_deg == pytest.approx(fine.loop_width_deg, rel=1e-3)

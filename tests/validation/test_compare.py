@@ -254,6 +254,7 @@ def test_gauges_act_on_means_or_in_proportion(small, one_set):
         assert not np.any(share["X"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forces", ["hydrodynamic", "balance"])
 def test_an_uncertain_point_of_the_motions_is_the_difference_when_it_is_moved(
     small, one_set, forces
