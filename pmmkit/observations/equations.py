@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ from pmmkit.observations.inertia import Rig, inertia_inside
 from pmmkit.observations.prepare import Prepared, RunResult
 from pmmkit.observations.stated import altered, nominal_path
 
+ASKED = 0.1
+"""Share of a recorded regressor that the motion asked for must make; the rest is noise of it."""
 ROUNDING = 1e-12
 """Harmonics of a regressor below this share of its largest sample are rounding."""
 
@@ -185,6 +187,49 @@ def sensitivity(
             force = {channel: after[0][channel] - before[0][channel] for channel in force}
             design = {channel: after[1][channel] - before[1][channel] for channel in names}
     return Sensitivity(source=source, force=force, design=design, names=names)
+
+
+def excited_alone(
+    rows: Sequence[Rows], campaign: Campaign, rig: Rig, convention: Convention
+) -> tuple[Rows, ...]:
+    """The equations of runs without columns that only the noise of the recorded motion makes.
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+        Runs that are fitted together.
+    campaign, rig, convention
+        As in `rows_of`.
+
+    Returns
+    -------
+    tuple of Rows
+        Columns of which the motion that was asked for makes less than `ASKED` of what was recorded
+        are zero in all runs: nothing excites them.
+    """
+    told = [
+        _nominal(item.result.run, rig, item.result.labels, campaign, item.names, convention)[1]
+        for item in rows
+    ]
+    names = {channel: listed for item in rows for channel, listed in item.names.items()}
+    idle = {}
+    for channel in names:
+        having = [place for place, item in enumerate(rows) if channel in item.design]
+        recorded = sum(np.nansum(rows[place].design[channel] ** 2, axis=0) for place in having)
+        asked = sum(np.nansum(told[place][channel] ** 2, axis=0) for place in having)
+        idle[channel] = asked < ASKED**2 * recorded
+    return tuple(
+        replace(
+            item,
+            design={
+                channel: np.where(idle[channel], 0.0, columns)
+                for channel, columns in item.design.items()
+            },
+        )
+        if any(np.any(idle[channel]) for channel in item.design)
+        else item
+        for item in rows
+    )
 
 
 def _nominal(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -114,3 +114,40 @@ def _label_lowest(axes: np.ndarray, used: int, label: str) -> None:
         if panels:
             axes[panels[-1]].tick_params(labelbottom=True)
             axes[panels[-1]].set_xlabel(label)
+
+
+def influence_map(
+    share: Array, runs: Sequence[str], names: Sequence[str], odd: Collection[str]
+) -> Figure:
+    """Runs against derivatives, coloured by how far each run moves each of them.
+
+    Parameters
+    ----------
+    share : array (runs, derivatives)
+        Change over half of the 95 % interval; NaN where there is none.
+    runs, names : sequence of str
+        Rows and columns.
+    odd : collection of str
+        Runs at odds with the others, marked.
+    """
+    with style.styled():
+        figure = style.canvas(0.16 * len(runs) + 1.6)
+        axis = figure.subplots()
+        picture = axis.imshow(share, cmap="RdBu_r", vmin=-2.0, vmax=2.0, aspect="auto")
+        axis.set_xticks(range(len(names)), names, rotation=90, fontsize="x-small")
+        told = [f"{run}  at odds" if run in odd else run for run in runs]
+        axis.set_yticks(range(len(runs)), told, fontsize="x-small")
+        for row, column in np.argwhere(np.abs(np.nan_to_num(share)) > 1.0).tolist():
+            value = share[row, column]
+            axis.annotate(
+                f"{value:+.1f}",
+                (column, row),
+                ha="center",
+                va="center",
+                fontsize="xx-small",
+                color="white" if abs(value) > 1.4 else "black",
+            )
+        bar = figure.colorbar(picture, ax=axis, extend="both")
+        bar.set_label("Change by the run / half of the 95 % interval [-]")
+        axis.set_title("What each run does to each derivative")
+    return figure

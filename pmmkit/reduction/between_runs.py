@@ -17,9 +17,8 @@ from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
 from pmmkit.observations.inertia import rig_of
 from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
 from pmmkit.reduction.estimate import Block, ChannelFit, Width
+from pmmkit.tables.table import CONFIDENCE
 
-CONFIDENCE = 0.95
-"""Of the intervals that the mixture over sizes is told by."""
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
 
 
@@ -48,6 +47,10 @@ class BetweenRuns:
             drift=tuple(self.drift[place] for place in runs),
             readings=tuple(self.readings[place] for place in runs),
         )
+
+    def unknown(self) -> BetweenRuns:
+        """The same with sizes that are to be estimated."""
+        return replace(self, scatter=None)
 
 
 def between_runs(rows: Sequence[Rows], campaign: Campaign, convention: Convention) -> BetweenRuns:
@@ -99,7 +102,7 @@ def drawn(
     channel: str,
     blocks: Sequence[Block],
     values: Mapping[str, float],
-    residual: Sequence[Array] | None,
+    residual: Sequence[Array],
     rows: Sequence[Rows],
     changes: Sequence[Sequence[Sensitivity]],
     between: BetweenRuns,
@@ -115,7 +118,7 @@ def drawn(
         Rows of the fit.
     values : mapping of str to float
         Derivatives as far as they are known.
-    residual : sequence of array, optional
+    residual : sequence of array
         Rows less fit; a gain acts on the fitted reading, since that of the measured one would
         favour readings that are too small.
     rows, changes, between
@@ -138,7 +141,7 @@ def drawn(
         mean = np.array([label == "C0" for label in result.labels])[block.keep]
         columns = {
             "offset": size * mean,
-            "gain": reading - (0.0 if residual is None else residual[place]),
+            "gain": reading - residual[place],
             "drift": between.drift[block.run].residual(channel, values)[block.keep],
         }
         own.append(

@@ -19,6 +19,8 @@ from pmmkit.reduction.fit import Fit, fit, optional_columns
 ROUNDS = 6
 SETTING = Scatter.names().index("drift")
 """What a run draws once for all its channels."""
+QUIETEST = 0.1
+"""A record's standard deviation below this share of the median of its gauge is not believed."""
 STATED = 5.0
 """Degrees of freedom that the noise stated by the records counts for beside the residuals."""
 BIRGE_P = 0.01
@@ -116,6 +118,13 @@ class ChannelFit:
     def freedom(self) -> int:
         """Rows minus coefficients."""
         return _freedom(self.fit, sum(len(rows) for rows in self.residual))
+
+    @property
+    def left(self) -> float:
+        """What the fit leaves of the forces, over their size [-]."""
+        rows = np.concatenate([block.rows for block in self.blocks])
+        size = float(np.linalg.norm(rows))
+        return float(np.linalg.norm(np.concatenate(self.residual))) / size if size else 0.0
 
     def values(self) -> dict[str, float]:
         """The determined coefficients by name."""
@@ -298,9 +307,23 @@ def _stated_noise(
         for place, covariance, value in zip(places, calm, freedom, strict=True):
             noise[place] = inflation * covariance
             dof[place] = value
+    noise = _believed(noise, blocks)
     for dynamic in (False, True):
         noise, dof = _with_repeat_scatter(dynamic, blocks, noise, scatter, dof)
     return noise, dof
+
+
+def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
+    """Noise of a run far quieter than the others of its gauge, such as a dead one, drawn up."""
+    stated = [place for place, block in enumerate(blocks) if block.covariance is not None]
+    levels = {place: float(np.mean(np.diagonal(noise[place]))) for place in stated}
+    least = QUIETEST**2 * float(np.median(list(levels.values()))) if levels else 0.0
+    return [
+        covariance + (least - levels[place]) * np.eye(len(covariance))
+        if levels.get(place, math.inf) < least
+        else covariance
+        for place, covariance in enumerate(noise)
+    ]
 
 
 def _with_repeat_scatter(

@@ -167,8 +167,8 @@ def _sentences(solution: Solution) -> Iterator[str]:
         if item.excessive:
             yield (
                 f"{item.channel}{where}: the misfit is {math.sqrt(item.scale):.1f} times the "
-                f"noise of the records. The structure lacks something or runs scatter; the "
-                f"intervals are widened by that factor."
+                f"noise of the records, and scatter between runs does not explain it. The "
+                f"structure lacks something; the intervals are wider, but do not hold its bias."
             )
         elif math.isnan(item.chi_square) and item.freedom == 0:
             yield (

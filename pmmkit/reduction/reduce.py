@@ -13,20 +13,23 @@ from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import CheckFinding, examine, refuse
 from pmmkit.conventions import CHANNELS, Convention
-from pmmkit.errors import CampaignError
+from pmmkit.errors import CampaignError, ContradictionError, Problem
 from pmmkit.observations.blockage import speed_increase
-from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity, excited_alone
+from pmmkit.observations.inertia import rig_of
 from pmmkit.observations.prepare import CycleChoice, RunResult
 from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.derivatives import Columns, columns_of
+from pmmkit.reduction.influence import Influences, at_odds, influences, weighed_down
 from pmmkit.reduction.methods import by_family, by_run
 from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
+from pmmkit.reduction.verdict import Verdict, verdict
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
 from pmmkit.version import __version__
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Progress = Callable[[int, int, str], None]
+OddRuns = Literal["tell", "weigh", "refuse"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -72,6 +76,8 @@ class Reduction(Described):
         Meaning of the derivatives.
     solution : Solution
         The fits behind the table.
+    influences : Influences
+        What each run does to each derivative, and which are at odds with the others.
     """
 
     table: DerivativeTable
@@ -89,6 +95,12 @@ class Reduction(Described):
     columns: Columns
     convention: Convention
     solution: Solution
+    influences: Influences
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the table can be used, and what stands against it."""
+        return verdict(self.table, self.families, self.solution, self.influences, self.findings)
 
     def runs_to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, window, cycles, harmonics [N, N m], sinkage, trim …"""
@@ -120,8 +132,11 @@ class Reduction(Described):
             f"By family of tests as well: {', '.join(self.families)}; by "
             f"{counted(len(self.single_runs), 'single run')}."
         )
+        judged = self.verdict
+        doubts = [Section(title="Doubts", points=judged.reasons)] if judged.reasons else []
         return [
-            Section(paragraphs=[self.campaign.ship.words, beside]),
+            Section(paragraphs=[self.campaign.ship.words, beside, str(judged)]),
+            *doubts,
             Section(title="Derivatives", tables=[self.table.grid()]),
             *(section for section in lists if section.points),
         ]
@@ -136,6 +151,7 @@ def reduce_campaign(
     carriage_speed: bool = False,
     blockage: Literal["report", "correct"] = "report",
     check: bool = True,
+    odd_runs: OddRuns = "tell",
     progress: Progress | None = None,
     jobs: int | None = None,
     memory: float = 1000.0,
@@ -165,6 +181,8 @@ def reduce_campaign(
         Whether the mean blockage of the tank is only reported or corrected for.
     check : bool
         Refuse data that contradict themselves.
+    odd_runs : {"tell", "weigh", "refuse"}
+        What becomes of a run at odds with the others: a warning, also less weight, or an error.
     progress : callable, optional
         Called with (runs done, runs in all, what is done).
     jobs : int, optional
@@ -183,7 +201,7 @@ def reduce_campaign(
     Raises
     ------
     ContradictionError
-        If the checks find contradictions.
+        If the checks find contradictions, or a run at odds with the others is to be refused.
     CampaignError
         If runs cannot be read; all problems of all runs at once.
     """
@@ -218,8 +236,21 @@ def reduce_campaign(
             f"({', '.join(sorted(measured))})."
         )
     tell(len(rows), len(rows), "fitting")
-    between = between_runs(rows, campaign, convention)
-    solution = solve(rows, sensitivities, columns, _groups(rows, fn), between)
+    groups = _groups(rows, fn)
+    rows = _excited(rows, groups, campaign, convention)
+    solution = solve(rows, sensitivities, columns, groups, between_runs(rows, campaign, convention))
+    odd = influences(solution, rows, sensitivities, columns)
+    if odd.odd and odd_runs == "refuse":
+        raise ContradictionError(
+            [
+                Problem(message=item.message, run=item.runs[0], remedy=item.remedy)
+                for item in at_odds(odd)
+            ],
+            title="Runs are at odds with the others",
+        )
+    if odd.odd and odd_runs == "weigh":
+        rows = weighed_down(rows, solution, odd.odd)
+        solution = solve(rows, sensitivities, columns, groups, solution.between.unknown())
     results = tuple(item.result for item in rows)
     curve = resistance(results)
     remarks = (
@@ -241,7 +272,7 @@ def reduce_campaign(
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
-        findings=tuple(findings),
+        findings=(*findings, *at_odds(odd, weighed=odd_runs == "weigh")),
         offsets=offsets(solution),
         notes=remarks,
         resistance=curve,
@@ -252,7 +283,24 @@ def reduce_campaign(
         columns=columns,
         convention=convention,
         solution=solution,
+        influences=odd,
     )
+
+
+def _excited(
+    rows: Sequence[Rows],
+    groups: Sequence[tuple[float, Sequence[int]]],
+    campaign: Campaign,
+    convention: Convention,
+) -> tuple[Rows, ...]:
+    """The equations without columns that only noise of the recorded motion makes."""
+    rig = rig_of(campaign)
+    found = list(rows)
+    for _, members in groups:
+        kept = excited_alone([rows[place] for place in members], campaign, rig, convention)
+        for place, item in zip(members, kept, strict=True):
+            found[place] = item
+    return tuple(found)
 
 
 def _silent(*_: object) -> None:

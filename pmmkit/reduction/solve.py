@@ -14,7 +14,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import Convention, canonical
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.scatter import Restricted, RunScatter, run_scatter
+from pmmkit.observations.scatter import USUAL, Restricted, RunScatter, run_scatter
 from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, likelihood_of, size_of, widened
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import Block, ChannelFit, Joint, blocks_of, fit_channel, join
@@ -105,9 +105,9 @@ def solve(
         for channel, own in _by_channel(cases).items()
     }
     scatter = between.scatter or RunScatter.usual(list(size))
-    draws = [case.drawn(None, size[case.channel]) for case in cases]
-    fits = [case.fit(draw, scatter) for case, draw in zip(cases, draws, strict=True)]
-    for number in range((ROUNDS if between.scatter is None else 1) if fits else 0):
+    draws: list[Drawn] = []
+    fits = [case.begun(size[case.channel]) for case in cases]
+    for number in range(ROUNDS if between.scatter is None else 1):
         draws = [
             case.drawn(found, size[case.channel]) for case, found in zip(cases, fits, strict=True)
         ]
@@ -153,13 +153,19 @@ class _Case:
         """Root mean square of the readings [N, N m]."""
         return size_of(self.blocks, self.channel, self.between)
 
-    def drawn(self, found: ChannelFit | None, size: float) -> Drawn:
+    def begun(self, size: float) -> ChannelFit:
+        """Fit with an error of usual size in every row, so that no run can speak for all."""
+        error = USUAL["gain"] * size
+        private = {block.run: error * np.eye(len(block.rows)) for block in self.blocks}
+        return fit_channel(self.channel, self.blocks, self.names, self.required, private)
+
+    def drawn(self, found: ChannelFit, size: float) -> Drawn:
         """What its runs draw for themselves, as far as a fit tells."""
         return drawn(
             self.channel,
             self.blocks,
-            {**self.held, **(found.values() if found else {})},
-            found.residual if found else None,
+            {**self.held, **found.values()},
+            found.residual,
             self.rows,
             self.changes,
             self.between,

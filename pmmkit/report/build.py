@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.checks.finding import name_runs
+from pmmkit.figures import svg
 from pmmkit.files import write_text
-from pmmkit.presentation import Grid, Group, Section, counted, percent
+from pmmkit.presentation import Grid, Group, Picture, Section, counted, percent
 from pmmkit.reduction import Reduction
 from pmmkit.report import pictures, tables
 from pmmkit.report.loop import Loop, loop_sections
@@ -69,13 +70,15 @@ def report_html(
     sections = [
         Section(
             title="Derivatives at a glance",
-            paragraphs=_headline(reduction, turns),
+            paragraphs=[str(reduction.verdict), *_headline(reduction, turns)],
+            points=reduction.verdict.reasons,
             tables=[tables.headline(reduction.table, reference)],
         ),
         _done(reduction),
         _findings(reduction),
         _derivatives(reduction, reference),
         _forces(reduction),
+        _influence(reduction),
         _comparison(reduction),
         *([turning_section(turns)] if turns else []),
         *(loop_sections(loop) if loop else []),
@@ -128,6 +131,26 @@ def _headline(reduction: Reduction, turns: Turns | None) -> list[str]:
             f"{counted(len(found.runs), 'straight run')}."
         )
     return said
+
+
+def _influence(reduction: Reduction) -> Section:
+    found = reduction.influences
+    scatter = reduction.solution.between.scatter
+    sizes = (
+        "; ".join(f"{channel}: {scatter.words(channel)}" for channel in scatter.weights)
+        if scatter
+        else ""
+    )
+    return Section(
+        title="What each run does",
+        paragraphs=[
+            f"Scatter between runs that the intervals hold (standard deviations; offset over the "
+            f"rms force of the channel): {sizes}.",
+            "Each derivative with all runs less the same without one run, over half of its 95 % "
+            "interval. Above 1 the interval hangs on that run.",
+        ],
+        figures=[Picture(svg=svg(found.plot()), caption="Influence of each run.")],
+    )
 
 
 def _done(reduction: Reduction) -> Section:

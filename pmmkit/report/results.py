@@ -70,6 +70,7 @@ def _tables(reduction: Reduction) -> Iterator[tuple[str, Any]]:
     yield "derivatives.csv", partial(write_table, reduction.table)
     yield "derivatives.nc", partial(write_table, reduction.table)
     yield "derivatives_by_method.csv", by_method(reduction)
+    yield "influence.csv", reduction.influences.to_pandas()
     yield "runs.csv", reduction.runs_to_pandas()
     yield "findings.json", [item.to_dict() for item in reduction.findings]
 

@@ -445,7 +445,7 @@ def test_a_result_that_asks_nothing_of_a_test_owes_it_nothing():
 
 
 def test_a_gauge_that_all_runs_share_has_the_closed_form():
-    """1 % of every Y is 1 % of Yv; .2 % of the density .2 %; without noise they are nearly all of it."""
+    """1 % of every Y is 1 % of Yv, .2 % of the density .2 %; without noise they are nearly all."""
     found = few_tests(
         uncertainty=(
             TypeB(name="Y_gauge", std=0.01, relative=True, shared=True),

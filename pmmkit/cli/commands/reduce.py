@@ -25,6 +25,14 @@ ROUNDS: Final = 3
 PARTS: Final = ("propeller", "rudder_mmg")
 
 
+class OddRuns(StrEnum):
+    """What becomes of a run at odds with the others."""
+
+    tell = "tell"
+    weigh = "weigh"
+    refuse = "refuse"
+
+
 class Fn(StrEnum):
     """A set of derivatives per Froude number, or one over all speeds."""
 
@@ -47,6 +55,12 @@ def reduce(
     reference: Annotated[
         str | None, typer.Option(help="Library ship, model file or table to compare with.")
     ] = None,
+    odd_runs: Annotated[
+        OddRuns,
+        typer.Option(
+            help="A run at odds with the others: warned of, also weighed down, or refused."
+        ),
+    ] = OddRuns.tell,
     data: Data = None,
     jobs: Annotated[
         int | None,
@@ -70,6 +84,7 @@ def reduce(
         data=data,
         parts=parts,
         reference=reference,
+        odd_runs=odd_runs.value,
         jobs=jobs,
         memory=memory,
     )
@@ -97,6 +112,7 @@ def reduced(
     reference: str | None = None,
     reference_name: str = "",
     asked: str | None = None,
+    odd_runs: Literal["tell", "weigh", "refuse"] = "tell",
     jobs: int | None = None,
     memory: float = 1000.0,
 ) -> Outcome:
@@ -121,7 +137,7 @@ def reduced(
         Its name in the report.
     asked : str, optional
         A simpler structure: the report ends with what it lacks.
-    jobs, memory
+    odd_runs, jobs, memory
         As for `reduce_campaign`.
 
     Returns
@@ -150,6 +166,7 @@ def reduced(
             structure=structure,
             fn=fn,
             cycles=cycles,
+            odd_runs=odd_runs,
             progress=progress,
             jobs=jobs,
             memory=memory,
@@ -166,6 +183,7 @@ def reduced(
     say("Writing tables, figures and the report ...")
     files = write_reduction(found, out, model=model, reference=beside, turns=turns, loop=loop)
     forget(kept)
+    judged = found.verdict
     content = {
         "campaign": opened.title,
         "out": str(out),
@@ -176,6 +194,7 @@ def reduced(
         "excluded": {run.id: reason for run, reason in opened.excluded},
         "findings": [item.to_dict() for item in found.findings],
         "notes": list(found.notes),
+        "verdict": {"use": judged.use, "reasons": list(judged.reasons)},
         "table": found.table.to_pandas().to_dict("records"),
         "model": "model.toml" if model else None,
         "model_lacks": why,
@@ -184,7 +203,11 @@ def reduced(
         "diagnosis": loop.diagnosis.to_dict() if loop else None,
     }
     lines = [*_words(found, beside, turns, why), *_missing(loop), "", f"Results: {out.resolve()}"]
-    return Outcome(content=content, lines=[*lines, f"Report:  {out.resolve() / 'report.html'}"])
+    return Outcome(
+        content=content,
+        lines=[*lines, f"Report:  {out.resolve() / 'report.html'}", "", str(judged)],
+        status=1 if judged.use == "not usable" else 0,
+    )
 
 
 def _missing(loop: Loop | None) -> list[str]:
@@ -240,7 +263,9 @@ def _words(
 ) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
-    lines = [headline(found.table, beside), ""]
+    reasons = found.verdict.reasons
+    doubts = ["Doubts:", *(f"  - {reason}" for reason in reasons), ""] if reasons else []
+    lines = [*doubts, headline(found.table, beside), ""]
     counts = {
         severity: sum(item.severity == severity for item in found.findings)
         for severity in ("warning", "info")

@@ -1,0 +1,115 @@
+"""One bad run among good ones: found, named, weighed down or refused, and never silently taken."""
+
+import numpy as np
+import pytest
+
+from pmmkit.errors import ContradictionError
+from pmmkit.reduction import reduce_campaign
+from tests.support.hidden_effects import BASE, hidden_campaign
+from tests.support.hidden_effects.hull import TRUTH
+
+ASKED = [*BASE, "Xdd", "Yd", "Nd"]
+SWAY = "SW_1.5_0.22"
+
+
+def spoilt(run_id, change, seed=1):
+    """The small programme with one run's record changed."""
+    made = hidden_campaign("small", seed=seed)
+
+    def one(run):
+        data = change(run.data)
+        return run.with_(loader=lambda: data)
+
+    return made.with_(runs=tuple(one(run) if run.id == run_id else run for run in made))
+
+
+def dead(data):
+    """A side-force gauge that says nothing."""
+    return data.assign(Y=0 * data.Y)
+
+
+def reduced(made, **options):
+    return reduce_campaign(made, structure=ASKED, check=False, jobs=1, **options)
+
+
+@pytest.fixture(scope="module")
+def with_a_dead_gauge():
+    return reduced(spoilt(SWAY, dead))
+
+
+def test_a_dead_gauge_is_named_with_its_run_and_channel(with_a_dead_gauge):
+    (odd,) = with_a_dead_gauge.influences.odd
+    assert (odd.run, odd.channel) == (SWAY, "Y")
+    assert odd.chance < 1e-12
+    warnings = [item for item in with_a_dead_gauge.findings if item.check == "odd_run"]
+    assert [item.runs for item in warnings] == [(SWAY,)]
+    judged = with_a_dead_gauge.verdict
+    assert judged.use != "usable"
+    assert any(SWAY in reason for reason in judged.reasons)
+
+
+def test_the_other_runs_are_not_blamed_for_it(with_a_dead_gauge):
+    assert {one.run for one in with_a_dead_gauge.influences.odd} == {SWAY}
+
+
+@pytest.mark.slow
+def test_weighed_down_it_does_no_harm():
+    """Yv within 3 % of the truth, where the dead run at full weight takes 90 % of it."""
+    found = reduced(spoilt(SWAY, dead), odd_runs="weigh").table
+    assert found["Yv"][0] == pytest.approx(TRUTH["Yv"], rel=0.03)
+
+
+def test_it_can_be_refused():
+    with pytest.raises(ContradictionError, match=SWAY):
+        reduced(spoilt(SWAY, dead), odd_runs="refuse")
+
+
+def test_nothing_is_at_odds_in_a_clean_programme():
+    found = reduced(hidden_campaign("small", seed=2))
+    assert found.influences.odd == ()
+    assert found.verdict.use == "usable"
+
+
+def test_the_influence_of_a_run_is_the_fit_without_it():
+    """Against a second reduction of the other runs, scatter held at what all runs gave."""
+    made = hidden_campaign("small", seed=3)
+    found = reduced(made)
+    from pmmkit.reduction.solve import solve
+
+    run = "SD_1.5_12"
+    keep = [place for place, item in enumerate(found.rows) if item.result.run.id != run]
+    rest = solve(
+        found.rows,
+        found.sensitivities,
+        found.columns,
+        [(float(found.solution.Fn[0]), keep)],
+        found.solution.between,
+    )
+    value = dict(zip(rest.joint.labels, rest.joint.value, strict=True))
+    for one in found.influences.items:
+        if one.run != run or one.channel != "N":
+            continue
+        for name, shift in zip(one.names, one.shift, strict=True):
+            change = found.table[name][0] - value[0, name] if name in found.table else np.nan
+            if np.isfinite(change) and abs(one.share[one.names.index(name)]) > 0.3:
+                assert shift == pytest.approx(change, rel=0.3)
+
+
+def test_what_only_noise_of_the_motion_makes_has_no_value():
+    """A recorded sway of rounding size in straight runs is no excitation of Yv."""
+    rng = np.random.default_rng(5)
+    made = hidden_campaign("small", seed=4)
+    straight = tuple(run for run in made if run.id.startswith(("RS", "SD_1.5_0")))
+    noisy = tuple(
+        run.with_(
+            loader=lambda data=run.data: data.assign(
+                v=("t", 1e-6 * rng.normal(size=data.sizes["t"])),
+                r=("t", 1e-6 * rng.normal(size=data.sizes["t"])),
+            )
+        )
+        for run in straight
+    )
+    found = reduced(made.with_(runs=noisy)).table
+    for name in ("Yv", "Yr", "Nv"):
+        if name in found:
+            assert np.isnan(found[name][0])
