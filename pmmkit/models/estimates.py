@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from types import MappingProxyType
+from typing import Final
+
+import numpy as np
 
 from pmmkit.bibliography import cite
+from pmmkit.conventions import force_unit
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
 from pmmkit.effects.propeller import PROPELLER
@@ -12,16 +16,19 @@ from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import (
     METHODS,
     RUDDER_SOURCES,
+    Estimate,
     estimate,
     friction_coefficient,
     rudder_values,
     wake_fraction,
     wetted_surface,
 )
-from pmmkit.errors import MissingPartError, UnknownNameError
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Step
 from pmmkit.ship import Ship, Water, viscosity
+
+SURGE: Final = "yoshimura-masumoto"
+"""The method whose surge terms stand in all models."""
 
 
 def estimated_model(
@@ -42,9 +49,10 @@ def estimated_model(
     ----------
     ship : Ship
         Particulars.
-    method : {"yoshimura-masumoto", "kijima"}
-        Nonlinear hull; the linear methods do not carry a turning circle. Kijima gives no surge
-        terms: those of Yoshimura and Masumoto are taken.
+    method : str
+        One of `pmmkit.empirical.METHODS`. Only ``yoshimura-masumoto`` gives surge terms: they
+        stand in the others too. The linear ones (``clarke`` and so on) give a model that says
+        that it holds for small rudder angles.
     speed : float
         Service speed [m/s], for the resistance.
     propeller_diameter : float
@@ -65,13 +73,12 @@ def estimated_model(
     Returns
     -------
     Model
+        With the standard errors of the methods, independent of each other, as covariance.
 
     Raises
     ------
     UnknownNameError
         If there is no such method.
-    MissingPartError
-        If the method has no nonlinear terms.
 
     Examples
     --------
@@ -82,24 +89,14 @@ def estimated_model(
     >>> 2.0 < simulate(model, speed=7.97, compiled=False).metrics["tactical_diameter_L"] < 4.5
     True
     """
-    if method not in METHODS:
-        raise UnknownNameError(f"There is no method {method!r}; there are: {', '.join(METHODS)}.")
     sea = water or Water()
     guess = estimate(ship, method)
-    if guess.convention.system == "prime":
-        raise MissingPartError(
-            f"{method} gives linear derivatives only, which do not carry a manoeuvre. Take "
-            f"yoshimura-masumoto or kijima, or join its values with tests (to_model)."
-        )
-    surge = {
-        name: value
-        for name, value in estimate(ship, "yoshimura-masumoto").values.items()
-        if name[0] == "X" and name != "Xudot"
-    }
-    if guess.convention.sway == "beta":
-        surge = {name: -x if name == "Xvr" else x for name, x in surge.items()}
-    values = {**surge, **guess.values}
-    unit = 0.5 * sea.rho * ship.L * ship.d * speed**2
+    lent, doubt = _surge(guess, ship)
+    values, std = {**lent, **guess.values}, {**doubt, **guess.std}
+    unit = force_unit(
+        "X", guess.convention.system, L=ship.L, d=ship.d, volume=ship.volume, rho=sea.rho, g=sea.g,
+        U=speed,
+    )  # fmt: skip
     values["Xuu"] = -(resistance or _resistance(ship, sea, speed)) / unit
     mass = {name: x for name, x in values.items() if name.endswith("dot")}
     hull = {name: x for name, x in values.items() if name not in mass}
@@ -114,7 +111,8 @@ def estimated_model(
         "xp": -0.48,
     }
     blade = rudder_values(ship, area=rudder_area, aspect=rudder_aspect, D=propeller_diameter)
-    hull_sources = [guess.sources[0], METHODS["yoshimura-masumoto"].sources[0]]
+    surge = METHODS[SURGE].sources
+    hull_sources = [guess.sources[0], surge[0]]
     if not resistance:
         hull_sources.append("ittc_1957")
     parts = (
@@ -124,14 +122,20 @@ def estimated_model(
             source=f"empirical: {guess.source}",
             references=tuple(dict.fromkeys(hull_sources)),
             sources=MappingProxyType(
-                {"Xuu": "measured: resistance" if resistance else "empirical: ITTC 1957 friction"}
+                {name: f"empirical: {cite(surge[0])}" for name in lent if name in hull}
+                | {"Xuu": "measured: resistance" if resistance else "empirical: ITTC 1957 friction"}
             ),
         ),
         Part(
             effect=INERTIA,
             values=MappingProxyType(mass),
             source=f"empirical: {cite(guess.sources[1])}",
-            references=guess.sources[1:],
+            references=tuple(
+                dict.fromkeys([guess.sources[1], *(surge[1:] if "Xudot" in lent else ())])
+            ),
+            sources=MappingProxyType(
+                {name: f"empirical: {cite(surge[1])}" for name in lent if name in mass}
+            ),
         ),
         Part(
             effect=PROPELLER.name,
@@ -150,13 +154,28 @@ def estimated_model(
         name=ship.name,
         ship=ship,
         water=sea,
-        convention=guess.convention,
+        convention=guess.convention.with_(surge=METHODS[SURGE].convention.surge),
         parts=MappingProxyType({part.effect: part for part in parts}),
         title=f"{ship.name}, estimated from its particulars",
         scale=f"L = {ship.L:g} m; propulsion point: self-propulsion of the model's equations",
-        notes=("Every value is an estimate from particulars: a first look, not a verdict.",),
+        covariance=np.diag([x * x for x in std.values()]),
+        covariance_names=tuple(std),
+        notes=(
+            "Every value is an estimate from particulars: a first look, not a verdict.",
+            *(f"{guess.source}: {text}." for text in guess.notes),
+        ),
         steps=(Step(action="estimated", method=method),),
     )
+
+
+def _surge(guess: Estimate, ship: Ship) -> tuple[dict[str, float], dict[str, float]]:
+    """Surge terms that a method lacks and their standard errors, in its system and signs."""
+    other = estimate(ship, SURGE)
+    names = [name for name in other.values if name[0] == "X" and name not in guess.values]
+    over = 1.0 if guess.convention.system == other.convention.system else ship.d / ship.L
+    side = -1.0 if guess.convention.sway == "beta" else 1.0
+    values = {name: over * other.values[name] * (side if name == "Xvr" else 1.0) for name in names}
+    return values, {name: over * other.std[name] for name in names}
 
 
 def _resistance(ship: Ship, water: Water, speed: float) -> float:

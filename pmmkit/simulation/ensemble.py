@@ -278,7 +278,7 @@ def spread_of(
         names=names,
         mean=np.array([given[name] for name in names]),
         root=root,
-        origin="the covariance of the tests"
+        origin="the covariance of the model"
         + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
     )
 

@@ -12,6 +12,8 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from pmmkit.conventions import parse_derivative
+from pmmkit.effects.hull import HULL
 from pmmkit.equations import CALM, Conditions, prepare
 from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth
@@ -29,6 +31,10 @@ ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
 """Settings that say what is around the ship."""
 NO_BOTTOM: Final = (
     "The model does not feel the bottom: the depth changes nothing without a part shallow_water."
+)
+LINEAR: Final = (
+    "The hull's side force and moment are linear in v and r, which holds for small rudder angles "
+    "alone: larger turns come out too tight. Here the drift reaches {drift:.0f}° and r' {rate:.1f}."
 )
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
@@ -150,9 +156,34 @@ def simulate(
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
-    if depth is not None and not feels_depth(loaded):
-        return replace(track, notes=(*track.notes, NO_BOTTOM))
-    return track
+    more = [NO_BOTTOM] if depth is not None and not feels_depth(loaded) else []
+    if has_linear_hull(loaded):
+        speeds = np.maximum(np.hypot(track.u, track.v), 1e-9)
+        drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
+        rate = float((np.abs(track.r) * track.L / speeds).max())
+        more.append(LINEAR.format(drift=drift, rate=rate))
+    return replace(track, notes=(*track.notes, *more))
+
+
+def has_linear_hull(model: Model) -> bool:
+    """Whether nothing but terms linear in v and r gives the hull's side force and moment.
+
+    Examples
+    --------
+    >>> has_linear_hull(load_model("kcs"))
+    False
+    """
+    given = (
+        [parse_derivative(name) for name in model.parts[HULL].values] if HULL in model.parts else []
+    )
+    across = [item for item in given if item.channel in ("Y", "N")]
+    others = [
+        name
+        for name, part in model.parts.items()
+        if name != HULL and "Y" in part.known.outputs and not (part.known.roles or part.known.needs)
+    ]
+    linear = all(item.count("v") + item.count("r") <= 1 for item in across)
+    return bool(across) and linear and not others
 
 
 def check_request(

@@ -22,7 +22,7 @@ from pmmkit.figures.derivatives import derivatives_over_froude
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
-from scripts.documentation import kinds_of_test, manoeuvres, rooms
+from scripts.documentation import estimates, kinds_of_test, manoeuvres, rooms
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -190,6 +190,7 @@ def pages() -> dict[str, str]:
         "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
         "architecture.md": rooms.page(),
+        "estimates.md": estimates.page(),
         "formats.md": kinds_of_test.page(),
         **{name: manoeuvres.page(name) for name in manoeuvres.TABLES},
     }

@@ -239,7 +239,7 @@ def test_uncertainty_and_its_causes(tmp_path, capsys):
 def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     out = tmp_path / "estimate"
     particulars = ["--length", "180", "--breadth", "30", "--draught", "10", "--block", "0.8"]
-    status, content, _ = said(
+    status, content, words = said(
         capsys,
         "estimate",
         *particulars,
@@ -254,6 +254,8 @@ def test_a_model_from_particulars_can_be_simulated_and_scaled(tmp_path, capsys):
     )
     assert status == 0
     assert len(content["estimates"]) == 6
+    assert {row["straight_line"] for row in content["estimates"]} == {"unstable", "not settled"}
+    assert "warning: yoshimura-masumoto: CB 0.80 lies outside" in words
     model = pmmkit.load_model(out / "model.toml")
     assert 2.0 < pmmkit.simulate(model, speed=7.5).metrics["tactical_diameter_L"] < 5.0
     ship = tmp_path / "ship"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Annotated, Final
 
@@ -9,7 +10,8 @@ import typer
 
 from pmmkit.cli.options import Out, results_folder
 from pmmkit.cli.output import Outcome
-from pmmkit.presentation import aligned
+from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
+from pmmkit.presentation import ABSENT, WIDE, aligned, with_uncertainty
 
 LINEAR: Final = ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 
@@ -22,9 +24,12 @@ def estimate(
     speed: Annotated[float, typer.Option(help="Service speed in m/s.")],
     propeller: Annotated[float, typer.Option(help="Diameter of the propeller in m.")],
     rudder: Annotated[float, typer.Option(help="Area of the rudder in m².")],
-    method: Annotated[str, typer.Option(help="yoshimura-masumoto or kijima.")] = (
-        "yoshimura-masumoto"
-    ),
+    method: Annotated[
+        str, typer.Option(help="Of the model; linear ones hold for small rudder angles.")
+    ] = "yoshimura-masumoto",
+    xg: Annotated[
+        float, typer.Option("--xg", help="Centre of gravity forward of midship, m.")
+    ] = 0.0,
     name: Annotated[str, typer.Option(help="Of the ship.")] = "ship",
     out: Out = None,
 ) -> Outcome:
@@ -48,35 +53,110 @@ def estimate(
         d=draught,
         volume=volume,
         mass=mass,
-        Izz=mass * (0.25 * length) ** 2,
+        Izz=mass * ((0.25 * length) ** 2 + xg**2),
+        xG=xg,
     )
     model = estimated_model(
         ship, method, speed=speed, propeller_diameter=propeller, rudder_area=rudder, water=water
     )
     found = {item: empirical.estimate(ship, item) for item in empirical.METHODS}
-    turn = simulate(model, "turning", speed=speed, compiled=False).metrics
-    rows = [
-        {"method": item, "system": guess.convention.system, "source": guess.source, **guess.values}
-        for item, guess in found.items()
-    ]
+    track = simulate(model, "turning", speed=speed, compiled=False)
+    turn = track.metrics
+    straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
+    rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
     write_results(
         folder, [("model.toml", partial(save_model, model)), ("estimates.csv", pd.DataFrame(rows))]
     )
-    cells = [
-        [item, guess.convention.system, guess.convention.sway]
-        + [f"{guess.values[x]:.5f}" if x in guess.values else "-" for x in LINEAR]
-        for item, guess in found.items()
-    ]
     path = str(folder / "model.toml")
     lines = [
         f"{name}: L/B {length / breadth:.2f}, B/d {breadth / draught:.2f}, CB {block:.3f}. "
-        f"Estimates, not verdicts.",
-        aligned(["method", "system", "sway by", *LINEAR], cells),
+        f"Estimates, not verdicts. ± is half of the 95 % interval.",
+        _linear(found),
+        "",
+        "Straight-line stability of the bare hull, stable where the lever of yaw is the larger "
+        "(both over L from midship); C = Yv(Nr - m'xG) - Nv(Yr - m') in the prime system:",
+        _stability(straight),
+        "",
+        f"Values of {method}:",
+        _values(found[method]),
+        f"Their uncertainty is how far ships lie from the formulas ("
+        f"{_grounds(found[method], METHODS[method])}).",
+        "",
         f"Turning circle at {speed:g} m/s by {method}: advance {turn['advance_L']:.2f} L, tactical "
         f"diameter {turn['tactical_diameter_L']:.2f} L.",
+        *(f"warning: {method}: {text}." for text in found[method].notes),
+        *(f"warning: {text}" for text in track.notes),
         f"Model: {path}",
     ]
     return Outcome(
-        content={"out": str(folder), "model": path, "estimates": rows, "turning": dict(turn)},
+        content={
+            "out": str(folder),
+            "model": path,
+            "estimates": rows,
+            "turning": dict(turn),
+            "warnings": [*found[method].notes, *track.notes],
+        },
         lines=lines,
     )
+
+
+def _row(method: str, guess: Estimate, straight: StraightLine) -> dict[str, str | float]:
+    """An estimate as a row of a table."""
+    return {
+        "method": method,
+        "system": guess.convention.system,
+        "source": guess.source,
+        **guess.values,
+        **{f"{name}_std": std for name, std in guess.std.items()},
+        "lever_yaw": straight.lever_yaw,
+        "lever_sway": straight.lever_sway,
+        "C": straight.C,
+        "C_std": straight.std,
+        "straight_line": straight.verdict,
+    }
+
+
+def _told(guess: Estimate, name: str) -> str:
+    if name not in guess.values:
+        return ABSENT
+    return with_uncertainty(guess.values[name], WIDE * guess.std[name], "plus-minus")
+
+
+def _linear(found: Mapping[str, Estimate]) -> str:
+    """The linear derivatives by every method."""
+    rows = [
+        [item, guess.convention.system, guess.convention.sway, *(_told(guess, x) for x in LINEAR)]
+        for item, guess in found.items()
+    ]
+    return aligned(["method", "system", "sway by", *LINEAR], rows)
+
+
+def _stability(straight: Mapping[str, StraightLine]) -> str:
+    """The criterion by every method."""
+    rows = [
+        [
+            item,
+            f"{it.lever_yaw:.3f}",
+            f"{it.lever_sway:.3f}",
+            with_uncertainty(1e6 * it.C, 1e6 * WIDE * it.std, "plus-minus"),
+            it.verdict,
+        ]
+        for item, it in straight.items()
+    ]
+    return aligned(["method", "lever of yaw", "of sway", "C × 10⁶", "straight line"], rows)
+
+
+def _values(guess: Estimate) -> str:
+    """All values of the method that the model is made by."""
+    rows = [[name, _told(guess, name)] for name in guess.values]
+    return aligned(["", "value"], rows)
+
+
+def _grounds(guess: Estimate, method: Method) -> str:
+    """From what the uncertainties of the values were found, exceptions first."""
+    grounds: dict[str, list[str]] = {}
+    for name in guess.values:
+        grounds.setdefault(method.error_of(name).source, []).append(name)
+    most = max(grounds, key=lambda source: len(grounds[source]))
+    apart = [f"{', '.join(names)}: {text}" for text, names in grounds.items() if text != most]
+    return "; ".join([*apart, f"all others: {most}" if apart else most])
