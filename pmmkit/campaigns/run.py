@@ -40,8 +40,8 @@ class Correction:
     runs : tuple of str
         Ids of runs, ``*`` and ``?`` allowed.
     action : str
-        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``drop means``, ``drop``,
-        ``inertia still inside``, ``inertia already removed``.
+        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``tare``, ``drop means``,
+        ``drop``, ``inertia still inside``, ``inertia already removed``.
     reason : str
         Why, in the user's words.
     values : mapping

@@ -17,6 +17,7 @@ from pmmkit.checks.clock import clock_facts
 from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
 from pmmkit.checks.record import flat_facts
+from pmmkit.checks.rest import rest_facts
 from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
@@ -117,6 +118,7 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
         np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
     )
     facts |= motion_facts(run, clean, t)
+    facts |= rest_facts(t, dict(zip(present, forces, strict=True)))
     at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)
     hull = [row for row, name in enumerate(present) if name in _HULL]
     shared: dict[str, Any] = {

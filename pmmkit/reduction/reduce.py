@@ -29,6 +29,7 @@ from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resi
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings
 from pmmkit.reduction.solve import Solution, froude_groups, measured_and_fitted, solve, to_table
+from pmmkit.reduction.surge_zero import surge_zero
 from pmmkit.reduction.verdict import Verdict, verdict
 from pmmkit.structures import Structure, structure_of
 from pmmkit.tables import DerivativeTable
@@ -272,7 +273,11 @@ def reduce_campaign(
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
-        findings=(*findings, *at_odds(odd, weighed=odd_runs == "weigh")),
+        findings=(
+            *surge_zero(solution),
+            *findings,
+            *at_odds(odd, weighed=odd_runs == "weigh"),
+        ),
         offsets=offsets(solution),
         notes=remarks,
         resistance=curve,

@@ -6,16 +6,19 @@ from pmmkit.signals.cycles import Cycles, whole_cycles
 from pmmkit.signals.frequency import estimate_frequency
 from pmmkit.signals.harmonics import Harmonics, design_matrix, harmonics, trapezoid_harmonics
 from pmmkit.signals.noise import Mean, steady_mean
+from pmmkit.signals.rest import Rest, head_rest
 from pmmkit.signals.steady import Window, steady_window
 
 __all__ = [
     "Cycles",
     "Harmonics",
     "Mean",
+    "Rest",
     "Window",
     "design_matrix",
     "estimate_frequency",
     "harmonics",
+    "head_rest",
     "steady_mean",
     "steady_window",
     "trapezoid_harmonics",

@@ -1,4 +1,4 @@
-"""How far ships of the library lie from Yoshimura and Masumoto's formulas, for docs/estimates.md."""
+"""How far library ships lie from Yoshimura and Masumoto's formulas, for docs/estimates.md."""
 
 from __future__ import annotations
 

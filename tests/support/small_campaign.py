@@ -6,7 +6,9 @@ The forces are written out here term by term, apart from the package's own regre
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -37,6 +39,8 @@ TRUTH = {
 """Son and Nomoto's derivatives as captive tests measure them (Yr - mx, Xvr + my)."""
 NOISE = {"X": 0.4, "Y": 1.0, "N": 1.5}
 SPEEDS = (1.0, 2.0)
+RAMP = 2.0
+"""Time in which the carriage starts [s]."""
 
 HEAD = f"""\
 [campaign]
@@ -124,7 +128,14 @@ def yaw(
     }
 
 
-def write_campaign(folder: Path, *, seed: int = 1, noise: float = 1.0) -> Path:
+def write_campaign(
+    folder: Path,
+    *,
+    seed: int = 1,
+    noise: float = 1.0,
+    rest: float = 0.0,
+    zero: Mapping[str, float] = MappingProxyType({}),
+) -> Path:
     """Write the campaign file and its histories.
 
     Parameters
@@ -135,15 +146,22 @@ def write_campaign(folder: Path, *, seed: int = 1, noise: float = 1.0) -> Path:
         Of the noise.
     noise : float
         Factor on the noise.
+    rest : float
+        Seconds for which the carriage stands at the head of each record; it then starts in 2 s.
+    zero : mapping of str to float
+        What gauges show at rest [N, N m].
     """
     generator = np.random.default_rng(seed)
     (folder / "runs").mkdir(parents=True)
     text = [HEAD]
 
     def add(name: str, keys: str, speed: float, t: np.ndarray, motion: dict) -> None:
-        columns = {"t": t}
-        for channel, clean in forces(**motion).items():
-            columns[channel] = clean + noise * NOISE[channel] * generator.normal(size=len(t))
+        before = np.arange(t[0] - rest - RAMP, t[0], t[1] - t[0]) if rest else t[:0]
+        started = np.clip((before - t[0]) / RAMP + 1.0, 0.0, 1.0) ** 2
+        columns = {"t": np.concatenate([before, t])}
+        for channel, run in forces(**motion).items():
+            clean = np.concatenate([started * run[0], run]) + zero.get(channel, 0.0)
+            columns[channel] = clean + noise * NOISE[channel] * generator.normal(size=len(clean))
         table = np.stack(list(columns.values()), axis=1)
         np.savetxt(
             folder / "runs" / f"{name}.csv",

@@ -68,6 +68,7 @@ ACTIONS: Final = (
     "shift",
     "flip",
     "trim",
+    "tare",
     "drop",
     "drop means",
     "set",
@@ -359,6 +360,7 @@ class CorrectionEntry(SettingsEntry):
             "flip": ("channels",),
             "drop": ("channels",),
             "trim": ("t_start?", "t_end?"),
+            "tare": ("channels?", "t_start?", "t_end?"),
             "set": tuple(f"{name}?" for name in SettingsEntry.model_fields),
         }
         wanted = needs.get(self.action, ())

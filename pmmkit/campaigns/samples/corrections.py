@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Correction
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import unit_factor
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.conventions import CHANNELS, unit_factor
+from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.numerics import Array
+from pmmkit.presentation import with_uncertainty
+from pmmkit.signals import head_rest, steady_mean
 
-OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop"})
+LEAST_SAMPLES: Final = 16
+"""Samples from which a mean and its uncertainty are taken."""
+
+OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop", "tare"})
 """Actions that change the numbers of a run; the others change what is said of it."""
 
 
@@ -22,7 +30,8 @@ def correct(
     """Channels with the corrections of the campaign file, in its order.
 
     Values are SI, in ship axes and our signs: corrections come after all conversions. Of harmonics
-    ``scale`` and ``flip`` change all parts of a channel, ``shift`` its mean.
+    ``scale`` and ``flip`` change all parts of a channel, ``shift`` its mean; ``tare`` takes off
+    what the forces show while the carriage stands.
 
     Parameters
     ----------
@@ -67,6 +76,13 @@ def correct(
                 continue
             out = kept
             notes.append(f"{_range(correction)} ({correction.reason})")
+            continue
+        if correction.action == "tare":
+            try:
+                out, note = _tared(out, correction)
+                notes.append(f"{note} ({correction.reason})")
+            except DataError as error:
+                problems += [replace(item, file=file, run=run) for item in error.problems]
             continue
         for channel in correction.values["channels"]:
             names = _names(out, channel)
@@ -132,6 +148,51 @@ def _trimmed(data: dict[str, Array], correction: Correction) -> dict[str, Array]
     end = correction.values.get("t_end", np.inf)
     inside = (data["t"] >= start) & (data["t"] <= end)
     return {name: numbers[inside] for name, numbers in data.items()} if inside.any() else None
+
+
+def _tared(data: Mapping[str, Array], correction: Correction) -> tuple[dict[str, Array], str]:
+    """Channels without what they show at rest: from the times stated, else at the head."""
+    named = correction.values.get("channels", [name for name in CHANNELS if name in data])
+    absent = [name for name in named if name not in data]
+    if "t" not in data or absent or not named:
+        what = f"channels {', '.join(absent)}, which this run does not have" if absent else "forces"
+        raise DataError(f"the correction 'tare' needs a history with {what}.")
+    t, forces = data["t"], np.stack([data[name] for name in named])
+    inside = _at_rest(data, correction)
+    zero = steady_mean(t[inside], forces[:, inside])
+    seconds = float(np.ptp(t[inside]))
+    told = ", ".join(
+        f"{name} {with_uncertainty(float(x), float(s))} {CHANNEL_UNITS[name]}"
+        for name, x, s in zip(named, zero.value, zero.std, strict=True)
+    )
+    shifted = {name: data[name] - x for name, x in zip(named, zero.value, strict=True)}
+    return {**data, **shifted}, f"correction: tared by {seconds:.3g} s of rest: {told} taken off"
+
+
+def _at_rest(data: Mapping[str, Array], correction: Correction) -> NDArray[np.bool_]:
+    """The samples from which the zero is taken."""
+    t = data["t"]
+    if {"t_start", "t_end"} & set(correction.values):
+        low, high = (
+            correction.values.get("t_start", -np.inf),
+            correction.values.get("t_end", np.inf),
+        )
+        inside: NDArray[np.bool_] = (t >= low) & (t <= high)
+        if np.count_nonzero(inside) < LEAST_SAMPLES:
+            raise DataError(
+                f"the correction 'tare' takes the rest from t = {low:g} to {high:g} s, where there "
+                f"are fewer than {LEAST_SAMPLES} samples: the record runs from {t[0]:g} to "
+                f"{t[-1]:g} s."
+            )
+        return inside
+    forces = [data[name] for name in CHANNELS if name in data]
+    found = head_rest(t, np.stack(forces)) if "X" in data else None
+    if found is None:
+        raise DataError(
+            "the correction 'tare' finds no rest at the head of the record: state t_start and "
+            "t_end, or leave this run out of the correction."
+        )
+    return np.arange(len(t)) < found.stop
 
 
 def _range(correction: Correction) -> str:

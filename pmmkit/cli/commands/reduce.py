@@ -274,6 +274,8 @@ def _words(
         f"Checks: {counts['warning']} warnings, {counts['info']} remarks; "
         f"{len(found.notes)} notes on what the runs do not tell (see the report)."
     )
+    loud = [item for item in found.findings if item.severity == "warning"]
+    lines += [" ".join(filter(None, (str(item), item.remedy))) for item in loud]
     lines += why
     if turns:
         lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
