@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.checks.expected import expected, round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -174,7 +175,7 @@ def _judge(
     unit = question.unit
     both = verdict.own + verdict.added
     ratio = (
-        f"{question.words} is {figure(verdict.slope)} ± {figure(verdict.error, 2)} {unit}"
+        f"{question.words} is {figure(verdict.slope)} ± {figure(WIDE * verdict.error, 2)} {unit}"
         f"{_in_prime(verdict, campaign)}. With the model's inertia inside it would be about "
         f"{question.inside} = {figure(both)} {unit}, without it about "
         f"{question.removed} = {figure(verdict.added)} {unit}"

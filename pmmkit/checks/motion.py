@@ -13,6 +13,7 @@ from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
 from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -260,7 +261,7 @@ def examine_length(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         check="length",
         severity="error",
         message=f"The stated amplitudes of r' and ṙ' with the frequencies of {len(found)} runs "
-        f"give a length of {length:.4f} ± {figure(max(std, 1e-4), 2)} m "
+        f"give a length of {length:.4f} ± {figure(WIDE * max(std, 1e-4), 2)} m "
         f"({float(found.min()):.4f} to {float(found.max()):.4f}), but the campaign file says "
         f"L = {own:.4f} m.{extra}",
         runs=tuple(ids),

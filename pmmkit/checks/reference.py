@@ -11,6 +11,7 @@ import numpy as np
 from pmmkit.checks.expected import expected
 from pmmkit.checks.finding import Check, CheckFinding, figure, share_of
 from pmmkit.checks.signs import RUDDER_LIMIT
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -48,8 +49,8 @@ def examine_reference(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
                 severity="error" if agrees else "warning",
                 message=f"Y in phase with ṙ and N in phase with v̇ are equal, as a mass matrix "
                 f"asks, only if the moments refer to a point at x = {figure(point)} ± "
-                f"{figure(std, 2)} m ({point / L:+.3f} ± {std / L:.3f} L); the campaign file says "
-                f"moment_reference_x = {stated:.4g} m ({stated / L:+.3f} L)."
+                f"{figure(WIDE * std, 2)} m ({point / L:+.3f} ± {WIDE * std / L:.3f} L); the "
+                f"campaign file says moment_reference_x = {stated:.4g} m ({stated / L:+.3f} L)."
                 + (
                     " The lever of the rudder speaks for a point forward as well." if agrees else ""
                 ),
@@ -64,9 +65,9 @@ def examine_reference(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         yield CheckFinding(
             check="moment reference",
             severity="error" if value + stated < -(STERN + 0.25) * L else "warning",
-            message=f"The lever N/Y of the rudder is {figure(value / L)} ± {figure(std / L, 2)} L "
-            f"about the point of the moments, {figure((value + stated) / L)} L about midship with "
-            f"moment_reference_x = {stated:.4g} m; a rudder cannot act further aft than the stern, "
+            message=f"The lever N/Y of the rudder is {figure(value / L)} ± "
+            f"{figure(WIDE * std / L, 2)} L about the point of the moments, "
+            f"{figure((value + stated) / L)} L about midship with moment_reference_x = {stated:.4g} m; a rudder cannot act further aft than the stern, "
             f"-0.5 L. The moments refer to a point at least {figure(forward)} m further "
             f"forward, or N and Y differ in scale by "
             f"{100 * (abs(value + stated) / (STERN * L) - 1):.0f} %.",

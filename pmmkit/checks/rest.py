@@ -13,6 +13,7 @@ from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 from pmmkit.signals import head_rest
 
 if TYPE_CHECKING:
@@ -83,7 +84,7 @@ def examine_rest(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
         if abs(zero) > max(SIGMAS * error, SHARE * size):
             unit = CHANNEL_UNITS[name]
             words.append(
-                f"{name} {figure(zero)} ± {figure(1.96 * error, 2)} {unit} "
+                f"{name} {figure(zero)} ± {figure(WIDE * error, 2)} {unit} "
                 f"({100 * abs(zero) / size:.2g} % of its usual force)"
             )
             numbers[name] = zero

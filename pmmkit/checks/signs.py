@@ -12,6 +12,7 @@ import numpy as np
 from pmmkit.checks.expected import expected, prime_unit
 from pmmkit.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -37,7 +38,7 @@ class Slope:
         return int(math.copysign(1, self.value)) if abs(self.value) > SIGMAS * self.std else 0
 
     def __str__(self) -> str:
-        return f"{figure(self.value)} ± {figure(self.std, 2)} per radian"
+        return f"{figure(self.value)} ± {figure(WIDE * self.std, 2)} per radian"
 
 
 def drift_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:

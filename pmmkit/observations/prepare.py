@@ -22,6 +22,7 @@ from pmmkit.effects.state import State
 from pmmkit.errors import DataError, Problem
 from pmmkit.numerics import Array, projector
 from pmmkit.observations.inertia import Rig, force_of_water
+from pmmkit.presentation import WIDE
 from pmmkit.signals import (
     Harmonics,
     Mean,
@@ -272,7 +273,7 @@ def _from_cycles(
         slip = abs(own - nominal) * (times[cut][-1] - times[cut][0])
         if abs(own - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
             notes = (
-                f"{run.id}: the record oscillates at {own:.5g} rad/s (± {deviation:.1g}), "
+                f"{run.id}: the record oscillates at {own:.5g} rad/s (± {WIDE * deviation:.1g}), "
                 f"the campaign says {nominal:.5g}; the record counts.",
             )
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))

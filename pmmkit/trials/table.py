@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.metrics import IN_LENGTHS, metric_of, unit_of
 from pmmkit.numerics import Array
-from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
+from pmmkit.presentation import ABSENT, WIDE, Described, Grid, Group, Section
 from pmmkit.simulation.imo import Verdict
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
@@ -65,7 +65,8 @@ class Wind:
     spread: float
 
     def __str__(self) -> str:
-        return f"{self.speed:.1f} m/s from {self.direction_deg:03.0f}° (± {self.spread:.1f} m/s)"
+        spread = f"(standard deviation {self.spread:.1f} m/s)"
+        return f"{self.speed:.1f} m/s from {self.direction_deg:03.0f}° {spread}"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -172,9 +173,9 @@ class Trial(Described):
 
     def _headline(self) -> str:
         rudder = "" if self.test == STOPPING.name else f", rudder {self.rudder_deg:+.1f}°"
-        std = f" ± {self.speed_std:.2f}" if math.isfinite(self.speed_std) else ""
+        half = f" ± {WIDE * self.speed_std:.2f}" if math.isfinite(self.speed_std) else ""
         return (
-            f"{self.run}: {self.test}{rudder}, approach {self.speed:.2f}{std} m/s on "
+            f"{self.run}: {self.test}{rudder}, approach {self.speed:.2f}{half} m/s on "
             f"{self.heading_deg:05.1f}°"
         )
 
@@ -182,7 +183,7 @@ class Trial(Described):
         told = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]
         if self.current is not None:
             told.append(
-                f"Current {self.current.speed:.3f} ± {self.current.speed_std:.3f} m/s to "
+                f"Current {self.current.speed:.3f} ± {WIDE * self.current.speed_std:.3f} m/s to "
                 f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
             )
         if self.wind is not None:

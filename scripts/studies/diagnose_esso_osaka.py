@@ -28,6 +28,7 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.smoother import smooth
 from pmmkit.models import Model
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE, plus_minus
 from scripts.studies.identify_esso_osaka import ROOT, SENSORS, SPREAD, records
 
 WINDAGE = (0.135, 0.520)
@@ -67,7 +68,7 @@ def told(found: Diagnosis) -> None:
         )
         for name, value in item.coefficients.items():
             print(
-                f"     {name:28} {value:10.5f} ± {item.std[name]:.5f}   usual "
+                f"     {name:28} {plus_minus(value, WIDE * item.std[name])}   usual "
                 f"{item.typical[name]:.5f}"
             )
         if item.rivals:

@@ -19,6 +19,7 @@ from pathlib import Path
 import pmmkit as pk
 from pmmkit.figures import save
 from pmmkit.loop.session import Session, begin
+from pmmkit.presentation import WIDE
 
 ROOT = Path(__file__).parents[2]
 MOST = 6
@@ -38,7 +39,7 @@ def followed(session: Session) -> tuple[Session, list[str]]:
             break
         for item in found.findings:
             values = ", ".join(
-                f"{name} {value:.3g} ± {1.96 * item.std[name]:.1g} (usual {item.typical[name]:.2g})"
+                f"{name} {value:.3g} ± {WIDE * item.std[name]:.1g} (usual {item.typical[name]:.2g})"
                 for name, value in item.coefficients.items()
             )
             said.append(f"  {item.effect}, {item.evidence}: {values}")

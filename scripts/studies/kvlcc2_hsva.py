@@ -23,6 +23,7 @@ import pmmkit as pk
 from pmmkit.campaigns.run import Run
 from pmmkit.models import Model
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE
 from pmmkit.reduction.parts import Parts, hull_alone, parts_of
 from pmmkit.simulation import Track
 
@@ -238,7 +239,7 @@ def main() -> None:
     model, parts = captive_model(options.data)
     for part in (parts.propeller, parts.rudder):
         for name, value in part.values.items():
-            spread = f" ± {parts.std[name]:.3f}" if name in parts.std else ""
+            spread = f" ± {WIDE * parts.std[name]:.3f}" if name in parts.std else ""
             print(f"{part.effect:12} {name:15} {value:9.4f}{spread}  {part.source_of(name)}")
     there = as_at_hsva(model, options.data)
     straight = pk.simulate(there, "turning", rudder_deg=35, speed=1.179)

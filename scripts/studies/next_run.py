@@ -140,7 +140,8 @@ def tell_loops(loops: list[Loop]) -> None:
             f"{observed.mean():.1f}, {np.median(observed):.1f}; correlation "
             f"{np.corrcoef(expected, observed)[0, 1]:.2f}, of the logarithms "
             f"{np.corrcoef(np.log(expected), np.log(np.maximum(observed, 0.1)))[0, 1]:.2f}; "
-            f"difference over its expected deviation {away.mean():.1f} ± {away.std():.1f}"
+            f"difference over its expected deviation {away.mean():.1f}, standard "
+            f"deviation {away.std():.1f}"
         )
 
 

@@ -16,6 +16,7 @@ from pmmkit.campaigns.test_kinds.kind import YAW, TestKind
 from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kind_with
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 from pmmkit.signals import design_matrix, estimate_frequency
 
 _SETTLING: Final = 0.15
@@ -162,7 +163,7 @@ def _oscillating(
     period = 2 * math.pi / omega
     source = ", ".join(swings) or "forces"
     if std > 1e-4 * omega:
-        source += f", ± {period * min(std / omega, 0.05):.2g} s"
+        source += f", ± {period * min(WIDE * std / omega, 0.1):.2g} s"
     settings = {"period": (_rounded(period, 6 if swings else 4), f"recorded {source}")}
     first = {name: _harmonic(time, seen[name], omega) for name in swings}
     turning = any(name in first for name in ("r", "psi"))
