@@ -67,10 +67,10 @@ def examine_reference(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
             severity="error" if value + stated < -(STERN + 0.25) * L else "warning",
             message=f"The lever N/Y of the rudder is {figure(value / L)} ± "
             f"{figure(WIDE * std / L, 2)} L about the point of the moments, "
-            f"{figure((value + stated) / L)} L about midship with moment_reference_x = {stated:.4g} m; a rudder cannot act further aft than the stern, "
-            f"-0.5 L. The moments refer to a point at least {figure(forward)} m further "
-            f"forward, or N and Y differ in scale by "
-            f"{100 * (abs(value + stated) / (STERN * L) - 1):.0f} %.",
+            f"{figure((value + stated) / L)} L about midship with moment_reference_x "
+            f"= {stated:.4g} m; a rudder cannot act further aft than the stern, -0.5 L. "
+            f"The moments refer to a point at least {figure(forward)} m further forward, or N and "
+            f"Y differ in scale by {100 * (abs(value + stated) / (STERN * L) - 1):.0f} %.",
             runs=runs,
             remedy="Find the point to which the moments refer, and check the gauges of Y and N.",
             numbers={"lever": value, "std": std, "lever_over_L": value / L, "forward": forward},

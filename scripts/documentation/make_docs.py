@@ -22,7 +22,8 @@ from pmmkit.figures.derivatives import derivatives_over_froude
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
-from scripts.documentation import estimates, kinds_of_test, manoeuvres, rooms
+from scripts.documentation import figures, kinds_of_test, manoeuvres, rooms
+from scripts.documentation.fences import page
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -190,9 +191,8 @@ def pages() -> dict[str, str]:
         "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
         "architecture.md": rooms.page(),
-        "estimates.md": estimates.page(),
         "formats.md": kinds_of_test.page(),
-        **{name: manoeuvres.page(name) for name in manoeuvres.TABLES},
+        **{name: page(name, made) for name, made in (manoeuvres.TABLES | figures.TABLES).items()},
     }
 
 

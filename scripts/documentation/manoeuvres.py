@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-
 from pmmkit.metrics import METRICS, Criterion, Metric, criteria
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvres
 from pmmkit.simulation.manoeuvres.manoeuvre import Setting
-
-DOCS = Path(__file__).parents[2] / "docs"
+from scripts.documentation.fences import table
 
 
 def manoeuvre_table() -> str:
@@ -89,24 +84,7 @@ def limit(metric: Metric, criterion: Criterion) -> str:
     return f"{low:g}°; ({level:g} + {slope:g} L/V)° from L/V = 10 s; {high:g}° from 30 s"
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table of a page."""
-    rule = "|" + "---|" * len(head)
-    lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]
-    return "\n".join([lines[0], rule, *lines[1:]])
-
-
 TABLES = {
     "simulate.md": {"manoeuvres": manoeuvre_table, "metrics": metric_table},
     "imo.md": {"criteria": criterion_table},
 }
-
-
-def page(name: str) -> str:
-    """A page of docs/ with its tables as the registries have them."""
-    text = (DOCS / name).read_text(encoding="utf-8")
-    for mark, made in TABLES[name].items():
-        fence = re.compile(rf"(<!-- {mark}:.*? -->\n).*?(<!-- end of {mark} -->)", re.S)
-        text, count = fence.subn(lambda found, made=made: f"{found[1]}{made()}\n{found[2]}", text)
-        assert count == 1, f"docs/{name} has no place for the table of {mark}"
-    return text

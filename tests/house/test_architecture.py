@@ -8,6 +8,8 @@ from importlib import import_module
 from pathlib import Path
 
 import pmmkit
+from pmmkit import testing
+from pmmkit.effects.effect import KINDS
 from scripts.documentation import rooms
 
 ROOT = Path(__file__).parents[2]
@@ -64,3 +66,16 @@ def declared_groups() -> set[str]:
         for path in (ROOT / "pmmkit").rglob("*.py")
         for group in re.findall(r'^GROUP: Final = "(.*)"$', path.read_text(encoding="utf-8"), re.M)
     }
+
+
+def test_every_contract_stands_in_the_plan():
+    """Each module of `pmmkit.testing` holds one, and the plan and the recipes name it."""
+    recipes = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    for module in pkgutil.iter_modules(testing.__path__):
+        assert re.search(rf"`pmmkit\.testing\.{module.name}\.check_\w+`", PLAN), module.name
+        assert f"from pmmkit.testing.{module.name} import check_" in recipes, module.name
+
+
+def test_the_kinds_of_effect_are_those_of_the_catalogue():
+    (listed,) = re.findall(r"Its kinds:\n\n((?:- .*\n(?:  .*\n)*)+)", PLAN)
+    assert tuple(re.findall(r"^- `(\w+)`", listed, re.M)) == KINDS

@@ -37,12 +37,17 @@ def creep_over_the_day(run: Observed, value: float) -> Columns:
     return _of_both_gauges(run.project(np.full_like(run.t, run.day)))
 
 
+Y_IN_X: Final = 0.0
+X_IN_Y: Final = 1.0
+"""Places of the forms of `cross_talk` in its grid, as findings and saved steps hold them."""
+
+
 def cross_talk(run: Observed, into: float) -> Columns:
-    """Share of one channel in another: Y in X (0), X in Y (1)."""
+    """Share of one channel in another."""
     shown = run.expected
     if "X" not in shown or "Y" not in shown:
         return {}
-    return one({"X": shown["Y"]} if into == 0.0 else {"Y": shown["X"]})
+    return one({"X": shown["Y"]} if into == Y_IN_X else {"Y": shown["X"]})
 
 
 def gain(run: Observed, value: float) -> Columns:
@@ -108,7 +113,10 @@ EFFECTS: Final = (
         (
             size("share", "-", 0.010, "of the other channel"),
             Parameter(
-                name="into", text="Y in X (0), X in Y (1)", grid=(0.0, 1.0), continuous=False
+                name="into",
+                text=f"Y in X ({Y_IN_X:g}), X in Y ({X_IN_Y:g})",
+                grid=(Y_IN_X, X_IN_Y),
+                continuous=False,
             ),
         ),
         check="pull with weights along each axis",

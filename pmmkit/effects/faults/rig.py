@@ -21,12 +21,14 @@ def amplitude(run: Observed, value: float) -> Columns:
     return one(run.changed(m.with_(v=m.v * (1 + STEP), vdot=m.vdot * (1 + STEP)), STEP))
 
 
-def phase(run: Observed, combined: float) -> Columns:
-    """Rams a degree out of step: sway follows the acceleration across the tank, ψ̇ U with v̇.
+YAW_ALONE: Final = 0.0
+WITH_SWAY: Final = 1.0
+"""Places of the forms of `phase` in its grid, as findings and saved steps hold them."""
 
-    In tests that yaw alone, or (1) in those that sway and yaw at once as well.
-    """
-    if not run.yaws or run.omega == 0.0 or (run.sways and not combined):
+
+def phase(run: Observed, combined: float) -> Columns:
+    """Rams a degree out of step: sway follows the acceleration across the tank, ψ̇ U with v̇."""
+    if not run.yaws or run.omega == 0.0 or (run.sways and combined == YAW_ALONE):
         return {}
     m = run.motion
     swing = m.v - np.mean(m.v)
@@ -121,8 +123,8 @@ EFFECTS: Final = (
             size("phase", "deg", 1.0, "between the rams"),
             Parameter(
                 name="combined",
-                text="in yaw alone (0), with sway too (1)",
-                grid=(0.0, 1.0),
+                text=f"in yaw alone ({YAW_ALONE:g}), with sway too ({WITH_SWAY:g})",
+                grid=(YAW_ALONE, WITH_SWAY),
                 continuous=False,
             ),
         ),
