@@ -8,10 +8,12 @@ import pytest
 from hidden_effects import hidden_campaign
 from test_identify_command import write_free_campaign
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.models import load_model, save_model
 from pmmkit.models.edit import without_effect
+from pmmkit.simulation import simulate
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +169,13 @@ def test_add_writes_a_model_and_the_error_falls(folder, capsys):
     assert made.history[-1].startswith("Added fault_misalignment")
     assert {"error_fall.csv", "error_fall.svg"} == {f.name for f in (folder / "added").iterdir()}
     assert content["turning"]["after"].keys() == content["turning"]["before"].keys()
+    given = load_model(folder / "model.toml")
+    speeds = sorted({run.settings.speed for run in open_campaign(folder / "hidden.h5")})
+    scale = given.ship.L / open_campaign(folder / "hidden.h5").ship.L
+    speed = speeds[len(speeds) // 2] * scale**0.5
+    turned = simulate(given, "turning", rudder_deg=35, speed=speed, compiled=False).metrics
+    told = content["turning"]["before"]["tactical_diameter_L"]
+    assert told == pytest.approx(turned["tactical_diameter_L"], rel=1e-3)
 
     status, out, _ = run(
         capsys,

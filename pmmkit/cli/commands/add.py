@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -79,7 +78,7 @@ def add(
     after = session.model()
     fall = session.fall()
     save_model(after, written)
-    turns = _turns(replace(session, steps=()).model(), after, opened)
+    turns = _turns(before, after, opened)
     content = {
         "model": str(written),
         "added": effects or [],
