@@ -142,10 +142,11 @@ def main() -> None:
     told(found)
     amidships = with_amidships(captive, options.data)
     own = amidships.parts["hull_polynomial"].values
+    prime = captive.ship.d / captive.ship.L
     row = predict(amidships, reference(captive, test), window=WINDOW).pooled()
     print(
-        f"\ncaptive tests with their own run at rudder amidships, Y0 {own['Y0']:.5f}, "
-        f"N0 {own['N0']:.5f}, nothing fitted to the zigzags:"
+        f"\ncaptive tests with their own run at rudder amidships, over ½ρL²U² Y0 "
+        f"{prime * own['Y0']:.2g}, N0 {prime * own['N0']:.2g}, nothing fitted to the zigzags:"
     )
     print("  held out " + "  ".join(f"{k} {v:.3g}" for k, v in row.items()))
     print(f"\n{'overshoots of the held-out zigzags, rms [deg]':46} nominal heading     as executed")
