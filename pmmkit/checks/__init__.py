@@ -23,12 +23,21 @@ from pmmkit.checks import (
     signs,
     static,
 )
-from pmmkit.checks.finding import SEVERITIES, Check, CheckFinding, refuse
+from pmmkit.checks.finding import Check, CheckFinding, loudest_first, refuse
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
 from pmmkit.errors import CampaignError, DataError, Problem
 
-__all__ = ["CHECKS", "Check", "CheckFinding", "Summary", "examine", "refuse", "summarise"]
+__all__ = [
+    "CHECKS",
+    "Check",
+    "CheckFinding",
+    "Summary",
+    "examine",
+    "loudest_first",
+    "refuse",
+    "summarise",
+]
 
 CHECKS: Final[tuple[Check, ...]] = (
     *inertia.CHECKS,
@@ -85,7 +94,7 @@ def examine(
     if summaries is None:
         summaries = _read_all(campaign)
     found = [finding for check in CHECKS for finding in check.examine(campaign, summaries)]
-    return tuple(sorted(found, key=lambda finding: SEVERITIES.index(finding.severity)))
+    return loudest_first(found)
 
 
 def _read_all(campaign: Campaign) -> list[Summary]:

@@ -119,6 +119,19 @@ def refuse(findings: Iterable[CheckFinding]) -> None:
         )
 
 
+def loudest_first(findings: Iterable[CheckFinding]) -> tuple[CheckFinding, ...]:
+    """Errors first, then warnings, then what is worth knowing.
+
+    Examples
+    --------
+    >>> quiet = CheckFinding(check="sides", severity="info", message="a little")
+    >>> loud = CheckFinding(check="units", severity="error", message="wrong")
+    >>> [item.severity for item in loudest_first([quiet, loud])]
+    ['error', 'info']
+    """
+    return tuple(sorted(findings, key=lambda item: SEVERITIES.index(item.severity)))
+
+
 def name_runs(ids: Sequence[str], most: int = 4) -> str:
     """Ids in a short list.
 

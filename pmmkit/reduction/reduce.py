@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.checks import CheckFinding, examine, refuse
+from pmmkit.checks import CheckFinding, examine, loudest_first, refuse
 from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError, ContradictionError, Problem
 from pmmkit.observations.blockage import speed_increase
@@ -273,10 +273,12 @@ def reduce_campaign(
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
-        findings=(
-            *surge_zero(solution),
-            *findings,
-            *at_odds(odd, weighed=odd_runs == "weigh"),
+        findings=loudest_first(
+            (
+                *surge_zero(solution),
+                *findings,
+                *at_odds(odd, weighed=odd_runs == "weigh"),
+            )
         ),
         offsets=offsets(solution),
         notes=remarks,
