@@ -274,11 +274,7 @@ def reduce_campaign(
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
         findings=loudest_first(
-            (
-                *surge_zero(solution),
-                *findings,
-                *at_odds(odd, weighed=odd_runs == "weigh"),
-            )
+            (*surge_zero(solution), *findings, *at_odds(odd, weighed=odd_runs == "weigh"))
         ),
         offsets=offsets(solution),
         notes=remarks,
