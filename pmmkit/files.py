@@ -9,10 +9,14 @@ import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pmmkit.errors import FileExists
+from pmmkit.escaping import safe_cell
 from pmmkit.json_text import readable
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @contextmanager
@@ -122,10 +126,17 @@ def _write_result(path: Path, content: Any) -> None:
     if callable(content):
         content(path)
     elif hasattr(content, "to_csv"):
-        content.to_csv(path, index=False)
+        _harmless(content).to_csv(path, index=False)
     else:
         text = content if isinstance(content, str) else readable(content) + "\n"
         path.write_bytes(text.encode("utf-8"))
+
+
+def _harmless(table: DataFrame) -> DataFrame:
+    """A table whose texts no spreadsheet takes for formulas."""
+    texts = table.select_dtypes(exclude="number")
+    changed = texts.map(lambda item: safe_cell(item) if isinstance(item, str) else item)
+    return table.assign(**changed).rename(columns=lambda name: safe_cell(str(name)))
 
 
 def check_folder(path: Path) -> None:

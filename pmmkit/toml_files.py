@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.errors import ModelError, Problem
+from pmmkit.escaping import toml_string
 
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
-_ESCAPES: Final = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 WIDTH: Final = 96
 
 
@@ -78,23 +78,14 @@ def _is_table(value: object) -> bool:
 
 
 def _key(name: str) -> str:
-    return name if _BARE.fullmatch(name) else _string(name)
-
-
-def _string(text: str) -> str:
-    body = "".join(
-        _ESCAPES.get(char)
-        or (f"\\u{ord(char):04x}" if ord(char) < 32 or ord(char) == 127 else char)
-        for char in text
-    )
-    return f'"{body}"'
+    return name if _BARE.fullmatch(name) else toml_string(name)
 
 
 def _value(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return _string(value)
+        return toml_string(value)
     if isinstance(value, int):
         return str(value)
     if isinstance(value, float):

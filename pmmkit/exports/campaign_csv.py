@@ -16,8 +16,8 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.column_mapping import required_channels
 from pmmkit.channels import CHANNEL_UNITS, FORCE_CHANNELS
 from pmmkit.errors import CampaignError, DataError, FileExists, Problem
+from pmmkit.escaping import plain, safe_cell
 from pmmkit.exports.campaign_toml import campaign_text
-from pmmkit.exports.text import plain
 from pmmkit.files import atomic_folder
 from pmmkit.readers.base import ABSURD
 from pmmkit.readers.saved.group import safe_names
@@ -194,7 +194,7 @@ def _table(path: Path, columns: list[str], rows: list[tuple[Run, list[float]]]) 
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([_ROW, "run", *columns])
     for place, (run, values) in enumerate(rows, start=1):
-        writer.writerow([place, plain(run.id), *map(repr, values)])
+        writer.writerow([place, safe_cell(plain(run.id)), *map(repr, values)])
     path.write_text(text.getvalue(), encoding="utf-8", newline="\n")
 
 

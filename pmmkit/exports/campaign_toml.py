@@ -10,7 +10,8 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.corrections import OF_SAMPLES
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.exports.text import comment, written_by
+from pmmkit.escaping import comment
+from pmmkit.exports.text import written_by
 from pmmkit.toml_files import toml_text
 
 _DEGREES: Final = {

@@ -10,7 +10,8 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import HULL
 from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, TableError
-from pmmkit.exports.text import comment, plain, written_by
+from pmmkit.escaping import PYTHON_FIRST, comment, plain
+from pmmkit.exports.text import written_by
 from pmmkit.models import Model
 from pmmkit.simulation.linear import stability
 from pmmkit.simulation.simulate import steering
@@ -91,6 +92,8 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     mmg = _as_mmg(model, {**hull, **_derivatives(model, INERTIA, Fn)})
     limits = steering(model)
     lines = [
+        PYTHON_FIRST,
+        *written_by("#"),
         *comment(
             f"{model.title or model.name}: parameters for shipmmg "
             f"(https://github.com/ShipMMG/shipmmg), 3 degrees of freedom.",
@@ -103,7 +106,6 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
             for line in comment(f"Source of {effect}: {model.parts[effect].source}", "#")
         ),
         *comment(_DIFFERENT, "#"),
-        *written_by("#"),
         "",
         *(["from shipmmg.kt import KTParams"] if speed is not None else []),
         "from shipmmg.mmg_3dof import Mmg3DofBasicParams, Mmg3DofManeuveringParams",

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pmmkit.escaping import safe_cell
 from pmmkit.inspection.folder import CampaignLook, Group, Look
 from pmmkit.inspection.seen import ColumnLook, FileLook
 
@@ -105,16 +106,15 @@ def columns_csv(found: Look) -> str:
                 f"{value:.9g}" if np.isfinite(value) else ""
                 for value in (column.low, column.high, column.mean, column.first)
             ]
-            writer.writerow(
-                [
-                    group.first.shown,
-                    column.position + 1,
-                    column.title,
-                    column.unit or "",
-                    *numbers,
-                    "yes" if column.constant else "no",
-                    *guess,
-                    column.remark,
-                ]
-            )
+            row = [
+                group.first.shown,
+                str(column.position + 1),
+                column.title,
+                column.unit or "",
+                *numbers,
+                "yes" if column.constant else "no",
+                *guess,
+                column.remark,
+            ]
+            writer.writerow(map(safe_cell, row))
     return table.getvalue()

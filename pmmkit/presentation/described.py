@@ -6,7 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.presentation.layout import Section, printable, section_html, text_of
+from pmmkit.escaping import printable
+from pmmkit.presentation.layout import Section, section_html, text_of
 
 LONGEST: Final = 110
 """Characters of a `repr`."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
 
+from pmmkit.escaping import html_text, printable
 from pmmkit.presentation.numbers import ABSENT
 
 Cell = str | None
@@ -90,17 +90,6 @@ class Section:
     findings: Sequence[Mapping[str, str]] = ()
     tables: Sequence[Grid] = ()
     figures: Sequence[Picture] = ()
-
-
-def printable(text: str) -> str:
-    """A text without line breaks and control characters: names may come from files.
-
-    Examples
-    --------
-    >>> printable("two\\nlines")
-    'two lines'
-    """
-    return text if text.isprintable() else "".join(x if x.isprintable() else " " for x in text)
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -233,4 +222,4 @@ def _title_html(group: Group) -> str:
 
 
 def _safe(text: Cell) -> str:
-    return escape(printable(ABSENT if text is None else text))
+    return html_text(ABSENT if text is None else text)

@@ -12,6 +12,7 @@ from pmmkit.campaigns.motion.nominal import require_settings
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.escaping import toml_string
 from pmmkit.ship import Ship
 from pmmkit.test_planning.options import Limits, Option, timed
 
@@ -208,7 +209,8 @@ def entries_text(options: Iterable[Option]) -> str:
             first, name = entry["id"], f"{entry['id']}_{times}"
             entry |= {"id": name, "file": f"runs/{name}.csv", "repeat_of": first}
         lines = [
-            f'{key} = "{x}"' if isinstance(x, str) else f"{key} = {x}" for key, x in entry.items()
+            f"{key} = {toml_string(x)}" if isinstance(x, str) else f"{key} = {x}"
+            for key, x in entry.items()
         ]
         blocks.append("\n".join(["[[runs]]", *lines]) + "\n")
     return "\n".join(blocks)

@@ -20,8 +20,9 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit.equations import prepare
 from pmmkit.errors import ModelError, PmmkitError
+from pmmkit.escaping import plain
 from pmmkit.exports import model_to_mss, model_to_shipmmg
-from pmmkit.exports.text import is_matlab_name, matlab_name, plain
+from pmmkit.exports.text import is_matlab_name, matlab_name
 from pmmkit.models import Part, Step
 
 SPEEDS = {

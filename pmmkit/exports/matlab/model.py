@@ -13,10 +13,11 @@ from pmmkit.equations import Prepared, prepare
 from pmmkit.equations.prepared import values_at
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
 from pmmkit.errors import ModelError, Problem
+from pmmkit.escaping import WIDTH, comment
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.transcribe import Line, Unwritable, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
-from pmmkit.exports.text import WIDTH, comment, is_matlab_name, matlab_name, number, row
+from pmmkit.exports.text import is_matlab_name, matlab_name, number, row
 from pmmkit.models import Model
 from pmmkit.simulation.simulate import steering
 
@@ -367,11 +368,12 @@ def _written(section: _Section) -> list[str]:
     lines = ["", *comment(section.title)]
     for line in section.lines:
         code = f"{line.target} = {line.text};"
-        note = f"{code:<38} {comment(line.note)[0]}" if line.note else code
-        if len(note) <= WIDTH + 20:
-            lines.append(note)
+        notes = comment(line.note) if line.note else []
+        beside = f"{code:<38} {' '.join(notes)}".rstrip()
+        if len(notes) < 2 and len(beside) <= WIDTH + 20:
+            lines.append(beside)
         else:
-            lines += [*(comment(line.note) if line.note else ()), *_wrapped(code)]
+            lines += [*notes, *_wrapped(code)]
     return lines
 
 

@@ -6,8 +6,9 @@ from dataclasses import asdict, fields
 from typing import Final
 
 from pmmkit.errors import TableError
+from pmmkit.escaping import comment, matlab_string
 from pmmkit.exports.matlab.hull import variable
-from pmmkit.exports.text import comment, is_matlab_name, matlab_string, number, row, written_by
+from pmmkit.exports.text import is_matlab_name, number, row, written_by
 from pmmkit.tables.table import DerivativeTable
 
 _PARTICULARS: Final = {

@@ -6,7 +6,8 @@ import hashlib
 from collections.abc import Sequence
 from typing import Final
 
-from pmmkit.exports.text import comment, written_by
+from pmmkit.escaping import comment
+from pmmkit.exports.text import written_by
 from pmmkit.models import Model, model_text
 
 _STATES: Final = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -12,6 +11,7 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.column_mapping import required_channels
 from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import split_unit
+from pmmkit.escaping import toml_comment, toml_string
 from pmmkit.inspection import ColumnLook, FileLook
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
@@ -281,8 +281,8 @@ def _columns(look: FileLook, kind: str, todo: _Todo, *, table: bool) -> list[str
         if name not in known and not any(other.startswith(f"{name}_") for other in known):
             lines.append(f"# {name} = ...   # TODO which column is {_MEANS[name]}? (false if none)")
             todo.add(f"[columns] {name}: which column of {look.shown} is {_MEANS[name]}?")
-    lines += [f"# not used: {_comment(text)}" for text in unused]
-    return lines + [f"# note: {_comment(note)}" for note in look.notes]
+    lines += [f"# not used: {toml_comment(text)}" for text in unused]
+    return lines + [f"# note: {toml_comment(note)}" for note in look.notes]
 
 
 def _theirs(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
@@ -316,7 +316,7 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     if entry.motion is not None:
         lines.append(_aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
-    lines += [f"# TODO {_comment(problem)}" for problem in entry.problems[:3]]
+    lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if entry.look is not base:
@@ -411,18 +411,13 @@ def _saved_run(file: str, run: Run) -> list[str]:
 
 
 def _unused(draft: Draft) -> list[str]:
-    lines = [f"# {_comment(text)}" for text in draft.unused]
-    lines += [f"# {_comment(str(problem))}" for problem in draft.look.problems]
+    lines = [f"# {toml_comment(text)}" for text in draft.unused]
+    lines += [f"# {toml_comment(str(problem))}" for problem in draft.look.problems]
     return ["", "# Files that are not used:", *lines] if lines else []
 
 
 def _aligned(left: str, note: str) -> str:
-    return f"{left:<32} # {_comment(note)}" if note else left
-
-
-def _comment(text: str) -> str:
-    """Text that may stand in a comment of TOML: one line, no control characters."""
-    return "".join(char if char.isprintable() else " " for char in text)
+    return f"{left:<32} # {toml_comment(note)}" if note else left
 
 
 def toml(value: Any) -> str:
@@ -438,7 +433,7 @@ def toml(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return toml_string(value)
     if isinstance(value, Sequence):
         return "[" + ", ".join(map(toml, value)) + "]"
     return repr(float(value)) if isinstance(value, float) else repr(int(value))

@@ -13,6 +13,7 @@ import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.errors import Problem, TableError
+from pmmkit.escaping import safe_cell, text_of_cell
 from pmmkit.files import write_text
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
@@ -50,9 +51,9 @@ def write_csv(table: DerivativeTable, path: str | Path) -> None:
             writer.writerow(
                 [
                     cell_text(speed),
-                    name,
+                    safe_cell(name),
                     *map(cell_text, numbers[:, row, column]),
-                    str(table.method[row, column]),
+                    safe_cell(str(table.method[row, column])),
                     int(table.runs[row, column]),
                 ]
             )
@@ -167,7 +168,7 @@ def _lines(source: Path) -> list[tuple[int, list[str]]]:
         ) from error
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
-        return [(reader.line_num, cells) for cells in reader if cells]
+        return [(reader.line_num, [*map(text_of_cell, cells)]) for cells in reader if cells]
     except csv.Error as error:
         raise TableError(
             Problem(message=f"is not CSV ({error}).", file=file, row=reader.line_num),
