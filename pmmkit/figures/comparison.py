@@ -9,6 +9,7 @@ import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import force_unit
+from pmmkit.escaping import figure_text
 from pmmkit.figures.comparison_free import force_residuals
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import places_of
@@ -109,7 +110,9 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
                     ls="--",
                     label="predicted",
                 )
-            axes[0, column].set_title(f"{run.view.run.kind_of_test.title}\n{run.view.run.id}")
+            axes[0, column].set_title(
+                f"{run.view.run.kind_of_test.title}\n{figure_text(run.view.run.id)}"
+            )
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
@@ -279,7 +282,7 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
                 label="predicted less measured",
             )
             right.axhline(0.0, color="#999999", lw=0.8)
-        axes[0, 0].set_title(run)
+        axes[0, 0].set_title(figure_text(run))
         axes[0, 1].set_title("what is left")
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")

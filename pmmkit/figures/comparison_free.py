@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
 from pmmkit.validation.free_running import FORCE_UNITS, FreeRun
 from pmmkit.validation.uncertainty import COVERAGE
@@ -45,7 +46,7 @@ def force_residuals(run: FreeRun) -> Figure:
             right.plot(
                 t, predicted - force, color=style.LIMIT, lw=1.0, label="predicted less measured"
             )
-        axes[0, 0].set_title(f"{run.run.kind_of_test.title} {run.name}")
+        axes[0, 0].set_title(f"{run.run.kind_of_test.title} {figure_text(run.name)}")
         axes[0, 1].set_title("what is left")
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")

@@ -9,6 +9,7 @@ import numpy as np
 
 from pmmkit.conventions import CHANNELS, canonical
 from pmmkit.errors import TableError
+from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.tables import DerivativeTable, compare
@@ -132,7 +133,7 @@ def beside_reference(
             axis.set_ylim(len(group) - 0.4, -0.6)
             axis.set_xlim(limits)
             axis.grid(visible=False, axis="y")
-        axes[-1].set_xlabel(f"value over that of {reference_name} [-]")
+        axes[-1].set_xlabel(f"value over that of {figure_text(reference_name)} [-]")
         style.legend_below(figure, list(axes))
     return figure
 

@@ -11,6 +11,7 @@ import numpy as np
 from pmmkit.conventions import Convention
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.errors import UnknownNameError
+from pmmkit.escaping import figure_text
 from pmmkit.identification.consistency import autocorrelation
 from pmmkit.plotting import style
 from pmmkit.plotting.identification import parameter_symbol
@@ -162,7 +163,9 @@ def innovation_figure(
             _normalised(left, t, values, gated)
             left.set_title(_AXES.get(channel, channel))
             _correlogram(right, values)
-        axes[0, 0].set_title(f"{chosen}, {found.method}: {_AXES.get(item.names[0], item.names[0])}")
+        axes[0, 0].set_title(
+            f"{figure_text(chosen)}, {found.method}: {_AXES.get(item.names[0], item.names[0])}"
+        )
         axes[0, 1].set_title("autocorrelation [-]")
         figure.supylabel("innovation / its standard deviation [-]", fontsize=10)
         axes[-1, 0].set_xlabel("time [s]")
@@ -249,7 +252,7 @@ def window_figure(found: PredictedWindow) -> Figure:
         left.set_ylabel("to north, x / L [-]")
         right.set_xlabel("time in the window [s]")
         right.set_ylabel("heading ψ and rudder δ, to starboard [deg]")
-        left.set_title(f"{found.name}, from t = {found.t[0]:.0f} s")
+        left.set_title(f"{figure_text(found.name)}, from t = {found.t[0]:.0f} s")
         style.legend_below(figure, [left, right], columns=6)
     return figure
 

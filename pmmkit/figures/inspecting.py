@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look
 from pmmkit.inspection.sampling import sample_of
 from pmmkit.inspection.values import values_of
@@ -56,7 +57,7 @@ def columns_over_time(
         for place, (label, values) in enumerate(drawn):
             axis = axes.flat[place]
             axis.plot(*envelope(time, values), color=colour(0), linewidth=1.0)
-            axis.set_title(label)
+            axis.set_title(figure_text(label))
             low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=-np.inf)
             if low == high:
                 axis.set_ylim(low - max(abs(low), 1.0) * 0.1, low + max(abs(low), 1.0) * 0.1)
@@ -65,8 +66,8 @@ def columns_over_time(
             axis.set_visible(False)
         for place in range(max(0, len(drawn) - across), len(drawn)):
             axes.flat[place].tick_params(labelbottom=True)
-            axes.flat[place].set_xlabel(time_label)
-        figure.suptitle(_cut(title, 100), x=0.01, ha="left", fontsize=11, color=INK)
+            axes.flat[place].set_xlabel(figure_text(time_label))
+        figure.suptitle(figure_text(_cut(title, 100)), x=0.01, ha="left", fontsize=11, color=INK)
     return figure
 
 

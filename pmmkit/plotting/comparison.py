@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
+from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
@@ -195,7 +196,7 @@ def sailed(
         track.set_aspect("equal", adjustable="datalim")
         track.set_xlabel("y, east [m]")
         track.set_ylabel("x, north [m]")
-        track.set_title(title)
+        track.set_title(figure_text(title))
         axes = right.subplots(4, 1, sharex=True)
         for axis, (what, own, simulated) in zip(axes[:3], histories, strict=True):
             axis.plot(t, own, color=MEASURED)

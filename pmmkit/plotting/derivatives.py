@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.conventions import Convention
+from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 
@@ -71,7 +72,7 @@ def over_froude(
                     color=style.REFERENCE,
                     ls="--",
                     lw=1.2,
-                    label=beside[0],
+                    label=figure_text(beside[0]),
                 )
             axis.errorbar(
                 Fn,

@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
 
 if TYPE_CHECKING:
@@ -177,4 +178,4 @@ def _in_newtons(errors: Sequence[float], channel: str) -> str:
 
 
 def _words(names: tuple[str, ...]) -> str:
-    return ",\n".join(name.replace("_", " ") for name in names)
+    return ",\n".join(figure_text(name).replace("_", " ") for name in names)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
 from pmmkit.metrics import HARD_OVER, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
@@ -43,7 +44,7 @@ def zigzag(tracks: Sequence[History], names: Sequence[str] | None = None) -> Fig
     """
     if not tracks:
         raise DataError("There is no track to draw.")
-    labels = list(names or [track.name for track in tracks])
+    labels = [figure_text(name) for name in names or [track.name for track in tracks]]
     with style.styled():
         figure = style.canvas(5.6)
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.escaping import figure_text
 from pmmkit.metrics import IN_LENGTHS, limits_in_lengths, metric_of
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
@@ -93,7 +94,7 @@ def measures_over_froude(sweeps: Mapping[str, xr.Dataset]) -> Figure:
                     sweep["Fn"].values,
                     sweep[measure].values,
                     ms=4,
-                    label=name,
+                    label=figure_text(name),
                     color=style.ORDERED[0] if number == 0 else style.REFERENCE,
                     marker=style.marker(number),
                     ls="-" if number == 0 else "--",

@@ -60,12 +60,20 @@ _STYLE: Final[Any] = {
 }
 
 
+_OF_THE_SESSION: Final = frozenset(
+    {"backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch"}
+)
+"""Settings of matplotlib that say where figures are shown, not how they look."""
+
+
 @contextmanager
 def styled() -> Iterator[None]:
-    """The style while a figure is drawn; nothing of it stays behind."""
+    """The style while a figure is drawn, whatever the user's matplotlibrc says; nothing stays."""
     import matplotlib as mpl
 
-    with mpl.rc_context(_STYLE):
+    here, plain = mpl.rcParams, mpl.rcParamsDefault
+    own = {name: plain[name] for name in plain if name not in _OF_THE_SESSION}
+    with mpl.rc_context({name: x for name, x in own.items() if here[name] != x} | _STYLE):
         yield
 
 

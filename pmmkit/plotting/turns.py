@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
 from pmmkit.plotting.marks import dimension, guide
@@ -112,7 +113,9 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
 def _labels(tracks: Sequence[History], names: Sequence[str] | None) -> list[str]:
     if not tracks:
         raise DataError("There is no track to draw.")
-    return list(names or (f"Fn {item.Fn:.3f}, rudder {item.rudder_deg:+.3g}°" for item in tracks))
+    if names:
+        return [figure_text(name) for name in names]
+    return [f"Fn {item.Fn:.3f}, rudder {item.rudder_deg:+.3g}°" for item in tracks]
 
 
 def _path(axis: Axes, track: History, number: int, name: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
+from pmmkit.escaping import figure_text
 from pmmkit.figures import (
     Cycle,
     DriftPoints,
@@ -155,8 +156,9 @@ def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
     asked = reduction.table.provenance.get("cycles")
     kept = whole_cycles(times, theta, record, cycles=asked)
     cut = slice(kept.start, kept.stop)
+    kind = result.run.kind_of_test
     return Cycle(
-        title=f"{result.run.kind_of_test.title}, Fn {result.froude:.3f}\n{result.run.id}",
+        title=f"{kind.title}, Fn {result.froude:.3f}\n{figure_text(result.run.id)}",
         theta=theta[cut],
         samples={name: values[cut] for name, values in zip(channels, record, strict=True)},
         coefficients={name: result.measured[name] for name in channels},

@@ -11,6 +11,7 @@ import numpy as np
 from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
 from pmmkit.plotting.marks import dimension, guide, open_mark
 
@@ -223,7 +224,9 @@ def _title(trial: _Trial) -> str:
     rudder = "" if trial.test == STOPPING.name else f" {abs(trial.rudder_deg):.0f}°"
     if trial.test == TURNING.name:
         rudder += " to starboard" if trial.rudder_deg > 0 else " to port"
-    lines = [f"{trial.name}, {trial.run}: {trial.test}{rudder}, {trial.speed:.2f} m/s"]
+    lines = [
+        f"{figure_text(f'{trial.name}, {trial.run}')}: {trial.test}{rudder}, {trial.speed:.2f} m/s"
+    ]
     words = []
     for item in trial.verdicts:
         unit = " L" if item.unit == "L" else "°"

@@ -32,6 +32,7 @@ CANARY = "open('canary', 'w')"
 BREAKS = ["\n", "\r", "\r\n", "\x0b", "\x0c", "\x1c", "\x1d", "\x1e", "\x85", "\u2028", "\u2029"]
 NASTY = [
     f"coding: unicode_escape \\n{CANARY}#",
+    f"{'a' * 60} coding: unicode_escape {'b' * 60} \\n{CANARY}#",
     f"coding=unicode-escape \\x0a{CANARY}#",
     f"vim: set fileencoding=raw_unicode_escape : \\u000a{CANARY}#",
     f"-*- coding: utf-7 -*- +AAo-{CANARY}#",
