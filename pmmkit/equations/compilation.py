@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import os
 import sys
+import warnings
 from functools import cache
 from pathlib import Path
 from types import FunctionType, ModuleType
@@ -44,27 +44,58 @@ def interpreted(structure: Structure) -> ModuleType:
 def compiled(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleType:
     """The functions of a structure, compiled; the second session finds them on disk.
 
-    The text is written to `cache_folder` under its hash and imported from there. Where that
-    folder cannot be written the functions are compiled in each session.
+    The text is written to `cache_folder` under its hash, with the machine code beside it. Where
+    that folder cannot be written, or others could have written into it, the functions are compiled
+    in each session; what is damaged is compiled again.
     """
+    from pmmkit.equations import compiled_cache
+
     text = _HEAD + module_text(structure, files)
     name = f"pmmkit_equations_{_fingerprint(structure, text)}"
-    path = cache_folder() / f"v{__version__}" / f"{name}.py"
+    entry, place = compiled_cache.kept, name
     try:
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.parent.mkdir(parents=True, exist_ok=True)
+        path = _folder() / f"{name}.py"
+        if not path.is_file() or path.read_bytes() != text.encode():
             with atomic_path(path) as part:
                 part.write_text(text, encoding="utf-8", newline="\n")
+        place = str(path)
     except OSError:
-        module = ModuleType(name)
-        exec(compile(text.replace("cache=True", "cache=False"), name, "exec"), module.__dict__)
-        return module
-    spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules[name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+        entry = compiled_cache.not_kept
+    module = sys.modules[name] = ModuleType(name)
+    module.__dict__["entry"] = entry
+    exec(compile(text, place, "exec"), module.__dict__)
     return module
+
+
+def _folder() -> Path:
+    """The folder of this version, which nobody else can write.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made, or others could have put something into it.
+    """
+    folder = cache_folder().resolve() / f"v{__version__}"
+    for place in (folder.parent, folder):
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if why := _open_to_others(place):
+            warnings.warn(
+                f"Compiled equations are not kept: {place} {why}. Remove it, or name another "
+                f"folder with PMMKIT_CACHE.",
+                stacklevel=2,
+            )
+            raise PermissionError(why)
+    return folder
+
+
+def _open_to_others(folder: Path) -> str | None:
+    """Who else could have put code into a folder; Windows keeps that from the user's own."""
+    if sys.platform == "win32":
+        return None
+    state = folder.stat()
+    if state.st_uid not in (os.getuid(), 0):
+        return "belongs to another user"
+    return "can be written by other users" if state.st_mode & 0o022 else None
 
 
 def _same(function: Any) -> Any:
@@ -96,17 +127,13 @@ def _codes_of(function: Any) -> set[bytes]:
     return found
 
 
-_HEAD = '''"""Equations of motion of one structure of model, written by pmmkit."""
+_HEAD = '''"""Equations of motion of one structure of model; pmmkit wrote it and gives `entry`."""
 
 import numba
 import numpy
 import numpy as np
 
 from pmmkit.equations.compiled_effects import use
-
-
-def entry(function):
-    return numba.njit(function, cache=True, nogil=True, error_model="numpy")
 
 
 def inner(function):
