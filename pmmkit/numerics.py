@@ -7,6 +7,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
+ABSURD = 1e30
+"""Numbers beyond this are taken for damage."""
 WELL = 1e-6
 """Reciprocal condition of the normal equations from which they lose nothing that matters."""
 

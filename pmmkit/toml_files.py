@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
 import textwrap
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.errors import ModelError, Problem
+from pmmkit.errors import DataError, ModelError, Problem
 from pmmkit.escaping import toml_string
+from pmmkit.numerics import ABSURD
 
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 WIDTH: Final = 96
@@ -113,6 +115,61 @@ def _indented(text: str) -> str:
     return "    " + text.replace("\n", "\n    ")
 
 
+def absurd_numbers(content: object, place: str = "") -> Iterator[tuple[str, float]]:
+    """Numbers of a file that no ship and no test can have, with the places where they stand.
+
+    Parameters
+    ----------
+    content : object
+        What `tomllib` reads. Infinite numbers are left to those who know what may be infinite.
+    place : str
+        Where it stands.
+
+    Examples
+    --------
+    >>> list(absurd_numbers({"ship": {"xG": 1e308, "L": 4.0}, "runs": [{"speed": -1e99}]}))
+    [('ship.xG', 1e+308), ('runs #1.speed', -1e+99)]
+    """
+    if isinstance(content, Mapping):
+        for key, item in content.items():
+            yield from absurd_numbers(item, f"{place}.{key}" if place else key)
+    elif isinstance(content, list):
+        for number, item in enumerate(content, start=1):
+            yield from absurd_numbers(item, f"{place} #{number}")
+    elif isinstance(content, int | float) and ABSURD < abs(content) < math.inf:
+        yield place, content
+
+
+def check_numbers(content: Mapping[str, Any], file: str, kind: type[DataError]) -> None:
+    """Refuse a file that holds absurd numbers.
+
+    Parameters
+    ----------
+    content : mapping
+        What `tomllib` reads.
+    file : str
+        Name for messages.
+    kind : type
+        Of the error.
+
+    Raises
+    ------
+    DataError
+        Of that kind, with the place of each such number.
+    """
+    found = [
+        Problem(
+            message=f"{value!r:.40} is absurdly large.",
+            file=file,
+            entry=place,
+            remedy="Correct it; all is in SI units.",
+        )
+        for place, value in absurd_numbers(content)
+    ]
+    if found:
+        raise kind(found)
+
+
 def read_toml(path: str | Path) -> dict[str, Any]:
     """The content of a TOML file.
 
@@ -123,7 +180,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     """
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")
-        return tomllib.loads(text)
+        content = tomllib.loads(text)
     except FileNotFoundError as error:
         raise ModelError(
             Problem(message="The file does not exist.", file=str(path), remedy="Check the path.")
@@ -148,3 +205,5 @@ def read_toml(path: str | Path) -> dict[str, Any]:
                 remedy="Correct that line, or take the file from its source again.",
             )
         ) from error
+    check_numbers(content, str(path), ModelError)
+    return content

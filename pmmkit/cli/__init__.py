@@ -27,14 +27,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 done, 1 the data or the request is wrong, 2 usage, 130 stopped by the user.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     previous = _stop_on_termination()
     try:
-        return _run(given)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = _run(given)
+        sys.stdout.flush()
+        return status
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            why = f"standard output or a file cannot be written: {error.strerror or error}."
+            print(f"pmmkit: {why}", file=sys.stderr)
+        _give_up_output()
         return WRONG
     finally:
         if previous is not None:
@@ -51,15 +57,14 @@ def _run(given: list[str]) -> int:
     usage_error: Any = typer.BadParameter.__base__
     try:
         status = application(*given[:1])(given, prog_name="pmmkit", standalone_mode=False)
-        sys.stdout.flush()
     except (typer.Abort, KeyboardInterrupt):
         status = STOPPED
     except PmmkitError as error:
         tell_error(error, as_json=as_json)
         return WRONG
-    except BrokenPipeError:
-        raise
     except OSError as error:
+        if error.filename is None:
+            raise
         tell_error(error, as_json=as_json)
         return WRONG
     except usage_error as error:
@@ -70,6 +75,21 @@ def _run(given: list[str]) -> int:
     if status == STOPPED:
         print("Stopped. No output was left half-written.", file=sys.stderr)
     return status if isinstance(status, int) else DONE
+
+
+def _open_streams() -> None:
+    """Standard streams that were closed lead nowhere, so that no file takes their place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115, it stays
+
+
+def _give_up_output() -> None:
+    """Let what is still to be written vanish, or Python tries it again at its end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _stop_on_termination() -> Any:

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import DataError
+from pmmkit.escaping import lines_of
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
+
+
+LINES: Final = 40
+"""Lines of an error on a screen."""
+WIDEST: Final = 400
+"""Characters of such a line."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,19 +61,34 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
     as_json : bool
         Whether the command was asked for JSON.
     """
-    text = str(error)
+    text = lines_of(str(error)) or type(error).__name__
     if as_json:
         problems = error.problems if isinstance(error, DataError) else ()
         emit(
             {
                 "error": {
                     "type": type(error).__name__,
-                    "message": text or type(error).__name__,
+                    "message": text,
                     "problems": [asdict(problem) for problem in problems],
                 }
             }
         )
-    say(f"pmmkit: {text or type(error).__name__}")
+    say(f"pmmkit: {_on_a_screen(text)}")
+
+
+def _on_a_screen(text: str) -> str:
+    """The beginning of a long text, and the name of a file that holds all of it."""
+    lines = text.split("\n")
+    shown = [line if len(line) <= WIDEST else f"{line[: WIDEST - 1]}…" for line in lines]
+    if shown == lines and len(lines) <= LINES:
+        return text
+    try:
+        handle, name = tempfile.mkstemp(prefix="pmmkit-", suffix=".txt", text=True)
+        with open(handle, "w", encoding="utf-8", errors="replace") as file:
+            file.write(f"{text}\n")
+    except OSError as error:
+        name = f"nowhere ({error.strerror})"
+    return "\n".join([*shown[: LINES - 1], f"  … all {len(lines)} lines: {name}"])
 
 
 def warned(findings: Iterable[CheckFinding]) -> list[str]:

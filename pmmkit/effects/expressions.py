@@ -13,6 +13,7 @@ from typing import Any, Final, NoReturn
 
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects import primitives
+from pmmkit.numerics import ABSURD
 
 MOTION: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "v": ("(v / U)", ("v", "U")),
@@ -44,11 +45,23 @@ FUNCTIONS: Final[Mapping[str, tuple[str, int]]] = {
 """Functions with the number of their arguments. ``sat(x, a)`` is x within ±a, ``beyond(x, a)`` what
 goes beyond, ``lag(x, T)`` follows x with a lag of T in L/U."""
 MOST: Final = 9
+"""Largest power of a factor."""
+TOKENS: Final = 300
+"""Words, numbers and marks of one expression."""
+DEPTH: Final = 30
+"""Brackets inside each other."""
+LONGEST: Final = 20_000
+"""Characters of an expression when its powers and functions are written out."""
 _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
     r"|(?P<mark>\*\*|[*/^+(),|-])|(?P<stray>\S))"
 )
 _WORDS: Final = re.compile(r"\b(?:" + "|".join(FUNCTIONS) + r")\s*\(|\b(?:beta|Fn|sinkage|trim)\b")
+
+
+def is_power(word: str) -> bool:
+    """Whether a word is a whole number from 1 to `MOST`."""
+    return word.isdigit() and len(word) < 4 and 1 <= int(word) <= MOST
 
 
 class NotUnderstood(ValueError):
@@ -188,6 +201,12 @@ class _Writer:
             return repr(float(node.word))
         if node.kind == "word":
             return self._word(node)
+        found = self._joined(node)
+        if len(found) > LONGEST:
+            raise NotUnderstood("an expression grows too long here when written out", node.place)
+        return found
+
+    def _joined(self, node: Node) -> str:
         inner = [self.text(item) for item in node.inner]
         if node.kind == "function":
             if node.word == "lag":
@@ -289,9 +308,15 @@ class _Reader:
         ]
         self.end = start + len(text.rstrip())
         self.at = 0
+        self.depth = 0
         for kind, word, place in self.tokens:
             if kind == "stray":
                 raise NotUnderstood(f"{word!r} has no meaning here", place)
+            if kind == "number" and not float(word) <= ABSURD:
+                raise NotUnderstood(f"{word:.40} is absurdly large", place)
+        if len(self.tokens) > TOKENS:
+            place = self.tokens[TOKENS][2]
+            raise NotUnderstood(f"an expression has at most {TOKENS} words and marks", place)
 
     def whole(self) -> Node:
         tree = self._sum()
@@ -328,6 +353,14 @@ class _Reader:
         return tree
 
     def _signed(self) -> Node:
+        self.depth += 1
+        if self.depth > DEPTH:
+            self._stop(f"at most {DEPTH} brackets and signs stand inside each other")
+        found = self._unsigned()
+        self.depth -= 1
+        return found
+
+    def _unsigned(self) -> Node:
         if self._peek() in ("-", "+"):
             mark, place = self._peek(), self._place()
             self.at += 1
@@ -341,7 +374,7 @@ class _Reader:
             return tree
         self.at += 1
         place, word = self._place(), self._peek()
-        if not word.isdigit() or not 1 <= int(word) <= MOST:
+        if not is_power(word):
             self._stop(f"a power is a whole number from 1 to {MOST}")
         self.at += 1
         return Node("power", word, place, (tree,))

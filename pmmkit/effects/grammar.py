@@ -14,13 +14,20 @@ from typing import Any, Final, NoReturn
 from pmmkit.conventions import CHANNELS, bare, canonical, parse_derivative
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.expressions import NotUnderstood, Written, is_expression, written
+from pmmkit.effects.expressions import (
+    MOST,
+    NotUnderstood,
+    Written,
+    is_expression,
+    is_power,
+    written,
+)
 from pmmkit.errors import DataError, Problem, UnknownNameError
+from pmmkit.escaping import printable
+from pmmkit.numerics import ABSURD
 from pmmkit.toml_files import read_toml
 
 FACTORS: Final = {"v": "v", "r": "r", "u": "u", "p": "p", "phi": "phi", "d": "d", "delta": "d"}
-MOST: Final = 9
-"""Largest power of a factor."""
 SCALES: Final = {"X": 6e-4, "Y": 3.2e-3, "N": 1.3e-3, "K": 1e-4}
 MOTIONS: Final = {"v": 0.2, "r": 0.4, "u": 1.0, "p": 0.1, "phi": 0.1, "d": 0.35, "0": 1.0}
 """Usual forces and motions in the prime system; a tenth of such a force is a usual size."""
@@ -28,7 +35,13 @@ _TOKEN: Final = re.compile(
     r"\s*(?:(?P<number>[0-9]*\.?[0-9]+(?:[eE][+-]?[0-9]+)?)|(?P<word>[A-Za-z_]\w*)"
     r"|(?P<modulus>\|\s*[A-Za-z]+\s*\|)|(?P<mark>\*\*|[*^+:-])|(?P<stray>\S))"
 )
-_NAME: Final = re.compile(r"[a-z][a-z0-9_]*")
+_NAME: Final = re.compile(r"[a-z][a-z0-9_]{0,59}")
+LONGEST: Final = 4000
+"""Characters of a text."""
+FACTORS_IN_TERM: Final = 20
+"""Largest order of a product, all its powers together."""
+_WINDOW: Final = 60
+"""Characters of a line that are shown beside the place of a fault."""
 _KEYS: Final = ("name", "family", "summary", "terms", "typical", "check")
 
 
@@ -82,6 +95,8 @@ def own_effect(
         raise DataError(f"{name!r:.40} cannot be the name of an own effect: {known}.")
     if not isinstance(text, str):
         raise DataError(f"The terms of {name} must be a text such as 'Y: v*|v|*r'.")
+    if len(text) > LONGEST:
+        _stop(name, text, LONGEST, f"a text has at most {LONGEST} characters, not {len(text)}")
     given = {_label(key): _Size(float(size)) for key, size in (typical or {}).items()}
     channels, said = _parted(name, text)
     given |= said
@@ -384,7 +399,7 @@ def _term(
     end: int,
 ) -> tuple[str, str, float, int]:
     """One product: an optional share and coefficient, then factors with their powers."""
-    share, label, factors, at = sign, "", "", 0
+    share, label, factors, at, order = sign, "", "", 0, 0
     while at < len(term) or not factors:
         if at >= len(term):
             _stop(name, text, end if not term else term[-1][2], "a factor is missing")
@@ -392,6 +407,8 @@ def _term(
         inner = word.strip("| ")
         if kind == "number" and at == 0:
             share *= float(word)
+            if not abs(share) <= ABSURD:
+                _stop(name, text, place, f"{word:.40} is absurdly large")
             if len(term) == 1 and share == 1.0:
                 factors = "0"
         elif kind == "word" and word in named and not label and not factors:
@@ -402,6 +419,9 @@ def _term(
                 _stop(name, text, place, "there is no modulus of phi")
             at, power = _power(name, text, term, at)
             factors += factor * power
+            order += power
+            if order > FACTORS_IN_TERM:
+                _stop(name, text, place, f"a product has at most {FACTORS_IN_TERM} factors")
         else:
             hint = f" and no coefficient with a usual size ('{word} ~ 0.01')"
             _stop(
@@ -432,14 +452,16 @@ def _power(name: str, text: str, term: list[tuple[str, str, int]], at: int) -> t
     if at + 1 >= len(term) or term[at + 1][1] not in ("^", "**"):
         return at, 1
     kind, word, place = term[at + 2] if at + 2 < len(term) else ("", "", term[at + 1][2])
-    if kind != "number" or not word.isdigit() or not 1 <= int(word) <= MOST:
+    if kind != "number" or not is_power(word):
         _stop(name, text, place, f"a power is a whole number from 1 to {MOST}")
     return at + 2, int(word)
 
 
 def _stop(name: str, text: str, place: int, message: str) -> NoReturn:
-    line = text[text.rfind("\n", 0, place) + 1 :].split("\n", 1)[0]
-    column = place - (text.rfind("\n", 0, place) + 1)
+    start = text.rfind("\n", 0, place) + 1
+    line, column = text[start:].split("\n", 1)[0], place - start
+    first = max(0, column - _WINDOW)
+    line, column = printable(line[first : column + _WINDOW]), column - first
     raise DataError(
         f"Own effect {name}: {message} (character {place + 1}).\n    {line}\n    {' ' * column}^"
     )

@@ -19,7 +19,7 @@ from pmmkit.errors import CampaignError, DataError, FileExists, Problem
 from pmmkit.escaping import plain, safe_cell
 from pmmkit.exports.campaign_toml import campaign_text
 from pmmkit.files import atomic_folder
-from pmmkit.readers.base import ABSURD
+from pmmkit.numerics import ABSURD
 from pmmkit.readers.saved.group import safe_names
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.inspection.seen import FileLook
-from pmmkit.numerics import Array
+from pmmkit.numerics import ABSURD, Array
 from pmmkit.readers import Request, reader_of
-from pmmkit.readers.base import ABSURD, to_number
+from pmmkit.readers.base import to_number
 from pmmkit.readers.text.layout import Layout
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention
-from pmmkit.errors import ModelError, Problem
+from pmmkit.errors import DataError, ModelError, Problem, UnknownNameError
 from pmmkit.files import write_text
 from pmmkit.models.model import Model, Part
 from pmmkit.models.old_files import steps_of_sentences
@@ -204,7 +204,9 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
             notes=notes,
             steps=steps,
         )
-    except ModelError as error:
+    except UnknownNameError:
+        raise
+    except DataError as error:
         found = [Problem(message=item.message, file=file) for item in error.problems]
         raise ModelError(found, title=title) from error
 

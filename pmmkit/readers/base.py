@@ -13,7 +13,7 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import Array
+from pmmkit.numerics import ABSURD, Array
 
 Cell = str | float | None
 Choose = Callable[[tuple[str, ...], int], Sequence[int]]
@@ -21,8 +21,6 @@ Choose = Callable[[tuple[str, ...], int], Sequence[int]]
 
 HEAD: Final = 65536
 """Bytes at the beginning of a file by which its format is recognised."""
-ABSURD: Final = 1e30
-"""Numbers beyond this are taken for damage."""
 LISTED: Final = 10
 """Problems of one kind listed in full before the rest are only counted."""
 

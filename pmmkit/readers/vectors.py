@@ -16,8 +16,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import CampaignError, Problem
-from pmmkit.numerics import Array
-from pmmkit.readers.base import ABSURD, LISTED, Cell, Cells, Choose, Columns, Request, fault
+from pmmkit.numerics import ABSURD, Array
+from pmmkit.readers.base import LISTED, Cell, Cells, Choose, Columns, Request, fault
 
 WIDEST: Final = 200
 """Matrices with more columns than this are not columns of channels."""

@@ -15,6 +15,7 @@ from pmmkit.errors import CampaignError, Problem
 from pmmkit.escaping import toml_string
 from pmmkit.ship import Ship
 from pmmkit.test_planning.options import Limits, Option, timed
+from pmmkit.toml_files import check_numbers
 
 LIMITS: Final = {
     "speeds": ("speeds", 1.0),
@@ -78,6 +79,7 @@ def read_plan_file(
         raw = tomllib.loads(place.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise CampaignError(Problem(message=f"is not TOML: {error}.", file=str(place))) from error
+    check_numbers(raw, str(place), CampaignError)
     wrong = [
         Problem(
             message="not known; a plan file has [limits] and [[runs]].",

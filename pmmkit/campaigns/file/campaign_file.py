@@ -16,6 +16,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.files import datasets_folder, matching
+from pmmkit.toml_files import check_numbers
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
@@ -92,6 +93,7 @@ def open_campaign(
         return stored if runs else stored.with_(runs=(), excluded=())
     text, digest = _text(place)
     raw = _toml(text, place)
+    check_numbers(raw, place.name, CampaignError)
     if not runs:
         raw = {name: item for name, item in raw.items() if name not in _TESTS}
     return _assemble(raw, place, _Search.of(place, data), digest, runs)

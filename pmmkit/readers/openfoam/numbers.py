@@ -17,8 +17,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import Problem
-from pmmkit.numerics import Array
-from pmmkit.readers.base import ABSURD, LISTED, Request, abridged, fault, to_number
+from pmmkit.numerics import ABSURD, Array
+from pmmkit.readers.base import LISTED, Request, abridged, fault, to_number
 from pmmkit.readers.openfoam.header import Layout
 
 BLOCK: Final = 1 << 21

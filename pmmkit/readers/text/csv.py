@@ -15,17 +15,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pmmkit.errors import Problem
-from pmmkit.numerics import Array
-from pmmkit.readers.base import (
-    ABSURD,
-    LISTED,
-    Cells,
-    Choose,
-    Columns,
-    Request,
-    abridged,
-    numbers_of,
-)
+from pmmkit.numerics import ABSURD, Array
+from pmmkit.readers.base import LISTED, Cells, Choose, Columns, Request, abridged, numbers_of
 from pmmkit.readers.text.splitting import (
     BLANKS,
     Text,
