@@ -137,7 +137,7 @@ LIBRARY_TEXT = ship_file("s175").read_text(encoding="utf-8")
         ("Yv = -0.0116", "Yvdot = -0.0116", "takes no Yvdot"),
         ("Yvvr = 0.0214", "Yvrv = 0.0214", "is spelled Yvvr"),
         ("L = 175.0", "L = -175.0", "must be positive"),
-        ("L = 175.0", f"L = 1{'0' * 400}", "finite number"),
+        ("L = 175.0", f"L = 1{'0' * 400}", "absurdly large"),
         ("L = 175.0", "", "ship lacks L"),
         ("L = 175.0", "L = 175.0\nlength = 3.0", "ship.length is not known"),
         ("GM = 0.3\n", "\n", "needs GM"),
