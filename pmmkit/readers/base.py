@@ -21,6 +21,14 @@ Choose = Callable[[tuple[str, ...], int], Sequence[int]]
 
 HEAD: Final = 65536
 """Bytes at the beginning of a file by which its format is recognised."""
+WITHHELD: Final = (
+    "this holds no measurements that are known. Nothing of it is shown, for it lies outside the "
+    "folder of the campaign."
+)
+_BESIDE: Final = (
+    "Correct the path; or put the file beside the campaign file, or name its folder with --data "
+    "(data=), to be told what is wrong with it."
+)
 LISTED: Final = 10
 """Problems of one kind listed in full before the rest are only counted."""
 
@@ -93,12 +101,16 @@ class Request:
         The run it is read for.
     options : Options
         How to read it.
+    withheld : bool
+        Whether messages keep back what stands in the file: the campaign file points somewhere
+        outside of its folders, and nothing there is known for measurements.
     """
 
     path: Path
     shown: str
     run: str | None = None
     options: Options = field(default_factory=Options)
+    withheld: bool = False
 
     def inside(self, path: Path) -> Request:
         """The request for one of the files that are meant: itself, in the folder, or beside it."""
@@ -118,18 +130,22 @@ class Request:
         remedy: str | None = None,
     ) -> Problem:
         """A problem of this file."""
+        if self.withheld:
+            return Problem(message=WITHHELD, file=self.shown, run=self.run, remedy=_BESIDE)
         return Problem(
             message=message, file=self.shown, run=self.run, row=row, column=column, remedy=remedy
         )
 
     def error(self, *problems: Problem) -> CampaignError:
         """The error that tells the problems of this file."""
-        title = None if len(problems) == 1 else f"{self.shown} cannot be read"
-        return CampaignError(problems, title=title)
+        listed = list(dict.fromkeys(problems))
+        title = None if len(listed) == 1 else f"{self.shown} cannot be read"
+        return CampaignError(listed, title=title)
 
     def unreadable(self, error: OSError) -> CampaignError:
         """The error of a file that the system does not give."""
-        return self.error(self.problem(f"cannot be read: {error.strerror}."))
+        shown = replace(self, withheld=False)
+        return self.error(shown.problem(f"cannot be read: {error.strerror}."))
 
 
 def head_of(path: Path) -> bytes:

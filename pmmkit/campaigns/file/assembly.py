@@ -50,6 +50,8 @@ class Setup:
         Path of a file that the campaign names, or None.
     missing_file : callable
         The problem of a file that is not there.
+    withheld : callable
+        Whether messages keep back what a file holds.
     toml : str
         Name of the campaign file.
     trial : mapping
@@ -68,6 +70,7 @@ class Setup:
     corrections: tuple[Correction, ...]
     find: Callable[[str], Path | None]
     missing_file: Callable[[str, str], Problem]
+    withheld: Callable[[Path], bool]
     toml: str
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
@@ -206,7 +209,8 @@ def _request(entry: FileEntry, label: str, setup: Setup, out: Assembled) -> Requ
             return None
         path = Path(entry.file)
     options = merged(setup.options, entry)
-    return Request(path=path, shown=entry.file, run=entry.id, options=options)
+    withheld = setup.withheld(path)
+    return Request(path=path, shown=entry.file, run=entry.id, options=options, withheld=withheld)
 
 
 def _table(
@@ -336,7 +340,8 @@ def _motion(
         if not any(item.action == "exclude" for item in _corrections(entry.id, setup)):
             out.problems.append(setup.missing_file(entry.motion, label))
         return None
-    return replace(request, path=path, shown=entry.motion, options=Options())
+    withheld = setup.withheld(path)
+    return replace(request, path=path, shown=entry.motion, options=Options(), withheld=withheld)
 
 
 def _add_row(

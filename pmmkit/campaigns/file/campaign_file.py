@@ -129,6 +129,15 @@ class _Search:
         except (OSError, ValueError):
             return None
 
+    def withheld(self, path: Path) -> bool:
+        """Whether a file lies outside of all these folders and no reader knows what it is."""
+        from pmmkit.readers import recognise
+
+        place = path.resolve()
+        if any(place.is_relative_to(folder.resolve()) for folder in self.folders()):
+            return False
+        return recognise(next(iter(matching(path)), path)) is None
+
     def missing(self, file: str, entry: str, toml: str) -> Problem:
         """The problem of a file that is nowhere."""
         tried = ", ".join(str(folder) for folder in self.folders())
@@ -251,6 +260,7 @@ def _assemble(
         top,
         find=search.find,
         missing_file=lambda file, entry: search.missing(file, entry, toml),
+        withheld=search.withheld,
         toml=toml,
     )
     _add_all(raw, setup, out)

@@ -126,6 +126,7 @@ def setup_of(
     *,
     find: Callable[[str], Path | None],
     missing_file: Callable[[str, str], Problem],
+    withheld: Callable[[Path], bool],
     toml: str,
 ) -> Setup:
     """What the runs need to know of the campaign."""
@@ -156,6 +157,7 @@ def setup_of(
         ),
         find=find,
         missing_file=missing_file,
+        withheld=withheld,
         toml=toml,
         trial=MappingProxyType(top.trial),
     )
