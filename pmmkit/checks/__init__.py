@@ -22,6 +22,7 @@ from pmmkit.checks import (
     scales,
     signs,
     static,
+    whole_files,
 )
 from pmmkit.checks.finding import Check, CheckFinding, loudest_first, refuse
 from pmmkit.checks.reading import summarise
@@ -55,6 +56,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *positions.CHECKS,
     *free_running.CHECKS,
     *density.CHECKS,
+    *whole_files.CHECKS,
 )
 """All checks, each with its name and a line on what it looks for."""
 

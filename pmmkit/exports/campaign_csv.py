@@ -96,7 +96,8 @@ def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:
             _history(data, part / file)
         wanted = required_channels(campaign.kind)
         absent: dict[str, Any] = {item: False for item in wanted if item not in data}
-        entries[run.id] = {"file": file, **({"columns": absent} if absent else {})}
+        entries[run.id] = {"file": file, "rows": data.sizes["t"]}
+        entries[run.id] |= {"columns": absent} if absent else {}
     if problems:
         raise CampaignError(problems, title=f"{campaign.title!r} cannot be written as CSV")
     for file, (_, *columns), rows in _numbered(tables):
@@ -105,7 +106,7 @@ def _write_runs(campaign: Campaign, part: Path) -> dict[str, dict[str, Any]]:
             _bare(title): _bare(title) for title in columns if not _taken_unasked(_bare(title))
         }
         for place, (run, _) in enumerate(rows, start=1):
-            entries[run.id] = {"file": file, "row": {_ROW: place}}
+            entries[run.id] = {"file": file, "rows": len(rows), "row": {_ROW: place}}
             if taken:
                 entries[run.id]["columns"] = taken
     return {run.id: entries[run.id] for run in every if run.id in entries}

@@ -79,6 +79,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         "campaign": {
             "title": campaign.title,
             "kind": campaign.kind,
+            "closed": True,
             "forces": campaign.forces,
             "moment_reference_x": campaign.moment_reference_x,
             "moment_reference_z": campaign.moment_reference_z,
@@ -117,8 +118,9 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
             for line in comment(f"Run {run.id} is not here: {reason}; it cannot be read.", "#")
         ),
     ]
+    data = {key: value for key, value in data.items() if value} | {"end": {}}
     try:
-        text = toml_text({key: _listed(value) for key, value in data.items() if value})
+        text = toml_text({key: _listed(value) for key, value in data.items()})
     except TypeError as error:
         raise CampaignError(
             Problem(message=f"{error}.", remedy="Export the campaign as netcdf, which keeps it.")

@@ -94,6 +94,7 @@ def open_campaign(
     text, digest = _text(place)
     raw = _toml(text, place)
     check_numbers(raw, place.name, CampaignError)
+    _check_end(raw, place)
     if not runs:
         raw = {name: item for name, item in raw.items() if name not in _TESTS}
     return _assemble(raw, place, _Search.of(place, data), digest, runs)
@@ -213,6 +214,21 @@ def _toml(text: str, place: Path) -> dict[str, Any]:
                 remedy=_toml_remedy(written),
             )
         ) from error
+
+
+def _check_end(raw: Mapping[str, Any], place: Path) -> None:
+    """Refuse a file that says that it is closed and has lost its end."""
+    head = raw.get("campaign")
+    if isinstance(head, Mapping) and head.get("closed") is True and "end" not in raw:
+        raise CampaignError(
+            Problem(
+                message=f"the file is cut off: it says closed = true, and its last line [end] is "
+                f"missing ({len(raw.get('runs', []))} runs are left).",
+                file=place.name,
+                remedy="Take it from its source again; if nothing is missing, write [end] as its "
+                "last line.",
+            )
+        )
 
 
 def _toml_remedy(line: str) -> str | None:

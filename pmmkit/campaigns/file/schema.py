@@ -98,6 +98,11 @@ class CampaignEntry(Entry):
     motion_reference_x: float = 0.0
     free: list[Literal["surge", "heave", "pitch", "roll", "sway", "yaw", "trim", "sinkage"]] = []
     data_folder: str | None = None
+    closed: bool = False
+
+
+class EndEntry(Entry):
+    """``[end]``, the last line of files that say ``closed = true``."""
 
 
 class ShipEntry(Entry):
@@ -415,6 +420,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "corrections": CorrectionEntry,
     "runs": RunEntry,
     "tables": TableEntry,
+    "end": EndEntry,
 }
 """Top-level tables of a campaign file; None where the keys are names and not fixed."""
 

@@ -83,7 +83,7 @@ def written(draft: Draft) -> Written:
         lines += ["", *_entry(entry, "runs", base, draft.kind, todo)]
     for entry in draft.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
-    lines += _unused(draft)
+    lines += [*_unused(draft), "", "[end]"]
     entries = (
         sum(len(campaign) for _, campaign in draft.saved) + len(draft.runs) + len(draft.tables)
     )
@@ -124,6 +124,7 @@ class _Todo:
 
 def _campaign(draft: Draft, todo: _Todo) -> list[str]:
     lines = ["[campaign]", f"title = {toml(draft.title)}", f"kind = {toml(draft.kind)}"]
+    lines.append("closed = true                    # the last line is [end]: a cut is noticed")
     if draft.saved:
         return [*lines, *_as_saved(draft.saved[0][1], todo)]
     turns = 'rudder_positive = "starboard"    # TODO "port" if + rudder turns her to port'
