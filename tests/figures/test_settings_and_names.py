@@ -82,7 +82,7 @@ def test_a_command_writes_its_figures_with_latex_asked_for_and_none_installed(tm
 
 def test_a_dollar_is_a_dollar(track):
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", UserWarning)
         for figure in (
             figures.zigzag([track], names=[MATHS]),
             columns_over_time(track.t, {MATHS: track.u}, time_label=MATHS, title=f"{MATHS}.csv"),
