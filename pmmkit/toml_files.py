@@ -16,6 +16,8 @@ from pmmkit.numerics import ABSURD
 
 _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 WIDTH: Final = 96
+DEEPEST: Final = 60
+"""Tables inside each other."""
 
 
 def toml_text(data: Mapping[str, Any]) -> str:
@@ -140,8 +142,21 @@ def absurd_numbers(content: object, place: str = "") -> Iterator[tuple[str, floa
         yield place, content
 
 
+def _depth(content: object) -> int:
+    """How many tables and lists stand inside each other, counted without recursion."""
+    depth, level = 0, [content]
+    while level := [
+        inner
+        for item in level
+        if isinstance(item, Mapping | list)
+        for inner in (item.values() if isinstance(item, Mapping) else item)
+    ]:
+        depth += 1
+    return depth
+
+
 def check_numbers(content: Mapping[str, Any], file: str, kind: type[DataError]) -> None:
-    """Refuse a file that holds absurd numbers.
+    """Refuse a file that holds absurd numbers, or tables in tables without end.
 
     Parameters
     ----------
@@ -157,6 +172,10 @@ def check_numbers(content: Mapping[str, Any], file: str, kind: type[DataError]) 
     DataError
         Of that kind, with the place of each such number.
     """
+    if _depth(content) > DEEPEST:
+        raise kind(
+            Problem(message=f"more than {DEEPEST} tables stand inside each other.", file=file)
+        )
     found = [
         Problem(
             message=f"{value!r:.40} is absurdly large.",

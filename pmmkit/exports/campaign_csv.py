@@ -127,6 +127,8 @@ def _unfit(run: Run, data: xr.Dataset) -> list[Problem]:
     """What of a run's data cannot stand in a CSV file and be read back."""
     dimension = {"history": ("t",), "means": (), "harmonics": ("harmonic",)}[run.kind]
     problems = []
+    if not _is_text(run.id):
+        problems.append(Problem(message="its name is no text in UTF-8.", run=ascii(run.id)))
     for name, variable in data.variables.items():
         why = None
         if name == "harmonic":
@@ -148,6 +150,14 @@ def _unfit(run: Run, data: xr.Dataset) -> list[Problem]:
     if run.kind == "history" and "t" not in data.variables:
         problems.append(Problem(message="it has no times.", run=run.id, remedy=_REMEDY))
     return problems
+
+
+def _is_text(name: str) -> bool:
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _unit(name: str, kind: str) -> str | None:

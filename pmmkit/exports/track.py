@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pmmkit.campaigns.samples.column_mapping import pick, required_channels
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.errors import CampaignError, Problem
+from pmmkit.escaping import printable
 from pmmkit.files import atomic_path
 from pmmkit.readers.base import Request
 from pmmkit.readers.text.csv import columns
@@ -122,7 +123,7 @@ def _metrics(path: Path) -> dict[str, Any]:
         return {}
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise CampaignError(
             Problem(
                 message=f"cannot be read as JSON: {error}.",
@@ -132,13 +133,14 @@ def _metrics(path: Path) -> dict[str, Any]:
         ) from error
     if not isinstance(content, dict):
         return {}
+    content = {name: value for name, value in content.items() if name.isidentifier()}
     texts = {
-        name: "; ".join(value)
+        name: printable("; ".join(value))
         for name, value in content.items()
         if isinstance(value, list) and value and all(isinstance(item, str) for item in value)
     }
     numbers = {
-        name: math.nan if value is None else value
+        name: math.nan if value is None else printable(value) if isinstance(value, str) else value
         for name, value in content.items()
         if value is None or (isinstance(value, str | int | float) and not isinstance(value, bool))
     }

@@ -108,6 +108,16 @@ def test_absurd_numbers_of_a_campaign_are_named_with_their_place(text, place, tm
     assert "absurdly large" in said
 
 
+DEEP = (f"[trial]\n{'.'.join(['a'] * 3000)} = 1\n", f"[[runs]]\na = {'[' * 200}{']' * 200}\n")
+
+
+@pytest.mark.parametrize("deep", DEEP, ids=["tables", "lists"])
+def test_tables_in_tables_without_end_are_refused(deep, tmp_path, capsys):
+    (tmp_path / "campaign.toml").write_text(SHIP + deep, encoding="utf-8")
+    assert main(["check", str(tmp_path)]) == 1
+    assert "stand inside each other" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("command", ["simulate", "stability", "export"])
 @pytest.mark.parametrize("key", ["L", "xG", "mass", "rho", "Xuu"])
 def test_absurd_numbers_of_a_model_are_named_with_their_place(key, command, tmp_path, capsys):

@@ -15,6 +15,7 @@ from html.parser import HTMLParser
 import openpyxl
 import pandas as pd
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 from small_campaign import write_campaign
@@ -250,3 +251,28 @@ def test_plain_text_is_one_line_of_ascii(text):
     assert line.isascii()
     assert line.isprintable() or not line
     assert plain(line) == line
+
+
+@pytest.mark.parametrize(
+    "metrics",
+    ["[" * 100_000 + "]" * 100_000, '{"": 2, "d/e": 3, "f\\u0000": "x", "g": "\\ud800", "h": 4.5}'],
+    ids=["nested without end", "names that no file keeps"],
+)
+def test_metrics_beside_a_track_that_are_made_to_do_harm(metrics, tmp_path):
+    rows = "".join(f"{i},{i},0,0\n" for i in range(4))
+    (tmp_path / "track.csv").write_text(f"t [s],x [m],y [m],psi [rad]\n{rows}", encoding="utf-8")
+    (tmp_path / "metrics.json").write_text(metrics, encoding="utf-8")
+    if metrics.startswith("["):
+        with pytest.raises(pk.PmmkitError, match=r"metrics\.json.*cannot be read"):
+            pk.export(tmp_path / "track.csv", tmp_path / "track.nc")
+        return
+    with xr.open_dataset(pk.export(tmp_path / "track.csv", tmp_path / "t.nc")[0]) as found:
+        assert found.attrs["h"] == 4.5
+        assert "d/e" not in found.attrs
+
+
+def test_a_run_whose_name_is_no_text_is_refused(tmp_path):
+    campaign = pk.open_campaign(write_campaign(tmp_path / "small"))
+    named = campaign.with_(runs=(replace(campaign.runs[0], id="\ud800"),), excluded=())
+    with pytest.raises(pk.PmmkitError, match="no text in UTF-8"):
+        pk.export(named, tmp_path / "out")

@@ -88,6 +88,10 @@ def write_table(table: DerivativeTable, path: str | Path) -> Path:
         raise TableError(_unknown(target, _WRITERS))
     try:
         writer(table, target)
+    except UnicodeError as error:
+        raise TableError(
+            Problem(message="a name or a method is no text in UTF-8.", file=str(target))
+        ) from error
     except OSError as error:
         raise TableError(
             Problem(message=f"cannot be written: {error.strerror or error}.", file=str(target))

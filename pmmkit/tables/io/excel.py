@@ -26,6 +26,10 @@ if TYPE_CHECKING:
 _COLUMNS: Final = (*COLUMNS, "dof")
 _SHEETS: Final = ("derivatives", "covariance", "about")
 _CELL: Final = 30_000
+_CELLS: Final = 5_000_000
+"""Cells of a sheet, empty ones included: a covariance of more than 2000 derivatives."""
+_BYTES: Final = 500_000_000
+"""Bytes of a workbook when it is unpacked."""
 _REMEDY: Final = "To keep an edit all the same, write null as the fingerprint in the sheet about."
 
 
@@ -36,6 +40,7 @@ def write_excel(table: DerivativeTable, path: str | Path) -> None:
     """
     import openpyxl
 
+    _check_texts(table, str(path))
     k, n = table.value.shape
     low, high = table.interval()
     numbers = np.stack([table.value, table.std, low, high], axis=-1)
@@ -70,6 +75,26 @@ def write_excel(table: DerivativeTable, path: str | Path) -> None:
     book.save(raw)
     with atomic_path(path) as part:
         _repack(raw, part)
+
+
+def _check_texts(table: DerivativeTable, file: str) -> None:
+    """Refuse what no cell of a workbook holds."""
+    wrong = [
+        str(text)
+        for text in np.unique(table.method)
+        if len(text) > _CELL or not all(x.isprintable() or x in "\t\n" for x in str(text))
+    ]
+    if wrong:
+        raise TableError(
+            [
+                Problem(
+                    message=f"the method {text!r:.60} has characters that a workbook does not hold.",
+                    file=file,
+                    remedy="Write the table as .csv or .nc.",
+                )
+                for text in wrong
+            ]
+        )
 
 
 def read_excel(path: str | Path) -> DerivativeTable:
@@ -146,12 +171,12 @@ def _sheets(path: str | Path) -> dict[str, list[list[Any]]]:
     import openpyxl
 
     try:
+        with zipfile.ZipFile(path) as parts:
+            if sum(item.file_size for item in parts.infolist()) > _BYTES:
+                raise ValueError(f"it would take more than {_BYTES:,} bytes")
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
         try:
-            return {
-                sheet.title: _padded([list(row) for row in sheet.iter_rows(values_only=True)])
-                for sheet in book.worksheets
-            }
+            return {sheet.title: _padded(_rows(sheet)) for sheet in book.worksheets}
         finally:
             book.close()
     except Exception as error:
@@ -163,6 +188,17 @@ def _sheets(path: str | Path) -> dict[str, list[list[Any]]]:
             ),
             title=NOT_READ,
         ) from error
+
+
+def _rows(sheet: Any) -> list[list[Any]]:
+    """The rows of a sheet, as long as there are not absurdly many cells."""
+    rows, cells = [], 0
+    for row in sheet.iter_rows(values_only=True):
+        cells += max(len(row), 1)
+        if cells > _CELLS:
+            raise ValueError(f"sheet {sheet.title} has more than {_CELLS:,} cells")
+        rows.append(list(row))
+    return rows
 
 
 def _padded(rows: list[list[Any]]) -> list[list[Any]]:
