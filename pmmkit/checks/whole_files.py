@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -27,7 +27,7 @@ def examine_ends(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
     yield from _campaign_file(campaign)
     files = {run.id: _text_files(run) for run in campaign.runs}
     yield from _line_ends(files)
-    yield from _left_alone(campaign, files)
+    yield from _left_alone(campaign)
     yield from _lengths(summaries)
 
 
@@ -67,19 +67,24 @@ def _line_ends(files: Mapping[str, Sequence[Path]]) -> Iterator[CheckFinding]:
     )
 
 
-def _left_alone(campaign: Campaign, files: Mapping[str, Sequence[Path]]) -> Iterator[CheckFinding]:
-    """Files beside those of the runs that are of the same kind and that no run names."""
-    excluded = [path for run, _ in campaign.excluded for path in _text_files(run)]
-    used = {path.resolve() for paths in files.values() for path in paths}
+def _left_alone(campaign: Campaign) -> Iterator[CheckFinding]:
+    """Files beside those of histories that are of the same kind and that no run names."""
+    every = (*campaign.runs, *(run for run, _ in campaign.excluded))
+    named = {path.resolve() for run in every for path in _text_files(run)}
+    used = {
+        path.resolve()
+        for run in campaign.runs
+        if run.kind == "history"
+        for path in _text_files(run)
+    }
     if len(used) < 2:
         return
-    kinds = Counter((path.parent, path.suffix) for path in used)
-    used |= {path.resolve() for path in excluded}
+    kinds = {(path.parent, path.suffix) for path in used}
     lost = sorted(
         path.name
         for folder, suffix in kinds
         for path in folder.glob(f"*{suffix}")
-        if path.is_file() and path not in used
+        if path.suffix == suffix and path.is_file() and path not in named
     )
     if lost:
         more = f" and {len(lost) - _SERIES} more" if len(lost) > _SERIES else ""
