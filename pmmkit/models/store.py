@@ -37,6 +37,8 @@ _TOP: Final = (
     "steps",
     "effects",
     "covariance",
+    "closed",
+    "end",
 )
 _PART: Final = ("source", "references", "text", "options", "values", "sources")
 
@@ -105,6 +107,7 @@ def model_text(model: Model) -> str:
         The model.
     """
     data: dict[str, Any] = {"schema": SCHEMA if model.steps else 1, "name": model.name}
+    data["closed"] = True
     data |= {key: getattr(model, key) for key in ("title", "scale") if getattr(model, key)}
     if model.notes:
         data["notes"] = list(model.notes)
@@ -119,6 +122,7 @@ def model_text(model: Model) -> str:
     if model.covariance is not None:
         lower = [row[: i + 1].tolist() for i, row in enumerate(model.covariance)]
         data["covariance"] = {"names": list(model.covariance_names), "lower": lower}
+    data["end"] = {}
     return toml_text(data)
 
 
@@ -162,6 +166,12 @@ def model_from(data: Mapping[str, Any], file: str) -> Model:
         reader.fault(
             f"schema is {schema!r:.40}; this pmmkit reads 1 to {SCHEMA}.",
             "A model file starts with schema = 1; a file of a newer pmmkit needs that version.",
+        )
+        raise ModelError(reader.problems, title=title)
+    if data.get("closed") is True and "end" not in data:
+        reader.fault(
+            "The file is cut off: it says closed = true, and its last line [end] is missing.",
+            "Take it from its source again; if nothing is missing, write [end] as its last line.",
         )
         raise ModelError(reader.problems, title=title)
     reader.known(data, _TOP, "A model file")

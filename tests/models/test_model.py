@@ -446,4 +446,18 @@ def test_a_file_with_later_effects_loads_for_ever():
     text = text.replace('history = ["a step"]\n', "")
     step = '[[steps]]\naction = "noted"\nnote = "a step"\n\n'
     first = "[effects.hull_polynomial]"
-    assert model_text(model) == text.replace(first, step + first)
+    text = text.replace(first, step + first)
+    name = next(line for line in text.splitlines() if line.startswith("name = "))
+    assert model_text(model) == f"{text.replace(name, name + chr(10) + 'closed = true')}\n[end]\n"
+
+
+@pytest.mark.slow
+def test_a_model_file_that_pmmkit_wrote_is_whole_or_refused(tmp_path):
+    """Cut at every fourth byte, and before and behind every line end."""
+    whole = model_text(load_model("s175-3dof")).encode()
+    ends = {at for at in range(len(whole)) if whole[at : at + 1] == b"\n"}
+    last = max(ends)
+    for cut in sorted({*range(0, last, 4), *ends, *(at + 1 for at in ends)} - {last, last + 1}):
+        (tmp_path / "m.toml").write_bytes(whole[:cut])
+        with pytest.raises(ModelError):
+            load_model(tmp_path / "m.toml")
