@@ -16,6 +16,7 @@ from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
+from pmmkit.estimation.innovations import Innovations
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
@@ -30,39 +31,6 @@ STEP: Final = 0.05
 """Longest step of the integration in ship lengths over the speed of the approach."""
 ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 """Process noise that is tried, in U²/L over the root of L/U."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Innovations:
-    """What a filter did not expect, per record and channel.
-
-    Parameters
-    ----------
-    names : tuple of str
-        Channels.
-    residuals, variances : array (n, c)
-        Measured less predicted, and the variance the filter gave it; NaN where nothing was.
-    gated : array (n, c) of bool
-        Residuals that were not taken in.
-    """
-
-    names: tuple[str, ...]
-    residuals: Array
-    variances: Array
-    gated: NDArray[np.bool_]
-
-    @property
-    def normalised(self) -> Array:
-        """Residuals over their standard deviation, gated ones left out."""
-        values = self.residuals / np.sqrt(self.variances)
-        return np.where(self.gated, np.nan, values)
-
-    def log_likelihood(self) -> float:
-        """Of the residuals; a gated one counts as the smallest that was not taken in."""
-        square = self.residuals**2 / self.variances
-        most = np.min(square[self.gated]) if self.gated.any() else np.inf
-        terms = np.minimum(square, most) + np.log(self.variances)
-        return float(-0.5 * np.nansum(terms))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -15,11 +15,11 @@ import pmmkit as pk
 from pmmkit.cli import main
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.estimation.innovations import Innovations, autocorrelation, innovation_tests
 from pmmkit.figures import identification as drawings
 from pmmkit.figures import save
 from pmmkit.identification.comparing import compare_methods, predicted_window
-from pmmkit.identification.consistency import autocorrelation, consistency, innovation_tests
-from pmmkit.identification.filters import Innovations
+from pmmkit.identification.consistency import consistency
 from pmmkit.identification.known import known_before, parameters_of
 from pmmkit.identification.methods import METHODS
 from pmmkit.identification.predict import reference

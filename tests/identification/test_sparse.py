@@ -14,8 +14,7 @@ from pmmkit.effects.state import State
 from pmmkit.equations import prepare
 from pmmkit.equations.histories import water_forces
 from pmmkit.errors import PmmkitError
-from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.sparse.fit import (
+from pmmkit.estimation.sparse import (
     Task,
     by_groups,
     compressed,
@@ -25,6 +24,7 @@ from pmmkit.identification.sparse.fit import (
     solved,
     sparse,
 )
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.regression import (
     look_for_collinearity,
     physics_groups,

@@ -25,9 +25,9 @@ from pmmkit.cli.output import Outcome, warned
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
+    from pmmkit.estimation.innovations import Consistency
     from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
-    from pmmkit.identification.consistency import Consistency
     from pmmkit.identification.smoother import Smoothed
 
 

@@ -7,18 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.sparse.collinear import Collinearity
-from pmmkit.identification.sparse.fit import (
+from pmmkit.estimation.collinear import Collinearity
+from pmmkit.estimation.sparse import (
     Method,
     Path,
     bagged,
     choose_threshold,
     folds_of,
     held_out,
+    shares_of,
 )
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.request import Groups, check_numbers, physics_groups, request
-from pmmkit.identification.sparse.result import SparseRegression, assembled, shares_of
+from pmmkit.identification.sparse.result import SparseRegression, assembled
 from pmmkit.models import Model
 from pmmkit.structures import Structure
 

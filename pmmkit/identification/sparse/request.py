@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import CHANNELS, canonical, parse_derivative
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.identification.forces import ForceRecord
-from pmmkit.identification.sparse.collinear import Collinearity, collinearity_of, joined_reports
-from pmmkit.identification.sparse.fit import (
+from pmmkit.estimation.collinear import Collinearity, collinearity_of, joined_reports
+from pmmkit.estimation.sparse import (
     EXCITED,
     Method,
     System,
@@ -24,6 +23,7 @@ from pmmkit.identification.sparse.fit import (
     null_space,
     rms,
 )
+from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.identification.sparse.collinear import Collinearity
-from pmmkit.identification.sparse.fit import Path, joined, solved
+from pmmkit.estimation.collinear import Collinearity
+from pmmkit.estimation.sparse import Path, joined, solved
 from pmmkit.identification.sparse.request import Request, derivatives
 from pmmkit.identification.sparse.rows import homes
 from pmmkit.models import Model, Part
@@ -157,13 +157,6 @@ def assembled(
             *_assumed(asked, [name for name in held if name not in asked.fixed]),
         ),
     )
-
-
-def shares_of(coefficients: Array) -> Array:
-    """Part of the bags in which a term is not zero, of those that determine it; NaN if none do."""
-    known = np.isfinite(coefficients).sum(axis=0)
-    found = (np.nan_to_num(coefficients) != 0).sum(axis=0)
-    return np.where(known > 0, found / np.maximum(known, 1), np.nan)
 
 
 def _values(asked: Request, stays: NDArray[np.bool_]) -> tuple[Array, dict[str, float]]:

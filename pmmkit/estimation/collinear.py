@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.identification.sparse.fit import System, unit
+from pmmkit.estimation.sparse import System, unit
 from pmmkit.numerics import Array
 
 ALIKE: Final = 0.95

@@ -355,3 +355,10 @@ def bagged(task: Task, runs: Sequence[System], draws: NDArray[np.int64], thresho
     for bag, drawn in enumerate(draws):
         found[bag] = sparse(task, joined([runs[run] for run in drawn]), usual, threshold)
     return found
+
+
+def shares_of(coefficients: Array) -> Array:
+    """Part of the bags in which a term is not zero, of those that determine it; NaN if none do."""
+    known = np.isfinite(coefficients).sum(axis=0)
+    found = (np.nan_to_num(coefficients) != 0).sum(axis=0)
+    return np.where(known > 0, found / np.maximum(known, 1), np.nan)
