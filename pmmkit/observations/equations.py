@@ -75,18 +75,29 @@ def rows_of(
         Share by which the water passes the model faster than the carriage says. It acts on the
         regressors, not on the inertia.
     """
-    faster = 1.0 + blockage
-    motion = prepared.motion_at_midship(rig)
-    motion = motion.with_(
-        u=motion.u * faster, v=motion.v * (1.0 if prepared.result.run.dynamic else faster)
-    )
-    speed = prepared.result.run.settings.speed * faster
+    motion, speed = motion_of_water(prepared, rig, blockage)
     return Rows(
         result=prepared.result,
         force=prepared.water_force(rig),
         design=_design(prepared.projection, names, motion, speed, campaign, convention),
         names=names,
     )
+
+
+def motion_of_water(prepared: Prepared, rig: Rig, blockage: float) -> tuple[State, float]:
+    """Motion of midship through the water at the samples, and the approach speed [m/s].
+
+    Parameters
+    ----------
+    prepared, rig, blockage
+        As in `rows_of`.
+    """
+    faster = 1.0 + blockage
+    motion = prepared.motion_at_midship(rig)
+    motion = motion.with_(
+        u=motion.u * faster, v=motion.v * (1.0 if prepared.result.run.dynamic else faster)
+    )
+    return motion, prepared.result.run.settings.speed * faster
 
 
 def _design(

@@ -33,6 +33,7 @@ from pmmkit.signals import (
     steady_window,
     whole_cycles,
 )
+from pmmkit.signals.harmonics import trapezoid_projector
 from pmmkit.signals.record import time_weights
 
 if TYPE_CHECKING:
@@ -167,7 +168,12 @@ def one_cycle() -> Array:
 
 
 def prepare(
-    run: Run, campaign: Campaign, *, cycles: CycleChoice = None, noise: bool = True
+    run: Run,
+    campaign: Campaign,
+    *,
+    cycles: CycleChoice = None,
+    noise: bool = True,
+    integrated: bool = False,
 ) -> Prepared:
     """Cut one run to its steady window or whole cycles and project it.
 
@@ -182,6 +188,9 @@ def prepare(
     noise : bool
         Whether the noise of an oscillating record is estimated; without it there are no
         covariances.
+    integrated : bool
+        Whether harmonics are trapezoidal integrals over the cycles, as some papers have them,
+        instead of least squares.
 
     Raises
     ------
@@ -203,7 +212,7 @@ def prepare(
         )
     make = {"history": _from_history, "means": _from_means, "harmonics": _from_harmonics}
     if run.kind == "history" and run.dynamic:
-        prepared = _from_cycles(run, campaign, data, channels, cycles, noise)
+        prepared = _from_cycles(run, campaign, data, channels, cycles, noise, integrated)
     else:
         prepared = make[run.kind](run, campaign, data, channels, cycles)
     steps = tuple(json.loads(data.attrs.get("conversions", "[]")))
@@ -260,6 +269,7 @@ def _from_cycles(
     channels: list[str],
     cycles: CycleChoice,
     noise: bool,
+    integrated: bool,
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
@@ -282,9 +292,13 @@ def _from_cycles(
             cut = slice(kept.start, kept.stop)
     part = data.isel(t=cut)
     theta = phase[cut]
-    projection = projector(design_matrix(theta, ORDER))
+    if integrated:
+        projection = trapezoid_projector(theta, ORDER)
+    else:
+        projection = projector(design_matrix(theta, ORDER))
     found: Harmonics | None = harmonics(theta, record[:, cut], order=ORDER) if noise else None
-    values = record[:, cut] @ projection.T if found is None else found.coefficients
+    fitted = None if integrated or found is None else found.coefficients
+    values = record[:, cut] @ projection.T if fitted is None else fitted
     scatter = None if found is None else found.scatter
     return Prepared(
         result=RunResult(

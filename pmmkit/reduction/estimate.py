@@ -88,6 +88,9 @@ class ChannelFit:
         Type A covariance of each block's rows [N², (N m)²].
     noise_dof : array (k,)
         Degrees of freedom of each block's noise.
+    private : tuple of array (m_i, q) or None
+        Errors that each block's run drew on its own, as columns per standard deviation: the
+        scatter between runs, for whatever else is estimated from the same runs.
     residual : tuple of array
         Rows minus fit, block by block [N, N m].
     chi_square : float
@@ -108,6 +111,7 @@ class ChannelFit:
     whiteners: tuple[Array, ...]
     noise: tuple[Array, ...]
     noise_dof: Array
+    private: tuple[Array | None, ...]
     residual: tuple[Array, ...]
     chi_square: float
     scale: float
@@ -273,6 +277,7 @@ def fit_channel(
         whiteners=tuple(whiteners),
         noise=tuple(scale.factor * covariance for covariance in noise),
         noise_dof=np.maximum(dof, scale.dof),
+        private=tuple(scatter),
         residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
         chi_square=scale.chi_square,
         scale=inflation * scale.factor,

@@ -35,13 +35,14 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
     Returns
     -------
     array (n, k, p)
-        Derivatives in the order of the table, NaN where not determined.
+        Derivatives in the order of the table of the regression, NaN where not determined.
     """
     groups = [
         (float(froude), members)
         for froude, members in zip(reduction.solution.Fn, reduction.solution.groups, strict=True)
     ]
     noise = _noise(reduction.solution)
+    names = next(iter(reduction.estimates.values())).table.names
     draws = []
     for number in range(n):
         rng = np.random.default_rng([seed, number])
@@ -53,7 +54,7 @@ def monte_carlo(reduction: Reduction, *, n: int = 500, seed: int = 0) -> Array:
         table = to_table(
             found, reduction.columns, reduction.campaign, reduction.convention, method="draw"
         )
-        draws.append(table.select(reduction.table.names).value)
+        draws.append(table.select(names).value)
     return np.stack(draws)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -23,7 +23,11 @@ from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.influence import Influences, at_odds, influences, weighed_down
-from pmmkit.reduction.methods import by_family, by_run
+from pmmkit.reduction.methods.families import by_family, by_run
+from pmmkit.reduction.methods.library import library_of
+from pmmkit.reduction.methods.method import Estimate, Evidence
+from pmmkit.reduction.methods.over_time import channels_over_time
+from pmmkit.reduction.methods.registry import METHODS, estimates, methods_of
 from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
@@ -41,6 +45,8 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int, str], None]
 OddRuns = Literal["tell", "weigh", "refuse"]
+THIRD = 3
+"""Cycle over which papers integrate, the first two being transient."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -50,7 +56,10 @@ class Reduction(Described):
     Parameters
     ----------
     table : DerivativeTable
-        The derivatives, from one global regression per Froude number.
+        The derivatives by the method asked for, by default one global regression per Froude
+        number.
+    estimates : dict of str to Estimate
+        By each method, the global regression first.
     families : dict of str to DerivativeTable
         The same from each family of tests alone.
     single_runs : dict of str to DerivativeTable
@@ -82,6 +91,7 @@ class Reduction(Described):
     """
 
     table: DerivativeTable
+    estimates: dict[str, Estimate]
     families: dict[str, DerivativeTable]
     single_runs: dict[str, DerivativeTable]
     runs: tuple[RunResult, ...]
@@ -151,6 +161,9 @@ def reduce_campaign(
     cycles: CycleChoice = None,
     carriage_speed: bool = False,
     blockage: Literal["report", "correct"] = "report",
+    method: str = "regression",
+    library: str | Sequence[str] | Structure | None = None,
+    fourier: Literal["least-squares", "trapezoid"] = "least-squares",
     check: bool = True,
     odd_runs: OddRuns = "tell",
     progress: Progress | None = None,
@@ -180,6 +193,16 @@ def reduce_campaign(
         Yvvv by about Yv/2 and may flip the sign of Nvvv.
     blockage : {"report", "correct"}
         Whether the mean blockage of the tank is only reported or corrected for.
+    method : str
+        One of `pmmkit.reduction.methods.registry.METHODS`: ``regression``, ``harmonics``,
+        ``sindy``, ``ekf``; or ``all`` for all of them side by side, with the table of the
+        regression.
+    library : str, sequence of str or Structure, optional
+        Terms among which ``sindy`` chooses, beside those of the structure; by default those of
+        all structures in the same variables.
+    fourier : {"least-squares", "trapezoid"}
+        Fourier coefficients for ``harmonics``: by least squares on the cycles that count, or by
+        trapezoidal integrals over the third cycle (over `cycles` where given).
     check : bool
         Refuse data that contradict themselves.
     odd_runs : {"tell", "weigh", "refuse"}
@@ -213,17 +236,19 @@ def reduce_campaign(
         U="carriage" if carriage_speed else "instantaneous",
     )
     tell = progress or _silent
-    read = read_all(
-        ReductionSettings(
-            campaign=campaign,
-            columns=columns_of(wanted, campaign.runs, CHANNELS),
-            convention=convention,
-            cycles=cycles,
-            blockage=blockage,
-        ),
-        tell,
-        Means(jobs=jobs, memory=memory, kept=resume),
+    means = Means(jobs=jobs, memory=memory, kept=resume)
+    chosen = methods_of(method)
+    asked = columns_of(wanted, campaign.runs, CHANNELS)
+    over_time = any(item.over_time for item in chosen)
+    settings = ReductionSettings(
+        campaign=campaign,
+        columns=asked,
+        convention=convention,
+        cycles=cycles,
+        blockage=blockage,
+        library=library_of(asked, wanted, library) if over_time else None,
     )
+    read = read_all(settings, tell, means)
     findings = examine(campaign, [item.summary for item in read])
     if check:
         refuse(findings)
@@ -260,16 +285,39 @@ def reduce_campaign(
         *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
         *_tank(campaign, blockage),
     )
+    table = to_table(
+        solution,
+        columns,
+        campaign,
+        convention,
+        method="global regression",
+        notes=remarks,
+        provenance=_provenance(campaign, results, wanted, fn, cycles, blockage),
+    )
+    histories = tuple(item.history for item in read if item.history is not None)
+    evidence = Evidence(
+        campaign=campaign,
+        convention=convention,
+        columns=columns,
+        solution=solution,
+        table=table,
+        rows=rows,
+        cycles=(1.0,) * len(rows),
+        sensitivities=sensitivities,
+        histories=histories,
+        channels=channels_over_time(solution, histories, settings.library or {})
+        if over_time
+        else (),
+    )
+    if fourier == "trapezoid" and "harmonics" in {item.name for item in chosen}:
+        evidence = _integrated(evidence, settings, tell, means)
+    found = estimates(chosen, evidence)
+    main = found[method].table if method in found else table
     return Reduction(
-        table=to_table(
-            solution,
-            columns,
-            campaign,
-            convention,
-            method="global regression",
-            notes=remarks,
-            provenance=_provenance(campaign, results, wanted, fn, cycles, blockage),
-        ),
+        table=main.with_(notes=table.notes, provenance={**table.provenance, "method": method})
+        if method != next(iter(METHODS))
+        else table,
+        estimates=found,
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
@@ -304,6 +352,26 @@ def _excited(
         for place, item in zip(members, kept, strict=True):
             found[place] = item
     return tuple(found)
+
+
+def _integrated(
+    evidence: Evidence, settings: ReductionSettings, tell: Progress, means: Means
+) -> Evidence:
+    """The evidence with Fourier coefficients by integrals over the third cycle."""
+    read = read_all(
+        replace(settings, cycles=settings.cycles or THIRD, integrated=True, library=None),
+        tell,
+        means,
+    )
+    before = [item.result.cycles or 1 for item in evidence.rows]
+    return replace(
+        evidence,
+        rows=tuple(item.rows for item in read),
+        cycles=tuple(
+            cycles / (item.rows.result.cycles or 1)
+            for cycles, item in zip(before, read, strict=True)
+        ),
+    )
 
 
 def _silent(*_: object) -> None:

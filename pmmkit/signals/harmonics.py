@@ -269,6 +269,30 @@ def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Ar
     array([[0., 0., 3.]])
     """
     phase, values = as_record(theta, y, name="theta", least=2 * order + 2)
+    return np.asarray(values @ trapezoid_projector(phase, order).T)
+
+
+def trapezoid_projector(phase: Array, order: int) -> Array:
+    """The map (2 order + 1, n) from samples to harmonics by trapezoidal integration.
+
+    Parameters
+    ----------
+    phase : (n,) array
+        As `theta` of `trapezoid_harmonics` [rad].
+    order : int
+        Highest harmonic.
+
+    Raises
+    ------
+    DataError
+        If the phase does not cover whole cycles.
+
+    Examples
+    --------
+    >>> theta = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+    >>> np.round(trapezoid_projector(theta, 1) @ (2.0 + np.cos(theta)), 12) + 0.0
+    array([2., 1., 0.])
+    """
     step = np.diff(phase)
     count = max(1, round((phase[-1] - phase[0]) / TURN))
     gap = TURN * count - (phase[-1] - phase[0])
@@ -278,6 +302,6 @@ def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Ar
             "integration needs whole cycles. Choose them first, or use least squares."
         )
     weight = 0.5 * (np.append(step, gap) + np.insert(step, 0, gap))
-    result = (values * weight) @ _rows(phase, order).T / (np.pi * count)
-    result[:, 0] *= 0.5
-    return np.asarray(result)
+    found = _rows(phase, order) * weight / (np.pi * count)
+    found[0] *= 0.5
+    return np.asarray(found)

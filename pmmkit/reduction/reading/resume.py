@@ -26,11 +26,12 @@ from pmmkit.errors import PmmkitError
 from pmmkit.files import sha256
 from pmmkit.json_text import from_json, to_json
 from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.observations.histories import History
 from pmmkit.observations.prepare import RunResult
 from pmmkit.reduction.reading.run import Reading, ReductionSettings
 from pmmkit.version import __version__
 
-LAYOUT: Final = 1
+LAYOUT: Final = 2
 """Version of the files' content."""
 
 
@@ -117,6 +118,8 @@ class Kept:
             self.settings.convention,
             self.settings.cycles,
             self.settings.blockage,
+            self.settings.integrated,
+            self.settings.library,
             run,
             run.loader,
         )
@@ -147,6 +150,7 @@ def _plain(reading: Reading) -> dict[str, Any]:
         "rows": _fields(rows, "result"),
         "sensitivities": [_fields(item, "source", "names") for item in reading.sensitivities],
         "summary": _fields(reading.summary, "run"),
+        "history": reading.history and _fields(reading.history),
     }
 
 
@@ -166,4 +170,5 @@ def _restored(plain: Mapping[str, Any], run: Run, settings: ReductionSettings) -
             for source, item in zip(settings.sources, plain["sensitivities"], strict=True)
         ),
         summary=Summary(run=run, **plain["summary"]),
+        history=plain["history"] and History(**plain["history"]),
     )

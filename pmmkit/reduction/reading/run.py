@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from pmmkit.campaigns.run import Campaign, Run
@@ -11,6 +11,7 @@ from pmmkit.checks import Summary, summarise
 from pmmkit.conventions import Convention
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
+from pmmkit.observations.histories import History, history_of
 from pmmkit.observations.inertia import rig_of
 from pmmkit.observations.prepare import CycleChoice, prepare
 from pmmkit.reduction.derivatives import Columns
@@ -30,6 +31,10 @@ class ReductionSettings:
         Meaning of the derivatives.
     cycles, blockage
         As for `reduce_campaign`.
+    integrated : bool
+        As for `prepare`.
+    library : mapping of channel to names, optional
+        Derivatives whose regressors are wanted over time; no histories are kept without.
     """
 
     campaign: Campaign
@@ -37,6 +42,8 @@ class ReductionSettings:
     convention: Convention
     cycles: CycleChoice
     blockage: str
+    integrated: bool = False
+    library: Mapping[str, tuple[str, ...]] | None = None
 
     @property
     def sources(self) -> tuple[TypeB, ...]:
@@ -60,11 +67,14 @@ class Reading:
         How they change with each stated uncertainty.
     summary : Summary
         What the checks look at.
+    history : History or None
+        The run over time, where the settings ask for it.
     """
 
     rows: Rows
     sensitivities: tuple[Sensitivity, ...]
     summary: Summary
+    history: History | None = None
 
 
 def read_run(run: Run, settings: ReductionSettings) -> Reading:
@@ -84,20 +94,23 @@ def read_run(run: Run, settings: ReductionSettings) -> Reading:
     """
     data = run.data
     once = run.with_(loader=lambda: data)
-    rows, changes = _equations(once, settings)
+    rows, changes, history = _equations(once, settings)
     kept = run.with_(settings=rows.result.run.settings)
     return Reading(
         rows=replace(rows, result=replace(rows.result, run=kept)),
         sensitivities=tuple(changes),
         summary=replace(summarise(once, settings.campaign), run=run),
+        history=history,
     )
 
 
-def _equations(run: Run, settings: ReductionSettings) -> tuple[Rows, Iterator[Sensitivity]]:
-    """What a run says about the derivatives, and how that changes with the uncertainties."""
+def _equations(
+    run: Run, settings: ReductionSettings
+) -> tuple[Rows, Iterator[Sensitivity], History | None]:
+    """What a run says about the derivatives, how that changes with the uncertainties, over time."""
     campaign = settings.campaign
     rig = rig_of(campaign)
-    prepared = prepare(run, campaign, cycles=settings.cycles)
+    prepared = prepare(run, campaign, cycles=settings.cycles, integrated=settings.integrated)
     share = speed_increase(campaign, run.settings.speed) if settings.blockage == "correct" else None
     names = {
         channel: listed
@@ -105,7 +118,14 @@ def _equations(run: Run, settings: ReductionSettings) -> tuple[Rows, Iterator[Se
         if channel in prepared.result.measured
     }
     rows = rows_of(prepared, campaign, rig, names, settings.convention, blockage=share or 0.0)
-    return rows, (
+    changes = (
         sensitivity(rows, source, campaign, rig, names, settings.convention)
         for source in settings.sources
     )
+    if settings.library is None:
+        return rows, changes, None
+    wanted = {channel: own for channel, own in settings.library.items() if channel in names}
+    history = history_of(
+        prepared, run, campaign, rig, wanted, settings.convention, blockage=share or 0.0
+    )
+    return rows, changes, history

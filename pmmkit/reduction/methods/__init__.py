@@ -1,0 +1,1 @@
+"""The same derivatives by other ways, side by side."""

@@ -1,0 +1,102 @@
+"""The methods of reduction."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+from pmmkit.errors import UnknownNameError
+from pmmkit.reduction.methods.harmonics import by_harmonics
+from pmmkit.reduction.methods.kalman import by_filter
+from pmmkit.reduction.methods.method import Estimate, Evidence, Method
+from pmmkit.reduction.methods.sparse import by_sparse_regression
+
+ALL: Final = "all"
+"""What asks for every method."""
+
+
+def by_regression(evidence: Evidence) -> Estimate:
+    """The global regression that every method starts from."""
+    return Estimate(method="global regression", table=evidence.table)
+
+
+METHODS: Final = MappingProxyType(
+    {
+        method.name: method
+        for method in (
+            Method(
+                name="regression",
+                text="All runs of a Froude number together, weighted by noise and scatter.",
+                estimate=by_regression,
+            ),
+            Method(
+                name="harmonics",
+                text="Each derivative from the tests made for it, by curve fits and Fourier "
+                "coefficients.",
+                estimate=by_harmonics,
+            ),
+            Method(
+                name="sindy",
+                text="Terms chosen among a library by pysindy on the histories, in bags of runs.",
+                estimate=by_sparse_regression,
+                over_time=True,
+            ),
+            Method(
+                name="ekf",
+                text="A Kalman filter through the histories with the derivatives as states.",
+                estimate=by_filter,
+                over_time=True,
+            ),
+        )
+    }
+)
+"""By name; the first is the default and the basis of the others."""
+
+
+def methods_of(choice: str) -> tuple[Method, ...]:
+    """The methods that a choice stands for, the basis first.
+
+    Parameters
+    ----------
+    choice : str
+        A name, or ``all``.
+
+    Raises
+    ------
+    UnknownNameError
+        With the names there are.
+
+    Examples
+    --------
+    >>> [method.name for method in methods_of("ekf")]
+    ['regression', 'ekf']
+    """
+    if choice == ALL:
+        return tuple(METHODS.values())
+    if choice not in METHODS:
+        raise UnknownNameError(
+            f"There is no method {choice!r}; there are: {', '.join((*METHODS, ALL))}."
+        )
+    basis = next(iter(METHODS.values()))
+    return tuple(dict.fromkeys((basis, METHODS[choice])))
+
+
+def estimates(methods: Sequence[Method], evidence: Evidence) -> dict[str, Estimate]:
+    """What each method makes of the runs, with the seconds it took.
+
+    Parameters
+    ----------
+    methods : sequence of Method
+        From `methods_of`.
+    evidence : Evidence
+        The runs.
+    """
+    found = {}
+    for method in methods:
+        started = time.perf_counter()
+        estimate = method.estimate(evidence)
+        found[method.name] = replace(estimate, seconds=time.perf_counter() - started)
+    return found
