@@ -2,6 +2,7 @@
 
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
+from pmmkit.figures.methods import forest
 from pmmkit.plotting.histories import histories, path, spiral, zigzag
 from pmmkit.plotting.metrics import measures_over_froude, metrics_over
 from pmmkit.plotting.style import save, svg
@@ -13,6 +14,7 @@ __all__ = [
     "beside_reference",
     "derivatives_over_froude",
     "forces_over_drift",
+    "forest",
     "histories",
     "measures_over_froude",
     "metrics_over",

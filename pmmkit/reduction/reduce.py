@@ -27,7 +27,7 @@ from pmmkit.reduction.methods.families import by_family, by_run
 from pmmkit.reduction.methods.library import library_of
 from pmmkit.reduction.methods.method import Estimate, Evidence
 from pmmkit.reduction.methods.over_time import channels_over_time
-from pmmkit.reduction.methods.registry import METHODS, estimates, methods_of
+from pmmkit.reduction.methods.registry import ALL, estimates, methods_of
 from pmmkit.reduction.notes import Offset, notes, offsets
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
@@ -58,6 +58,8 @@ class Reduction(Described):
     table : DerivativeTable
         The derivatives by the method asked for, by default one global regression per Froude
         number.
+    method : str
+        The method of the table, a key of `estimates`.
     estimates : dict of str to Estimate
         By each method, the global regression first.
     families : dict of str to DerivativeTable
@@ -91,6 +93,7 @@ class Reduction(Described):
     """
 
     table: DerivativeTable
+    method: str
     estimates: dict[str, Estimate]
     families: dict[str, DerivativeTable]
     single_runs: dict[str, DerivativeTable]
@@ -312,11 +315,13 @@ def reduce_campaign(
     if fourier == "trapezoid" and "harmonics" in {item.name for item in chosen}:
         evidence = _integrated(evidence, settings, tell, means)
     found = estimates(chosen, evidence)
-    main = found[method].table if method in found else table
+    main = chosen[0].name if method == ALL else method
+    if main != chosen[0].name:
+        origin = {**table.provenance, "method": main}
+        table = found[main].table.with_(notes=remarks, provenance=origin)
     return Reduction(
-        table=main.with_(notes=table.notes, provenance={**table.provenance, "method": method})
-        if method != next(iter(METHODS))
-        else table,
+        table=table,
+        method=main,
         estimates=found,
         families=by_family(rows, sensitivities, columns, solution, campaign, convention),
         single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),

@@ -11,10 +11,12 @@ from pmmkit.figures import svg
 from pmmkit.files import write_text
 from pmmkit.presentation import Grid, Group, Picture, Section, counted, percent
 from pmmkit.reduction import Reduction
+from pmmkit.reduction.agreement import differences
+from pmmkit.reduction.methods.registry import METHODS
 from pmmkit.report import pictures, tables
 from pmmkit.report.loop import Loop, loop_sections
 from pmmkit.report.page import page
-from pmmkit.report.reference import Reference
+from pmmkit.report.reference import Reference, published_of
 from pmmkit.report.turning import Turns, changes, turning_section
 from pmmkit.report.words import flattened
 from pmmkit.version import __version__
@@ -79,7 +81,7 @@ def report_html(
         _derivatives(reduction, reference),
         _forces(reduction),
         _influence(reduction),
-        _comparison(reduction),
+        _comparison(reduction, reference or published_of(reduction.table)),
         *([turning_section(turns)] if turns else []),
         *(loop_sections(loop) if loop else []),
         _runs(reduction),
@@ -194,12 +196,18 @@ def _done(reduction: Reduction) -> Section:
     return Section(
         title="What was done",
         paragraphs=[
-            f"Structure {origin.get('structure', 'custom')}, {fn}, by one regression over all runs "
-            f"weighted with the noise of their records. Cycles of oscillating tests were chosen "
-            f"{asked}. {inside}"
+            f"Structure {origin.get('structure', 'custom')}, {fn}, by {_way(reduction)}. Cycles of "
+            f"oscillating tests were chosen {asked}. {inside}"
         ],
         tables=grids,
     )
+
+
+def _way(reduction: Reduction) -> str:
+    """By which method the table was found."""
+    if reduction.method == next(iter(METHODS)):
+        return "one regression over all runs weighted with the noise of their records"
+    return f"{reduction.estimates[reduction.method].method} ({METHODS[reduction.method].text[:-1]})"
 
 
 def _findings(reduction: Reduction) -> Section:
@@ -231,7 +239,15 @@ def _derivatives(reduction: Reduction, reference: Reference | None) -> Section:
     )
 
 
-def _comparison(reduction: Reduction) -> Section:
+def _comparison(reduction: Reduction, beside: Reference | None) -> Section:
+    several = len(reduction.estimates) > 1
+    told = [item.sentence for item in differences(reduction)]
+    agree = ["No method differs from the regression beyond both intervals."]
+    tests = [
+        f"{estimate.method}: {text}"
+        for estimate in reduction.estimates.values()
+        for text in (estimate.tests.words() if estimate.tests else ())
+    ]
     return Section(
         title="The same derivatives by other ways",
         paragraphs=[
@@ -240,7 +256,9 @@ def _comparison(reduction: Reduction) -> Section:
             "ones), and from the harmonics of single runs: their mean and range. Where the ways "
             "disagree by more than their intervals, the structure lacks something or a test does."
         ],
-        tables=tables.methods(reduction),
+        points=[*(told or agree), *tests] if several else [],
+        tables=[*tables.methods(reduction, beside), *tables.shares(reduction)],
+        figures=list(pictures.of_methods(reduction, beside)),
     )
 
 

@@ -17,6 +17,7 @@ from pmmkit.figures import (
     beside_reference,
     derivatives_over_froude,
     forces_over_drift,
+    forest,
     over_a_cycle,
     svg,
 )
@@ -26,6 +27,8 @@ from pmmkit.report.reference import Reference
 from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from pmmkit.tables import DerivativeTable
 
 _SHOWN: Final = ("X", "Y", "N")
@@ -81,6 +84,39 @@ def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Itera
             svg=svg(figure),
             caption=f"Each derivative over its value in {reference.name}, with its 95 % interval: "
             "at 1 they agree.",
+        )
+
+
+def forest_of(reduction: Reduction, beside: Reference | None) -> Figure:
+    """All methods side by side with published values, where there are any.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        By two methods or more.
+    beside : Reference or None
+        Published values.
+    """
+    return forest(
+        {estimate.method: estimate.table for estimate in reduction.estimates.values()},
+        reference=beside.table if beside else None,
+        reference_name=beside.name if beside else "",
+    )
+
+
+def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Picture]:
+    """The forest plot of a reduction by several methods.
+
+    Parameters
+    ----------
+    reduction, beside
+        As for `forest_of`.
+    """
+    if len(reduction.estimates) > 1:
+        yield Picture(
+            svg=svg(forest_of(reduction, beside)),
+            caption="Every method less the global regression, over half of the regression's 95 % "
+            "interval (grey): bars are 95 % intervals, numbers stand for what lies outside.",
         )
 
 

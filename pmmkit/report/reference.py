@@ -4,10 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
+from pmmkit.errors import TableError
 from pmmkit.models import Model, load_model
 from pmmkit.models.hull import hull_table
+from pmmkit.ship import Ship
+from pmmkit.ship_library import load_ship, ships
 from pmmkit.tables import DerivativeTable, is_table, read_table
+from pmmkit.tables.compare import compare
+
+ALIKE: Final = 0.005
+"""Share by which the proportions of two models of one ship may differ."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -48,3 +56,39 @@ def reference_of(given: str, name: str = "") -> Reference:
         return Reference(table=read_table(given), name=name or Path(given).stem)
     model = load_model(given)
     return Reference(table=hull_table(model), name=name or given, model=model)
+
+
+def published_of(table: DerivativeTable) -> Reference | None:
+    """Published derivatives of the ship that was tested, where the library holds it.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        Of the tests.
+
+    Returns
+    -------
+    Reference or None
+        Of the library ship with the proportions of the tested one at any scale, the smallest
+        model of it.
+    """
+    found = [load_model(name) for name in ships() if _alike(load_ship(name), table.ship)]
+    for model in sorted(found, key=lambda model: (model.rolls, len(model.parts))):
+        source = model.parts["hull_polynomial"].source.removeprefix("library: ")
+        known = Reference(table=hull_table(model), name=source, model=model)
+        try:
+            compare(table, known.table)
+        except TableError:
+            continue
+        return known
+    return None
+
+
+def _alike(ship: Ship, other: Ship) -> bool:
+    """Whether two ships have the same proportions."""
+    pairs = zip(_proportions(ship), _proportions(other), strict=True)
+    return all(abs(a / b - 1.0) < ALIKE for a, b in pairs)
+
+
+def _proportions(ship: Ship) -> tuple[float, float, float]:
+    return ship.L / ship.B, ship.B / ship.d, ship.block

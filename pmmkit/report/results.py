@@ -12,12 +12,15 @@ from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
 from pmmkit.plotting.style import save
 from pmmkit.reduction import Reduction
+from pmmkit.reduction.methods.method import Estimate
 from pmmkit.report.build import write_report
 from pmmkit.report.loop import Loop
-from pmmkit.report.reference import Reference
+from pmmkit.report.pictures import forest_of
+from pmmkit.report.reference import Reference, published_of
 from pmmkit.report.turning import Turns
 from pmmkit.simulation.results import sweep_frame, track_files
 from pmmkit.tables import write_table
+from pmmkit.tables.compare import compare
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -58,7 +61,8 @@ def write_reduction(
     return write_results(
         out,
         (
-            *_tables(reduction),
+            *_tables(reduction, reference or published_of(reduction.table)),
+            *_forest(reduction, reference or published_of(reduction.table)),
             *([("model.toml", partial(save_model, model))] if model else []),
             *(_turns(turns) if turns else ()),
             ("report.html", report),
@@ -66,10 +70,10 @@ def write_reduction(
     )
 
 
-def _tables(reduction: Reduction) -> Iterator[tuple[str, Any]]:
+def _tables(reduction: Reduction, beside: Reference | None) -> Iterator[tuple[str, Any]]:
     yield "derivatives.csv", partial(write_table, reduction.table)
     yield "derivatives.nc", partial(write_table, reduction.table)
-    yield "derivatives_by_method.csv", by_method(reduction)
+    yield "derivatives_by_method.csv", by_method(reduction, beside)
     yield "influence.csv", reduction.influences.to_pandas()
     yield "runs.csv", reduction.runs_to_pandas()
     yield "findings.json", [item.to_dict() for item in reduction.findings]
@@ -84,17 +88,60 @@ def _turns(turns: Turns) -> Iterator[tuple[str, Any]]:
         yield f"sweep_{plain}.csv", sweep_frame(sweep)
 
 
-def by_method(reduction: Reduction) -> pd.DataFrame:
-    """The derivatives by every way in one table, with the columns of ``derivatives.csv`` and run.
+def by_method(reduction: Reduction, reference: Reference | None = None) -> pd.DataFrame:
+    """The derivatives by every way in one table.
 
     Parameters
     ----------
     reduction : Reduction
         What was found.
+    reference : Reference, optional
+        Published values to stand beside them.
+
+    Returns
+    -------
+    DataFrame
+        With the columns of ``derivatives.csv``, run, and share: the part of the bags of runs in
+        which sparse regression took a term, those too that it left out.
     """
     import pandas as pd
 
-    frames = [reduction.table.to_pandas().assign(run="")]
-    frames += [table.to_pandas().assign(run="") for table in reduction.families.values()]
+    ways = [*reduction.estimates.values()]
+    frames = [_with_shares(way) for way in ways]
+    frames += [table.to_pandas() for table in reduction.families.values()]
     frames += [table.to_pandas().assign(run=name) for name, table in reduction.single_runs.items()]
-    return pd.concat([frame[frame["value"].notna()] for frame in frames], ignore_index=True)
+    if reference is not None:
+        beside = compare(reduction.table, reference.table)
+        frames.append(
+            beside[["Fn", "derivative"]].assign(
+                value=beside["reference"], method=f"published: {reference.name}", runs=0
+            )
+        )
+    columns = [*reduction.table.to_pandas().columns, "run", "share"]
+    whole = pd.concat([frame.reindex(columns=columns) for frame in frames], ignore_index=True)
+    whole["run"] = whole["run"].fillna("")
+    return whole[whole["value"].notna() | whole["share"].notna()].reset_index(drop=True)
+
+
+def _with_shares(estimate: Estimate) -> pd.DataFrame:
+    """A table by one method with the shares of its terms, those left out at the end."""
+    import pandas as pd
+
+    frame = estimate.table.to_pandas()
+    if not estimate.shares:
+        return frame
+    rows = [
+        {"Fn": Fn, "derivative": name, "share": share}
+        for name, own in estimate.shares.items()
+        for Fn, share in zip(estimate.table.Fn.tolist(), own.tolist(), strict=True)
+    ]
+    whole = frame.merge(pd.DataFrame(rows), how="outer", on=["Fn", "derivative"], sort=False)
+    whole["method"] = whole["method"].fillna(f"{estimate.method}: left out")
+    whole["runs"] = whole["runs"].fillna(0).astype(int)
+    return whole
+
+
+def _forest(reduction: Reduction, beside: Reference | None) -> Iterator[tuple[str, Any]]:
+    """The forest plot, where there is more than one method."""
+    if len(reduction.estimates) > 1:
+        yield "methods.svg", partial(save, forest_of(reduction, beside))

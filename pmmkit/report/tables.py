@@ -55,15 +55,18 @@ def reference_values(table: DerivativeTable, reference: Reference) -> dict[str, 
     return found
 
 
-def methods(reduction: Reduction) -> list[Grid]:
-    """The same derivatives by each family of tests, a table per Froude number.
+def methods(reduction: Reduction, beside: Reference | None = None) -> list[Grid]:
+    """The same derivatives by each method and family of tests, a table per Froude number.
 
     Parameters
     ----------
     reduction : Reduction
-        With its families.
+        With its estimates and families.
+    beside : Reference, optional
+        Published values.
     """
-    table = reduction.table
+    (_, basis), *others = reduction.estimates.items()
+    table = basis.table
     scale = table.factor
     singles = _single_runs(reduction, scale)
     grids = []
@@ -71,8 +74,15 @@ def methods(reduction: Reduction) -> list[Grid]:
         froude = float(table.Fn[row])
         ways = {
             way: {name: _entry(found, name, froude, scale) for name in table.names}
-            for way, found in {"all runs together": table, **reduction.families}.items()
+            for way, found in {
+                "all runs together": table,
+                **{estimate.method: estimate.table for _, estimate in others},
+                **reduction.families,
+            }.items()
         }
+        if beside is not None:
+            published = _published(table, beside, row)
+            ways[beside.name] = {name: published.get(name, "") for name in table.names}
         ways["single runs, mean"] = {name: singles.get((row, name), "") for name in table.names}
         ways = {way: texts for way, texts in ways.items() if any(texts.values())}
         names = [name for name in table.names if any(texts[name] for texts in ways.values())]
@@ -84,6 +94,47 @@ def methods(reduction: Reduction) -> list[Grid]:
         ]
         caption = f"{speed[:1].upper()}{speed[1:]}. {table.scaling}"
         grids.append(Grid(head=["", *ways], groups=[Group(rows=rows)], caption=caption))
+    return grids
+
+
+def _published(table: DerivativeTable, beside: Reference, row: int) -> dict[str, str]:
+    """Values of a source at one Froude number of a table."""
+    frame = compare(table, beside.table)
+    own = frame.groupby("derivative", sort=False)["reference"].nth(row)
+    names = frame["derivative"].drop_duplicates()
+    return {
+        str(name): number(table.factor * float(value))
+        for name, value in zip(names, own, strict=True)
+    }
+
+
+def shares(reduction: Reduction) -> list[Grid]:
+    """In which part of the bags of runs each term of a library was taken.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        Without a method that chooses terms there is no table.
+    """
+    grids = []
+    for estimate in reduction.estimates.values():
+        table = estimate.table
+        rows = [
+            [
+                symbol(name, table.convention),
+                *("" if math.isnan(x) else f"{100 * x:.0f} %" for x in own.tolist()),
+            ]
+            for name, own in estimate.shares.items()
+        ]
+        if rows:
+            caption = f"{estimate.method[:1].upper()}{estimate.method[1:]}: part of the bags of "
+            grids.append(
+                Grid(
+                    head=["", *table.speeds],
+                    groups=[Group(rows=rows)],
+                    caption=f"{caption}runs in which each term was taken.",
+                )
+            )
     return grids
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from pmmkit.report import Loop, Reference, Turns
     from pmmkit.tables import DerivativeTable
 
+MOST: Final = 8
+"""Differences between methods that are printed."""
 ROUNDS: Final = 3
 """Rounds of naming and adding in a demo."""
 PARTS: Final = ("propeller", "rudder_mmg")
@@ -40,6 +43,23 @@ class Fn(StrEnum):
     pooled = "pooled"
 
 
+class Method(StrEnum):
+    """How derivatives are found, or all ways side by side."""
+
+    regression = "regression"
+    harmonics = "harmonics"
+    sindy = "sindy"
+    ekf = "ekf"
+    all = "all"
+
+
+class Fourier(StrEnum):
+    """Fourier coefficients by least squares, or by integrals over the third cycle."""
+
+    least_squares = "least-squares"
+    trapezoid = "trapezoid"
+
+
 def reduce(
     campaign: Campaign,
     structure: Annotated[
@@ -49,6 +69,28 @@ def reduce(
     cycles: Annotated[
         str | None, typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent.")
     ] = None,
+    method: Annotated[
+        Method,
+        typer.Option(
+            help="One regression over all runs; harmonics and curve fits test by test; terms "
+            "chosen among a library (sindy); a Kalman filter through the histories (ekf); all of "
+            "them side by side."
+        ),
+    ] = Method.regression,
+    library: Annotated[
+        str | None,
+        typer.Option(
+            help="What sindy chooses from besides: name of a structure, or derivatives. The terms "
+            "of all structures in the same variables if absent."
+        ),
+    ] = None,
+    fourier: Annotated[
+        Fourier,
+        typer.Option(
+            help="Fourier coefficients of harmonics: by least squares, or by trapezoidal "
+            "integrals over the third cycle (or --cycles)."
+        ),
+    ] = Fourier.least_squares,
     parts: Annotated[
         str | None, typer.Option(help="Library ship or model file that gives propeller and rudder.")
     ] = None,
@@ -81,6 +123,9 @@ def reduce(
         structure=structure,
         fn=fn.value,
         cycles=_cycles(cycles),
+        method=method.value,
+        library=library,
+        fourier=fourier.value,
         data=data,
         parts=parts,
         reference=reference,
@@ -107,6 +152,9 @@ def reduced(
     structure: str = "abkowitz3",
     fn: Literal["each", "pooled"] = "each",
     cycles: CycleChoice = None,
+    method: str = "regression",
+    library: str | None = None,
+    fourier: Literal["least-squares", "trapezoid"] = "least-squares",
     data: Path | None = None,
     parts: str | None = None,
     reference: str | None = None,
@@ -127,7 +175,7 @@ def reduced(
         As for `open_campaign`.
     out : Path
         The folder of the results.
-    structure, fn, cycles
+    structure, fn, cycles, method, library, fourier
         As for `reduce_campaign`.
     parts : str, optional
         Library ship or model file whose propeller and rudder the model gets.
@@ -151,6 +199,7 @@ def reduced(
     from pmmkit.models import load_model
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
+    from pmmkit.reduction.agreement import differences
     from pmmkit.reduction.reading.resume import forget, resume_folder
     from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
@@ -167,6 +216,9 @@ def reduced(
             fn=fn,
             cycles=cycles,
             odd_runs=odd_runs,
+            method=method,
+            library=library,
+            fourier=fourier,
             progress=progress,
             jobs=jobs,
             memory=memory,
@@ -196,6 +248,9 @@ def reduced(
         "notes": list(found.notes),
         "verdict": {"use": judged.use, "reasons": list(judged.reasons)},
         "table": found.table.to_pandas().to_dict("records"),
+        "method": found.method,
+        "methods": _methods(found),
+        "differences": [asdict(item) for item in differences(found)],
         "model": "model.toml" if model else None,
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
@@ -258,6 +313,42 @@ def _turns(
         return None, [f"No turning circle: {error}"]
 
 
+def _methods(found: Reduction) -> dict[str, dict[str, Any]]:
+    """What each method has to say, for JSON."""
+    return {
+        name: {
+            "seconds": estimate.seconds,
+            "notes": list(estimate.notes),
+            "table": estimate.table.to_pandas().to_dict("records"),
+            "shares": {key: own.tolist() for key, own in estimate.shares.items()},
+            "innovations": estimate.tests.to_pandas().to_dict("records") if estimate.tests else [],
+        }
+        for name, estimate in found.estimates.items()
+    }
+
+
+def _side_by_side(found: Reduction) -> list[str]:
+    """How far the methods are apart, and why."""
+    from pmmkit.reduction.agreement import differences, worst
+
+    lines = []
+    for name, estimate in found.estimates.items():
+        far = worst(found, name)
+        if far is not None:
+            lines.append(
+                f"{estimate.method}: at most {abs(far.sigma):.1f} standard deviations from the "
+                f"regression ({far.derivative} {far.place}), {estimate.seconds:.1f} s."
+            )
+        lines += [f"  {text}" for text in (estimate.tests.words() if estimate.tests else ())]
+    apart = differences(found)
+    lines += [f"  {item.sentence}" for item in apart[:MOST]]
+    if len(apart) > MOST:
+        lines.append(f"  and {len(apart) - MOST} more in the report.")
+    if len(found.estimates) > 1 and not apart:
+        lines.append("No method differs from the regression beyond both intervals.")
+    return ["", *lines] if lines else []
+
+
 def _words(
     found: Reduction, beside: Reference | None, turns: Turns | None, why: Sequence[str]
 ) -> list[str]:
@@ -276,7 +367,7 @@ def _words(
     )
     loud = [item for item in found.findings if item.severity == "warning"]
     lines += [" ".join(filter(None, (str(item), item.remedy))) for item in loud]
-    lines += why
+    lines += [*_side_by_side(found), *why]
     if turns:
         lines += ["", f"Turning circle, {HARD_OVER:g}° of rudder, {turns.tracks[0].scale}:"]
         lines.append(turn_table(turns))

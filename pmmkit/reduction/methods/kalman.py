@@ -17,6 +17,8 @@ from pmmkit.reduction.methods.over_time import OverTime, determined
 TITLE: Final = "Kalman filter"
 VAGUE: Final = 100.0
 """Standard deviation of each state before the first run, in forces of the size of the record."""
+TABLES: Final = "means and harmonics"
+"""Record of the runs without a history, one after the other."""
 LEARNING: Final = 2.0
 """Variance of an innovation over its noise above which it tells of the prior, not of the filter."""
 
@@ -69,8 +71,10 @@ def by_filter(evidence: Evidence) -> Estimate:
         found = channel.fitted(names)
         fits.append((group, replace(found, fit=replace(found.fit, value=passed.value))))
         for block, values in zip(channel.blocks, passed.innovations, strict=True):
-            run = evidence.rows[evidence.solution.groups[group][block.run]].result.run.id
-            seen.setdefault(run, {})[channel.base.channel] = values
+            run = evidence.rows[evidence.solution.groups[group][block.run]].result.run
+            own = seen.setdefault(run.id if run.kind == "history" else TABLES, {})
+            before = own.get(channel.base.channel, np.zeros(0))
+            own[channel.base.channel] = np.concatenate([before, values])
     table = evidence.tabled(evidence.over_time(fits), TITLE)
     tests = innovation_tests({run: _innovations(own) for run, own in seen.items()})
     return Estimate(method=TITLE, table=table, notes=tests.words(), tests=tests)
