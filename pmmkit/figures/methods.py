@@ -69,7 +69,7 @@ def forest(
             axis.axvline(0.0, color=style.REFERENCE, lw=1.0, ls="--", zorder=1)
             places = np.arange(len(names), dtype=float)
             for number, (label, table) in enumerate(others):
-                shift = 0.66 * ((number + 0.5) / len(others) - 0.5)
+                shift = _shift(number, len(others) + 1)
                 value, low, high = (
                     (_column(names, table, own, froude) - zero) / scale
                     for own in (table.value, *table.interval())
@@ -77,15 +77,23 @@ def forest(
                 _bars(axis, value, low, high, places + shift, number, label)
             if published:
                 beside = [published[name][row] if name in published else np.nan for name in names]
-                _crosses(axis, (np.array(beside) - zero) / scale, places, reference_name)
+                shift = _shift(len(others), len(others) + 1)
+                _crosses(axis, (np.array(beside) - zero) / scale, places + shift, reference_name)
             axis.set_xlim(-_LIMIT, _LIMIT)
             axis.set_ylim(len(names) - 0.4, -0.6)
             axis.set_yticks(places, [style.symbol(name, first.convention) for name in names])
             axis.grid(visible=False, axis="y")
             axis.set_title("all speeds" if first.pooled else f"Fn {froude:.3f}")
-        figure.supxlabel(f"difference to the {title} / half of its 95 % interval [-]", fontsize=10)
-        style.legend_below(figure, list(axes))
+        axes[len(axes) // 2].set_xlabel(
+            f"difference to the {title} / half of its 95 % interval [-]"
+        )
+        style.legend_below(figure, list(axes), columns=3)
     return figure
+
+
+def _shift(number: int, count: int) -> float:
+    """Where one of several marks of a row stands."""
+    return 0.76 * ((number + 0.5) / count - 0.5)
 
 
 def _half(table: DerivativeTable) -> Array:
@@ -170,4 +178,6 @@ def _arrows(axis: Axes, value: Array, places: Array, colour: str) -> None:
             va="center",
             fontsize=7,
             color=colour,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+            zorder=5,
         )

@@ -7,12 +7,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from pmmkit.figures import trajectory
 from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
 from pmmkit.plotting.style import save
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
+from pmmkit.reduction.methods.sparse import SHARE
 from pmmkit.report.build import write_report
 from pmmkit.report.loop import Loop
 from pmmkit.report.pictures import forest_of
@@ -136,7 +139,9 @@ def _with_shares(estimate: Estimate) -> pd.DataFrame:
         for Fn, share in zip(estimate.table.Fn.tolist(), own.tolist(), strict=True)
     ]
     whole = frame.merge(pd.DataFrame(rows), how="outer", on=["Fn", "derivative"], sort=False)
-    whole["method"] = whole["method"].fillna(f"{estimate.method}: left out")
+    beside = np.where(whole["share"] < SHARE, "left out", "a zero offset")
+    told = [f"{estimate.method}: {text}" for text in beside]
+    whole["method"] = whole["method"].where(whole["method"].notna(), told)
     whole["runs"] = whole["runs"].fillna(0).astype(int)
     return whole
 

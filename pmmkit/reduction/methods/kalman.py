@@ -58,8 +58,8 @@ def by_filter(evidence: Evidence) -> Estimate:
     each run. Forces are linear in all of them along the recorded motion, so linearising costs
     nothing and the extended filter is the exact recursion. A run is one update: the lower
     Cholesky factor of the covariance of its samples gives the innovations sample by sample as
-    updates by single samples would (prediction error decomposition; Harvey 1989, section 3.4),
-    without a loop over samples.
+    updates by single samples would (prediction error decomposition; Harvey 1989), without a loop
+    over samples. Where only means and harmonics are known, they are the samples.
     """
     fits: list[tuple[int, ChannelFit]] = []
     seen: dict[str, dict[str, Array]] = {}
@@ -92,26 +92,27 @@ def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
 
     Notes
     -----
-    After whitening, the covariance of a block's rows is 1 + X P X'. With its Cholesky factor C
-    the innovations are C⁻¹(y - Xθ); states and covariance follow from A = C⁻¹ X P.
+    Square root information filter (Bierman 1977): the triangle R with P⁻¹ = R'R takes in a block
+    by QR. The covariance of a block's whitened rows is 1 + A A' with A = X R⁻¹; its Cholesky
+    factor comes by QR from 1 and A, so that nothing is squared and vague states cost no digits.
     """
     at = [channel.names.index(name) for name in names]
-    design, rows = np.concatenate(channel.design)[:, at], np.concatenate(channel.rows)
-    size = np.sqrt(np.mean(design**2, axis=0))
-    spread = VAGUE * np.sqrt(np.mean(rows**2)) / np.where(size > 0, size, 1.0)
-    value, covariance = np.zeros(len(size)), np.diag(spread**2)
+    whole, rows = np.concatenate(channel.design)[:, at], np.concatenate(channel.rows)
+    size = np.sqrt(np.mean(whole**2, axis=0)) / (VAGUE * np.sqrt(np.mean(rows**2)))
+    root = np.column_stack([np.diag(np.where(size > 0, size, 1.0)), np.zeros(len(size))])
     innovations = []
-    for X, y in zip(channel.design, channel.rows, strict=True):
-        own = X[:, at]
-        lower = np.linalg.cholesky(np.eye(len(y)) + own @ covariance @ own.T)
-        solved = np.linalg.solve(lower, np.column_stack([y - own @ value, own @ covariance]))
-        new, gain = solved[:, 0], solved[:, 1:]
-        value = value + gain.T @ new
-        covariance = covariance - gain.T @ gain
-        covariance = (covariance + covariance.T) / 2
-        learnt = np.diagonal(lower) ** 2 <= LEARNING
-        innovations.append(np.where(learnt, new, np.nan))
-    return Passed(value=value, covariance=covariance, innovations=tuple(innovations))
+    for design, y in zip(channel.design, channel.rows, strict=True):
+        X = design[:, at]
+        inverse = np.linalg.inv(root[:, :-1])
+        lower = np.linalg.qr(np.hstack([np.eye(len(y)), X @ inverse]).T, mode="r").T
+        lower = lower * np.sign(np.diagonal(lower))
+        new = np.linalg.solve(lower, y - X @ (inverse @ root[:, -1]))
+        innovations.append(np.where(np.diagonal(lower) ** 2 <= LEARNING, new, np.nan))
+        root = np.linalg.qr(np.vstack([root, np.column_stack([X, y])]), mode="r")[: len(size)]
+    inverse = np.linalg.inv(root[:, :-1])
+    return Passed(
+        value=inverse @ root[:, -1], covariance=inverse @ inverse.T, innovations=tuple(innovations)
+    )
 
 
 def _innovations(own: Mapping[str, Array]) -> Innovations:

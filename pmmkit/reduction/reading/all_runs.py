@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Final
 
@@ -79,7 +79,8 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
         for done, (place, result) in enumerate(zip(left, results, strict=True), start=1):
             tell(len(runs) - len(left) + done, len(runs), f"reading {runs[place].id}{pace(done)}")
             if isinstance(result, DataError):
-                problems += result.problems
+                own = runs[place].id
+                problems += [replace(item, run=item.run or own) for item in result.problems]
             else:
                 found[place] = result
     if problems:
