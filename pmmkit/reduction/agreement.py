@@ -17,8 +17,9 @@ if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
 
 Cause = Literal["structure", "excitation", "noise"]
-APART: Final = 1.96
-"""Standard deviations of their difference from which two families of tests disagree."""
+APART: Final = 2.58
+"""Standard deviations of their difference from which two families of tests disagree: several pairs
+are looked at."""
 EXPLAINED: Final = 0.5
 """Share of a difference that must vanish with the same terms for the terms to be its cause."""
 
@@ -73,8 +74,8 @@ class Difference:
 def differences(reduction: Reduction) -> tuple[Difference, ...]:
     """Derivatives for which neither 95 % interval holds the other method's value, and why.
 
-    A term that sparse regression leaves out counts as zero, where the regression's interval does
-    not hold zero.
+    Where families of tests disagree the interval of the regression alone counts: the misfit widens
+    the intervals of all methods. A term that sparse regression leaves out counts as zero.
 
     Parameters
     ----------
@@ -96,13 +97,14 @@ def differences(reduction: Reduction) -> tuple[Difference, ...]:
         left, right = estimate.table.interval()
         for item in _every(method, estimate, table):
             row, column = item.row, table.index(item.derivative)
-            outside = not low[row, column] <= item.value <= high[row, column]
-            if outside and item.taken:
+            if low[row, column] <= item.value <= high[row, column]:
+                continue
+            cause, why = _cause(reduction, estimate, item)
+            if item.taken and cause != "excitation":
                 own = estimate.table.index(item.derivative)
-                outside = not left[row, own] <= item.basis <= right[row, own]
-            if outside:
-                cause, why = _cause(reduction, estimate, item)
-                found.append(item.told(cause, why))
+                if left[row, own] <= item.basis <= right[row, own]:
+                    continue
+            found.append(item.told(cause, why))
     return tuple(found)
 
 

@@ -216,14 +216,18 @@ def test_a_library_of_ones_own_is_what_is_chosen_from(noisy):
 
 @pytest.mark.slow
 def test_families_that_disagree_are_named_as_the_cause():
-    """Pure sway feels a Yv of half of that of static drift, as if it hung on the frequency."""
-    slow = captive(noise=noise)
-    fast = captive(SON_NOMOTO | {"Yv": 0.5 * SON_NOMOTO["Yv"]}, noise=noise)
+    """Pure sway feels a Yv of 0.8 of that of static drift, as if it hung on the frequency."""
+    plan = [(f"SD{b}", "static_drift", 1.5, {"drift": math.radians(b)}) for b in (-8, -4, 0, 4, 8)]
+    plan += [(f"PS{V}", "pure_sway", 1.5, {"v": V}) for V in (0.1, 0.15, 0.2, 0.25, 0.3, 0.35)]
+    slow = captive(noise=noise, runs=plan)
+    fast = captive(SON_NOMOTO | {"Yv": 0.8 * SON_NOMOTO["Yv"]}, noise=noise, runs=plan)
     runs = tuple(
         other if run.test == "pure_sway" else run
         for run, other in zip(slow.runs, fast.runs, strict=True)
     )
-    found = reduce_campaign(slow.with_(runs=runs), method="harmonics", check=False)
+    found = reduce_campaign(
+        slow.with_(runs=runs), structure="Yv Yvvv Yvdot", method="harmonics", check=False
+    )
     said = {item.derivative: item for item in differences(found)}
     assert said["Yv"].cause == "excitation"
     assert "static drift" in said["Yv"].why
