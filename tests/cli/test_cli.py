@@ -86,7 +86,7 @@ def test_both_table_files_hold_the_same(reduced):
 @pytest.mark.slow
 def test_every_way_to_a_derivative_is_listed(reduced):
     rows = rows_of(reduced / "derivatives_by_method.csv")
-    assert list(rows[0]) == [*COLUMNS, "run"]
+    assert list(rows[0]) == [*COLUMNS, "run", "share"]
     methods = {row["method"] for row in rows}
     assert {"static drift", "pure sway", "pure yaw", "yaw with drift"} <= methods
     assert any(row["run"] == "PS_U1_a0.3" for row in rows)

@@ -370,3 +370,27 @@ def test_colours_of_ordered_sets_differ_in_lightness():
     shades = [lightness(colour) for colour in style.ORDERED[:3]]
     assert shades == sorted(shades)
     assert min(np.diff(shades)) > 0.08
+
+
+def test_a_forest_shows_every_method_beside_published_values(table):
+    """Values 1 % off stand half an interval of 2 % beside the first; published ones as crosses."""
+    other = table.with_(value=1.01 * table.value)
+    figure = figures.forest(
+        {"regression": table, "filter": other}, reference=TRUTH, reference_name="by hand"
+    )
+    axes = drawn(figure)
+    assert [axis.get_title(loc="left") for axis in axes] == [f"Fn {x:.3f}" for x in FN]
+    lines = {line.get_label(): line for line in axes[0].get_lines()}
+    half = 1.96 * 0.02
+    marks = lines["filter, 95 %"].get_xdata()
+    np.testing.assert_allclose(np.abs(marks), 0.01 / half, rtol=1e-3)
+    np.testing.assert_allclose(lines["by hand"].get_xdata(), 0.0, atol=1e-9)
+    far = {line.get_label(): line for line in axes[2].get_lines()}["by hand"]
+    assert len(far.get_xdata()) == 0
+    numbers = [abs(float(text.get_text())) for text in axes[2].texts]
+    np.testing.assert_allclose(numbers, 0.2 / half, atol=0.01)
+
+
+def test_a_forest_of_one_method_is_refused(table):
+    with pytest.raises(TableError, match="at least two"):
+        figures.forest({"regression": table})

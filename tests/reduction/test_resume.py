@@ -369,3 +369,16 @@ def test_files_side_by_side_need_no_more_than_one(folder, tmp_path):
     alone = workers.memory_of(pk.open_campaign(folder).runs[0])
     assert 0.1 < alone < 2.0
     assert workers.memory_of(flat) < 12.0
+
+
+@pytest.mark.slow
+def test_histories_are_kept_as_well(folder, at_once, tmp_path):
+    kept = tmp_path / "kept"
+    first = reduced(folder, jobs=1, resume=kept, method="ekf")
+    told = []
+    second = reduced(
+        folder, jobs=1, resume=kept, method="ekf", progress=lambda *said: told.append(said)
+    )
+    assert told[0] == (RUNS, RUNS, f"resumed: {RUNS} of {RUNS} runs were read before")
+    assert everything(first) == everything(second)
+    assert str(first.estimates["ekf"]) == str(second.estimates["ekf"])
