@@ -143,7 +143,7 @@ def chosen_records(
     if campaign.kind != "free-running":
         raise DataError(
             f"Campaign {campaign.title!r} is {campaign.kind}: identify takes free-running records. "
-            f"Captive tests go into `pmmkit reduce`."
+            f"Captive tests go into `pmmkit reduce` (its --method has sindy and ekf too)."
         )
     if abs(model.ship.L / campaign.ship.L - 1.0) > SAME_LENGTH:
         raise DataError(

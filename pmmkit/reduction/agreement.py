@@ -212,9 +212,13 @@ def _terms(estimate: Estimate, table: DerivativeTable, item: _Pair) -> str:
         if names
     ]
     share = estimate.shares.get(item.derivative)
-    kept = f", taken in {share[item.row]:.0%} of the bags" if share is not None else ""
+    kept = (
+        ""
+        if share is None
+        else f"{item.derivative} taken in {share[item.row]:.0%} of the bags of runs, "
+    )
     terms = " and ".join(parts) or "offsets taken otherwise"
-    return f"Structure: {terms}{kept}; with the terms of the regression the two agree."
+    return f"Structure: {kept}{terms}; with the terms of the regression the two agree."
 
 
 def _families(families: Mapping[str, DerivativeTable], item: _Pair) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from pmmkit.effects.hull import HULL
 from pmmkit.errors import TableError
 from pmmkit.models import Model, load_model
 from pmmkit.models.hull import hull_table
@@ -74,7 +75,7 @@ def published_of(table: DerivativeTable) -> Reference | None:
     """
     found = [load_model(name) for name in ships() if _alike(load_ship(name), table.ship)]
     for model in sorted(found, key=lambda model: (model.rolls, len(model.parts))):
-        source = model.parts["hull_polynomial"].source.removeprefix("library: ")
+        source = model.parts[HULL].source.removeprefix("library: ")
         known = Reference(table=hull_table(model), name=source, model=model)
         try:
             compare(table, known.table)

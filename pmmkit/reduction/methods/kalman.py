@@ -104,15 +104,20 @@ def filtered(channel: OverTime, names: Sequence[str]) -> Passed:
     for design, y in zip(channel.design, channel.rows, strict=True):
         X = design[:, at]
         inverse = np.linalg.inv(root[:, :-1])
-        lower = np.linalg.qr(np.hstack([np.eye(len(y)), X @ inverse]).T, mode="r").T
+        lower = _triangle(np.hstack([np.eye(len(y)), X @ inverse]).T).T
         lower = lower * np.sign(np.diagonal(lower))
         new = np.linalg.solve(lower, y - X @ (inverse @ root[:, -1]))
         innovations.append(np.where(np.diagonal(lower) ** 2 <= LEARNING, new, np.nan))
-        root = np.linalg.qr(np.vstack([root, np.column_stack([X, y])]), mode="r")[: len(size)]
+        root = _triangle(np.vstack([root, np.column_stack([X, y])]))[: len(size)]
     inverse = np.linalg.inv(root[:, :-1])
     return Passed(
         value=inverse @ root[:, -1], covariance=inverse @ inverse.T, innovations=tuple(innovations)
     )
+
+
+def _triangle(rows: Array) -> Array:
+    """R with R'R = rows' rows."""
+    return np.asarray(np.linalg.qr(rows, mode="r"))
 
 
 def _innovations(own: Mapping[str, Array]) -> Innovations:
