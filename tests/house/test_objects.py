@@ -151,7 +151,7 @@ SAID = {
     "Trial": ("T1", "1040.0 m", "3.25 L", "4.5 L", "met", "5.0 m/s from 270°", "fixes jump"),
     "Parts": ("0.350 ± 0.020", "tank <2>", "7 runs", "C1 is assumed"),
     "DerivativeTable": ("Fn 0.217", "10³", "±", "½ρL²U²", "midship", "Yaw moment N", "regression"),
-    "Estimate": ("by global regression: 21 derivatives", "±", "Derivatives"),
+    "Estimate": ("by global regression", "±", "Derivatives"),
     "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
     "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),
     "Run": ("yaw with drift", "m/s", "T ", "runs.h5"),
