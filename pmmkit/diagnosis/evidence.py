@@ -27,11 +27,14 @@ class Entry:
         Against no effect, averaged over the grids, with the price of the catalogue's size.
     values : tuple of float
         Best grid value of each.
+    terms : tuple of int
+        Number of coefficients that each has in its best form; empty where effects have one form.
     """
 
     names: tuple[str, ...]
     log_evidence: float
     values: tuple[float, ...]
+    terms: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -20,11 +20,12 @@ if TYPE_CHECKING:
 
 UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {"heading": "deg"}
 """Of the errors: forces and moments, or heading and speed of free-running records."""
-Verdict = Literal["noise", "missing_effect", "unexplained"]
+Verdict = Literal["noise", "missing_effect", "suspected", "unexplained"]
 VERDICTS: Final[Mapping[Verdict, str]] = {
     "noise": "Nothing is missing that these runs could show.",
     "missing_effect": "An effect is missing.",
-    "unexplained": "Something is missing, and it is not in the catalogue.",
+    "suspected": "An effect is suspected: one run alone shows it.",
+    "unexplained": "Something is missing that nothing in the catalogue explains.",
 }
 LARGE: Final = 3.0
 """Times its usual size from which a coefficient is pointed at."""
@@ -54,7 +55,7 @@ class Finding(Described):
     parameter : str
         Name and unit; empty where there is none.
     log_odds : float
-        ln of the odds for it.
+        ln of the odds for it, beside the other effects of the set.
     rivals : tuple of str
         Effects that mimic it on these runs.
     separating_test : str
@@ -62,11 +63,16 @@ class Finding(Described):
     error_before, error_after : float
         Held-out error without and with it, over the rms force, over all channels; of free-running
         records that of the heading [deg].
+    error_level : float
+        The same error if nothing is missing: of noise, run scatter and what the others leave
+        unknown (captive tests).
     beside : bool
         Whether the coefficients are what comes to values that the model has, as free-running
         records tell; captive tests tell the whole of terms that the model lacks.
     errors : mapping of channel to (before, after)
         The same by channel [N, N m]; of free-running records heading [deg] and speed [m/s].
+    levels : mapping of channel to float
+        The level of the noise by channel.
     """
 
     effect: str
@@ -83,8 +89,10 @@ class Finding(Described):
     separating_test: str
     error_before: float = math.nan
     error_after: float = math.nan
+    error_level: float = math.nan
     beside: bool = False
     errors: Mapping[str, tuple[float, float]] = field(default_factory=_none)
+    levels: Mapping[str, float] = field(default_factory=_none)
 
     @property
     def evidence(self) -> str:
@@ -148,16 +156,17 @@ class Finding(Described):
 
     def _fall(self) -> str:
         falls = ", ".join(
-            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}"
+            f"{name} {before:.3g} to {after:.3g} {UNITS[name]}{self._noise(name)}"
             for name, (before, after) in self.errors.items()
             if name in self.channels
         )
         if "heading" in self.errors:
             return falls or "it does not fall"
-        shares = (
-            f"{100 * self.error_before:.2f} % to {100 * self.error_after:.2f} % of the rms forces"
-        )
+        shares = fallen(self.error_before, self.error_after, self.error_level)
         return f"{shares} ({falls})" if falls else f"{shares}; it does not fall"
+
+    def _noise(self, channel: str) -> str:
+        return f" with noise of {self.levels[channel]:.3g}" if channel in self.levels else ""
 
     def _headline(self) -> str:
         return f"{self.effect} ({self.family}): evidence {self.evidence}"
@@ -181,8 +190,14 @@ class Finding(Described):
             "evidence": self.evidence,
             "error_before": self.error_before,
             "error_after": self.error_after,
+            "error_level": finite(self.error_level),
             "errors": {
-                name: {"before": before, "after": after, "unit": UNITS[name]}
+                name: {
+                    "before": before,
+                    "after": after,
+                    "level": self.levels.get(name),
+                    "unit": UNITS[name],
+                }
                 for name, (before, after) in self.errors.items()
             },
             "explained": self.explained,
@@ -191,15 +206,76 @@ class Finding(Described):
         }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Suspect:
+    """An effect that one run alone decides: that run may be wrong.
+
+    Parameters
+    ----------
+    effect, run : str
+        The effect, and the run to repeat.
+    log_odds : float
+        ln of the odds for it with that run.
+    """
+
+    effect: str
+    run: str
+    log_odds: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Nearest:
+    """The set of effects that comes nearest to something that is not in the catalogue.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        The set. It is not named.
+    error_before, error_after, error_level : float
+        Held-out error without and with it, and what noise alone gives, over the rms forces.
+    channel : str
+        Channel whose errors stay furthest above noise, ``all`` for all of their harmonics.
+    ratio : float
+        Root mean square of these over what noise gives.
+    """
+
+    effects: tuple[str, ...]
+    error_before: float
+    error_after: float
+    error_level: float
+    channel: str
+    ratio: float
+
+    def __str__(self) -> str:
+        where = "harmonics" if self.channel == "all" else f"errors in {self.channel}"
+        shares = fallen(self.error_before, self.error_after, self.error_level)
+        return (
+            f"The nearest relative is {' and '.join(self.effects)}; do not take it for the cause. "
+            f"With it the error of what was left out goes from {shares}, and {where} stay at "
+            f"{self.ratio:.2f} times what noise gives."
+        )
+
+
+def fallen(before: float, after: float, level: float) -> str:
+    """Held-out errors over the rms forces before and after, beside the noise level."""
+    noise = f", where noise alone gives {100 * level:.2f} %" if math.isfinite(level) else ""
+    return f"{100 * before:.2f} % to {100 * after:.2f} % of the rms forces{noise}"
+
+
+def finite(value: float) -> float | None:
+    """A number for plain data, which knows no infinity."""
+    return value if math.isfinite(value) else None
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Diagnosis(Described):
     """The answer, its rivals, and what could not be asked.
 
     Parameters
     ----------
-    verdict : {"noise", "missing_effect", "unexplained"}
-        No effect is needed; a set of effects is missing; something is, and it is not in the
-        catalogue.
+    verdict : {"noise", "missing_effect", "suspected", "unexplained"}
+        No effect is needed; a set of effects is missing; one run alone shows an effect; something
+        is missing, and nothing in the catalogue explains it.
     group : tuple of (effects, odds)
         The best set first, with the odds of each against it: these runs cannot tell them apart.
     flags : tuple of str
@@ -232,6 +308,10 @@ class Diagnosis(Described):
         The same of the rudder's zero [rad].
     notes : tuple of str
         What a reader must know.
+    suspected : tuple of Suspect
+        Effects that one run alone decides.
+    nearest : Nearest, optional
+        What comes nearest where something is unexplained (captive tests).
     """
 
     verdict: Verdict
@@ -250,6 +330,8 @@ class Diagnosis(Described):
     current: tuple[float, float] = (0.0, 0.0)
     rudder_zero: float = 0.0
     notes: tuple[str, ...] = ()
+    suspected: tuple[Suspect, ...] = ()
+    nearest: Nearest | None = None
 
     @property
     def best(self) -> tuple[str, ...]:
@@ -283,6 +365,8 @@ class Diagnosis(Described):
                 "It is not the whole story: something is left that no named effect explains. "
                 "Take it as the nearest relative."
             )
+        if self.nearest is not None:
+            said.append(str(self.nearest))
         return [*said, *self.flags[1:]]
 
     def table(self) -> Grid:
@@ -364,13 +448,14 @@ class Diagnosis(Described):
             "verdict": self.verdict,
             "group": [{"effects": list(names), "odds": odds} for names, odds in self.group],
             "flags": list(self.flags),
+            "suspected": [
+                {"effect": item.effect, "run": item.run, "evidence": odds(item.log_odds)}
+                for item in self.suspected
+            ],
+            "nearest": None if self.nearest is None else asdict(self.nearest),
             "findings": [item.to_dict() for item in self.findings],
             "not_testable": [
-                {
-                    "effect": item.name,
-                    "why": item.why,
-                    "size_that_could_hide": item.hides if math.isfinite(item.hides) else None,
-                }
+                {"effect": item.name, "why": item.why, "size_that_could_hide": finite(item.hides)}
                 for item in self.not_testable
             ],
             "chance": self.chance,

@@ -271,12 +271,13 @@ def begin(
     system = captive_system(
         campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
+    begun = system.taking_part(base.effects)
     return Session(
         source=base.source,
         campaign=campaign,
-        system=system,
+        system=system.whole(begun),
         floor=system.floor,
-        begun=system.taking_part(base.effects),
+        begun=begun,
         own=tuple(own),
     )
 

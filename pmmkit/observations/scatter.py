@@ -136,7 +136,7 @@ def restricted(
     A = np.column_stack([basis, white[:, p : p + q + 1]])
     sums = [
         (np.swapaxes(Z, 1, 2) @ Z, np.swapaxes(Z, 1, 2) @ A[at])
-        for at, _ in alike(channel)
+        for at in alike(channel)
         for Z in [white[at][:, :, p + q + 1 :]]
     ]
     length = np.linalg.norm(white[:, :p], axis=0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -55,6 +56,8 @@ class Projection:
         What each run draws for itself, at size one.
     scatter : Scatter
         Its sizes.
+    floor : array (n, D)
+        Features of the smooth floor at its size, whitened.
     span : array (n + D, k)
         Orthonormal basis of base and floor, the rows of the floor's prior below.
     freedom : int
@@ -64,6 +67,7 @@ class Projection:
     channel: Channel
     own: Array
     scatter: Scatter
+    floor: Array
     span: Array
     freedom: int
 
@@ -71,14 +75,40 @@ class Projection:
     def alone(self) -> tuple[Array, ...]:
         """Of each run's rows with basis S the inverse of I - S S': what a fit without it has."""
         found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
-        sizes: dict[int, list[int]] = {}
-        for number, rows in enumerate(self.channel.runs):
-            sizes.setdefault(len(rows), []).append(number)
-        for size, own in sizes.items():
-            S = self.span[np.stack([self.channel.runs[number] for number in own])]
-            inner = np.eye(size) - S @ np.swapaxes(S, 1, 2)
+        for own in _alike(self.channel):
+            S = self.span[_rows(self.channel, own)]
+            inner = np.eye(S.shape[1]) - S @ np.swapaxes(S, 1, 2)
             inverse = np.linalg.pinv(inner, rcond=1e-8, hermitian=True)
             for number, one in zip(own, inverse, strict=True):
+                found[number] = one
+        return tuple(found)
+
+    def without(self, numbers: Sequence[int]) -> Array:
+        """As `alone`, of some runs together."""
+        if len(numbers) == 1:
+            return self.alone[numbers[0]]
+        S = self.span[np.concatenate([self.channel.runs[number] for number in numbers])]
+        found: Array = np.linalg.pinv(np.eye(len(S)) - S @ S.T, rcond=1e-8, hermitian=True)
+        return found
+
+    @cached_property
+    def _run_of_row(self) -> Places:
+        found = np.zeros(len(self.channel.y), np.intp)
+        for number, rows in enumerate(self.channel.runs):
+            found[rows] = number
+        return found
+
+    def runs_of(self, rows: Places) -> tuple[int, ...]:
+        """Numbers of the runs that some rows belong to; rows of other channels are left out."""
+        inside = rows[(rows >= 0) & (rows < len(self.channel.y))]
+        return tuple(dict.fromkeys(self._run_of_row[inside].tolist()))
+
+    @cached_property
+    def roots(self) -> tuple[Array, ...]:
+        """Lower roots of the covariance of each run's rows: what whitening takes off."""
+        found: list[Array] = [np.zeros((0, 0))] * len(self.channel.runs)
+        for own, root in _roots(self.channel, self.own * self.scatter.sizes):
+            for number, one in zip(own, root, strict=True):
                 found[number] = one
         return tuple(found)
 
@@ -115,24 +145,43 @@ class Piece:
 
 def _by_run(channel: Channel, columns: Array, own: Array | None) -> Array:
     found = np.empty_like(columns)
-    least = RIDGE * float(np.mean(np.concatenate([np.diagonal(x) for x in channel.noise])))
-    for at, V in alike(channel):
-        covariance = V + least * np.eye(V.shape[1])
-        if own is not None:
-            covariance = covariance + own[at] @ np.swapaxes(own[at], 1, 2)
-        found[at] = np.linalg.solve(np.linalg.cholesky(covariance), columns[at])
+    for numbers, root in _roots(channel, own):
+        at = _rows(channel, numbers)
+        found[at] = np.linalg.solve(root, columns[at])
     return found
 
 
-def alike(channel: Channel) -> list[tuple[Places, Array]]:
-    """Runs of equal numbers of rows together: their rows (k, m) and covariances (k, m, m)."""
+def _roots(channel: Channel, own: Array | None) -> list[tuple[list[int], Array]]:
+    """Runs of equal numbers of rows with the lower roots of their covariance (k, m, m)."""
+    least = RIDGE * float(np.mean(np.concatenate([np.diagonal(x) for x in channel.noise])))
+    found = []
+    for numbers in _alike(channel):
+        V = np.stack([channel.noise[i] for i in numbers])
+        covariance = V + least * np.eye(V.shape[1])
+        if own is not None:
+            drawn = own[_rows(channel, numbers)]
+            covariance = covariance + drawn @ np.swapaxes(drawn, 1, 2)
+        root: Array = np.linalg.cholesky(covariance)
+        found.append((numbers, root))
+    return found
+
+
+def _alike(channel: Channel) -> list[list[int]]:
+    """Runs of equal numbers of rows together."""
     sizes: dict[int, list[int]] = {}
     for number, rows in enumerate(channel.runs):
         sizes.setdefault(len(rows), []).append(number)
-    return [
-        (np.stack([channel.runs[i] for i in own]), np.stack([channel.noise[i] for i in own]))
-        for own in sizes.values()
-    ]
+    return list(sizes.values())
+
+
+def _rows(channel: Channel, numbers: Sequence[int]) -> Places:
+    """Rows of runs of equal numbers of rows (k, m)."""
+    return np.stack([channel.runs[i] for i in numbers])
+
+
+def alike(channel: Channel) -> list[Places]:
+    """Rows of runs of equal numbers of rows together, arrays (k, m)."""
+    return [_rows(channel, numbers) for numbers in _alike(channel)]
 
 
 def orthonormal(columns: Array, tolerance: float = 1e-8) -> Array:

@@ -10,10 +10,12 @@ from typing import Final
 import numpy as np
 
 from pmmkit.diagnosis.captive.conditioning import condition_on
-from pmmkit.diagnosis.captive.evidence import evidence_at, price
+from pmmkit.diagnosis.captive.evidence import Sets, evidence_at, price
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
+from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry
+from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel
 from pmmkit.observations.views import View
@@ -35,6 +37,7 @@ KIN: Final = 0.25
 """Share of the gain of another of its family below which an effect may be an error of its form."""
 LEAST: Final = 1.0
 """Least ln evidence of a finding, the price of the catalogue's size taken off."""
+MAY_ERR: Final = "may stand for an error of form of the others"
 LOOKED_AT: Final = 80
 """Oscillating runs that are looked at for a lack of fit."""
 HIGH: Final = 3
@@ -105,28 +108,39 @@ def chosen(system: System, entries: Sequence[Entry], given: Sequence[Block] = ()
 def blocks_of(system: System, entry: Entry) -> list[Block]:
     """The effects of a set at their best grid points."""
     return [
-        next(b for b in system.blocks if b.candidate.name == name and b.value == value)
-        for name, value in zip(entry.names, entry.values, strict=True)
+        next(
+            b
+            for b in system.blocks
+            if (b.candidate.name, b.value, b.candidate.size) == (name, value, terms)
+        )
+        for name, value, terms in zip(entry.names, entry.values, entry.terms, strict=True)
     ]
 
 
 def gains(system: System, blocks: Sequence[Block]) -> tuple[float, ...]:
     """ln evidence that each effect of a set adds to the others where their form may err.
 
-    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor.
-    One effect alone adds all there is: infinity.
+    A hull never follows v² r exactly. The error of form is a smooth force `FORM` times the floor,
+    with the symmetry of the others: an error of form of an odd force is odd. One effect alone adds
+    all there is: infinity.
     """
     if len(blocks) < 2:
         return (math.inf,) * len(blocks)
-    whole = _with_floor(system, blocks, FORM)
-    return tuple(
-        whole - _with_floor(system, [other for other in blocks if other is not block], FORM)
-        for block in blocks
-    )
+    symmetry = [parities(system, block) for block in blocks]
+    found = []
+    for place, _ in enumerate(blocks):
+        others = [other for k, other in enumerate(blocks) if k != place]
+        err = frozenset[Parity]().union(*(own for k, own in enumerate(symmetry) if k != place))
+        whole = _with_floor(system, blocks, FORM, err)
+        found.append(whole - _with_floor(system, others, FORM, err))
+    return tuple(found)
 
 
 def flags(
-    system: System, blocks: Sequence[Block], given: Sequence[Block] = (), first: Entry | None = None
+    system: System,
+    blocks: Sequence[Block],
+    given: Sequence[Block] = (),
+    refused: Sequence[Refused] = (),
 ) -> tuple[str, ...]:
     """Reasons to think that something else is left beside an answer.
 
@@ -138,8 +152,8 @@ def flags(
         The answer; none where nothing was named.
     given : sequence of Block
         Effects that the base has already.
-    first : Entry, optional
-        The set of the greatest evidence, which need not be the answer.
+    refused : sequence of Refused
+        What of the set of the greatest evidence is not in the answer.
 
     Returns
     -------
@@ -155,28 +169,64 @@ def flags(
             reasons.append(f"{worst.harmonic} of {worst.channel} in {worst.test} is not explained")
     if len(blocks) >= MANY:
         reasons.append(f"{len(blocks)} effects are needed at once")
-    reasons += [
-        f"{name} may stand for an error of form of the others"
-        for name in _lesser_kin(known, blocks)
-    ]
-    if first is not None and first.log_evidence > LEAST:
-        reasons += _refused(system, blocks_of(known, first), blocks, given)
+    reasons += [f"{name} {MAY_ERR}" for name in _lesser_kin(known, blocks)]
+    reasons += [str(item) for item in refused]
     return ("not_the_whole_story", *reasons) if reasons else ()
 
 
-def _refused(
-    system: System, first: Sequence[Block], blocks: Sequence[Block], given: Sequence[Block]
-) -> list[str]:
-    """Why effects of the set of the greatest evidence are not in the answer."""
-    answered = [block.candidate for block in blocks]
-    least = price(condition_on(system, given)) + LEAST
-    return [
-        f"{block.candidate.name} hangs on the run {run} alone"
-        if left < least
-        else f"{block.candidate.name} may stand for an error of form of the others"
-        for block, (left, run) in zip(first, least_gains(system, first, given), strict=True)
-        if block.candidate not in answered
-    ]
+@dataclass(frozen=True, kw_only=True)
+class Refused:
+    """An effect of the set of the greatest evidence that is not named.
+
+    Parameters
+    ----------
+    block : Block
+        The effect.
+    log_odds : float
+        ln of the odds for it beside the others of the set.
+    run : str
+        The run without which it would not pay its price; empty where it may be an error of form.
+    """
+
+    block: Block
+    log_odds: float
+    run: str = ""
+
+    def __str__(self) -> str:
+        name = self.block.candidate.name
+        if not self.run:
+            return f"{name} {MAY_ERR}"
+        return f"{name} ({odds(self.log_odds)}) hangs on the run {self.run} alone: repeat it"
+
+
+def refused(
+    system: System, sets: Sets, first: Entry, blocks: Sequence[Block], given: Sequence[Block] = ()
+) -> tuple[Refused, ...]:
+    """Effects of the set of the greatest evidence that are not in the answer, and why.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    sets : Sets
+        Of the system beside the effects that are given.
+    first : Entry
+        That set.
+    blocks, given : sequence of Block
+        The answer, and the effects that the base has already.
+    """
+    answered = [block.candidate.name for block in blocks]
+    if first.log_evidence <= LEAST or set(first.names) <= set(answered):
+        return ()
+    tried = blocks_of(sets.system, first)
+    least = price(sets.system) + LEAST
+    return tuple(
+        Refused(block=block, log_odds=log_odds, run=run if left < least else "")
+        for block, log_odds, (left, run) in zip(
+            tried, sets.added(first), least_gains(system, tried, given), strict=True
+        )
+        if block.candidate.name not in answered
+    )
 
 
 def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
@@ -193,21 +243,32 @@ def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
 
 
 def remainder(system: System, blocks: Sequence[Block]) -> float:
-    """ln evidence that something smooth is left beside some effects, larger than the floor."""
-    without = _with_floor(system, blocks, 1.0)
-    return max(_with_floor(system, blocks, factor) - without for factor in (2.0, 4.0, 8.0))
+    """ln evidence that something smooth is left beside some effects, larger than the floor.
+
+    What is symmetric as a ship is, and what is not, have sizes of their own.
+    """
+    without = _with_floor(system, blocks)
+    return max(
+        _with_floor(system, blocks, factor, frozenset((parity,))) - without
+        for parity in BOTH
+        for factor in (2.0, 4.0, 8.0)
+    )
 
 
-def _with_floor(system: System, blocks: Sequence[Block], factor: float) -> float:
-    """ln evidence of blocks beside a floor larger by a factor, against the floor as it is."""
-    floor = np.arange(system.floor_columns.start, system.floor_columns.stop)
-    parts = [block.places for block in blocks]
-    if factor > 1.0:
-        parts.append(floor)
-    if not parts:
+def _with_floor(
+    system: System,
+    blocks: Sequence[Block],
+    factor: float = 1.0,
+    wanted: frozenset[Parity] = frozenset(),
+) -> float:
+    """ln evidence of blocks beside a floor larger by a factor in some parities, against the floor
+    as it is."""
+    floor = floor_places(system, wanted)
+    at = np.concatenate([*(block.places for block in blocks), floor])
+    if not len(at):
         return 0.0
-    at = np.concatenate(parts)
-    size = np.where(at >= system.floor_columns.start, math.sqrt(factor**2 - 1.0), 1.0)
+    size = np.ones(len(at))
+    size[len(at) - len(floor) :] = math.sqrt(factor**2 - 1.0)
     return evidence_at(system, at, size)
 
 

@@ -66,7 +66,8 @@ def build(
     for_each = [item for item in candidates if item.each_run]
     raw = [
         _Raw(candidate, value, candidate_columns(candidate, value, channels, views, base))
-        for candidate in for_all
+        for item in for_all
+        for candidate in item.forms
         for value in candidate.grid
     ]
     own = run_columns(channels, views, base, predicted)
@@ -231,7 +232,12 @@ def _projection(c: Channel, floor: Array, own: Array, scatter: Scatter) -> Proje
     Q, R, _ = _pivoted(np.vstack([np.column_stack([design, white[:, p:]]), below]))
     rank = int(np.sum(np.abs(np.diagonal(R)) > 1e-9 * abs(R[0, 0])))
     return Projection(
-        channel=c, own=own, scatter=scatter, span=Q[:, :rank], freedom=len(white) - (rank - q)
+        channel=c,
+        own=own,
+        scatter=scatter,
+        floor=white[:, p:],
+        span=Q[:, :rank],
+        freedom=len(white) - (rank - q),
     )
 
 

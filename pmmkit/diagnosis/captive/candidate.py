@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import Final, Literal
 
 from pmmkit.channels import did_you_mean
+from pmmkit.conventions import parse_derivative
+from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.columns import Columns, columns_of, of_terms
-from pmmkit.effects.effect import Effect
+from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.errors import UnknownNameError
+from pmmkit.numerics import Array
+from pmmkit.observations.views import View
+
+LARGE: Final = 5
+"""Coefficients from which the linear ones of an effect also compete alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +52,10 @@ class Candidate:
         A check at the bench or a run that shows it, in words.
     excites : tuple of str
         What a campaign must hold: ``several speeds``, ``roll``, ``rudder`` …
+    linear : tuple of int
+        Places of the coefficients that are linear in the motion, of an effect with many others.
+    partial : bool
+        Whether it is only these.
     """
 
     name: str
@@ -61,11 +72,35 @@ class Candidate:
     each_run: bool = False
     check: str = ""
     excites: tuple[str, ...] = field(default=())
+    linear: tuple[int, ...] = ()
+    partial: bool = False
 
     @property
     def size(self) -> int:
         """Number of coefficients."""
         return len(self.coefficients)
+
+    @property
+    def forms(self) -> tuple[Candidate, ...]:
+        """The candidate, and its linear terms alone: many terms that are not needed cost it much
+        of its evidence."""
+        if not self.linear:
+            return (self,)
+        places, columns = list(self.linear), self.columns
+
+        def linear(view: View, base: Base, value: float) -> Mapping[str, Array]:
+            return {name: own[:, places] for name, own in columns(view, base, value).items()}
+
+        part = replace(
+            self,
+            coefficients=tuple(self.coefficients[k] for k in places),
+            typical=tuple(self.typical[k] for k in places),
+            centre=tuple(self.centre[k] for k in places) if self.centre else (),
+            columns=linear,
+            linear=(),
+            partial=True,
+        )
+        return (self, part)
 
 
 def polynomial(
@@ -150,7 +185,23 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
         each_run=effect.each_run,
         check=effect.check,
         excites=effect.excites,
+        linear=_linear(effect),
     )
+
+
+def _linear(effect: Effect) -> tuple[int, ...]:
+    """Places of the coefficients that stand for derivatives of first order, of a large effect."""
+    if effect.kind != "terms" or len(effect.typical) < LARGE:
+        return ()
+    orders = [
+        max(
+            len(parse_derivative(name.removesuffix(BY_SPEED)).factors)
+            for name in effect.derivatives_of(label)
+        )
+        for label in effect.typical
+    ]
+    found = tuple(place for place, order in enumerate(orders) if order == 1)
+    return found if len(found) < len(orders) else ()
 
 
 def no_such_effect(name: str, known: Iterable[str]) -> UnknownNameError:

@@ -136,7 +136,8 @@ def diagnose_captive(
     system = captive_system(
         campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
     )
-    return answer(system, system.taking_part(given), floor=system.floor, seed=seed)
+    known = system.taking_part(given)
+    return answer(system.whole(known), known, floor=system.floor, seed=seed)
 
 
 def captive_system(

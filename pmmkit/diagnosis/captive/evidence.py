@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import combinations
+from dataclasses import dataclass
+from itertools import combinations, product
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,8 @@ MOST: Final = 3
 """Effects in a set."""
 MANY: Final = 200
 """Columns from which a block is wide."""
+NEAR: Final = 2
+"""Grid points of an effect, those that explain most alone, that stand in sets of several."""
 AHEAD: Final = 8
 """Best single effects that are combined with all others."""
 
@@ -60,49 +63,87 @@ def price(system: System) -> float:
     return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
 
 
-def ranked_sets(system: System, *, most: int = MOST) -> list[Entry]:
-    """All single effects, and the sets that deserve it, best first."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sets:
+    """Sets of effects of a system, and what is computed once for all of them.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    by_name : mapping of str to list of Block
+        Each effect at its grid points, and in its forms.
+    near : mapping of str to list of Block
+        Those that explain most, which stand in sets of several.
+    beside : mapping of int to (float, System)
+        Evidence of each wide block, and the system beside it.
+    """
+
+    system: System
+    by_name: Mapping[str, list[Block]]
+    near: Mapping[str, list[Block]]
+    beside: Mapping[int, tuple[float, System]]
+
+    def value_of(self, blocks: Sequence[Block]) -> float:
+        """ln evidence of blocks; one with many columns is taken into account once for all sets."""
+        many = [block for block in blocks if id(block) in self.beside]
+        if len(blocks) == 1 or len(many) != 1:
+            return evidence_at(self.system, np.concatenate([block.places for block in blocks]))
+        alone, rest = self.beside[id(many[0])]
+        at = np.concatenate([block.places for block in blocks if block is not many[0]])
+        return alone + evidence_at(rest, at)
+
+    def entry(self, names: Sequence[str]) -> Entry:
+        """A set with its evidence, averaged over grids and forms."""
+        own = self.by_name if len(names) == 1 else self.near
+        found = [(self.value_of(blocks), blocks) for blocks in product(*(own[x] for x in names))]
+        top, best = max(found, key=lambda item: item[0])
+        total = sum(math.exp(value - top) for value, _ in found)
+        share = math.prod(len(self.by_name[name]) for name in names)
+        return Entry(
+            names=tuple(names),
+            values=tuple(block.value for block in best),
+            terms=tuple(block.candidate.size for block in best),
+            log_evidence=top + math.log(total / share) - price(self.system) * len(names),
+        )
+
+    def added(self, entry: Entry) -> tuple[float, ...]:
+        """ln evidence that each effect of a set adds to the others."""
+        if len(entry.names) == 1:
+            return (entry.log_evidence,)
+        return tuple(
+            entry.log_evidence - self.entry([x for x in entry.names if x != name]).log_evidence
+            for name in entry.names
+        )
+
+
+def sets_of(system: System) -> Sets:
+    """Sets that can be asked for.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    """
     by_name: dict[str, list[Block]] = {}
     for block in system.blocks:
         by_name.setdefault(block.candidate.name, []).append(block)
-    paid = price(system)
-    index = {
-        id(block): np.arange(block.columns.start, block.columns.stop) for block in system.blocks
+    near = {
+        name: sorted(own, key=lambda b: -evidence_at(system, b.places))[:NEAR]
+        for name, own in by_name.items()
     }
-
-    near = {name: _near(system, index, own) for name, own in by_name.items()}
     beside = {
         id(block): (evidence_at(system, block.places), condition_on(system, [block]))
         for own in near.values()
         for block in own
         if wide(block)
     }
+    return Sets(system=system, by_name=by_name, near=near, beside=beside)
 
-    def value_of(blocks: Sequence[Block]) -> float:
-        """ln evidence of a set; one with many columns is taken into account once for all sets."""
-        many = [block for block in blocks if id(block) in beside]
-        if len(blocks) == 1 or len(many) != 1:
-            return evidence_at(system, np.concatenate([index[id(block)] for block in blocks]))
-        alone, rest = beside[id(many[0])]
-        at = np.concatenate([index[id(block)] for block in blocks if block is not many[0]])
-        return alone + evidence_at(rest, at)
 
-    def entry(names: Sequence[str]) -> Entry:
-        grids = [by_name[name] for name in names]
-        if len(names) > 1:
-            grids = [near[name] for name in names]
-        found = []
-        for blocks in _product(grids):
-            found.append((value_of(blocks), tuple(block.value for block in blocks)))
-        top = max(found)
-        total = sum(math.exp(value - top[0]) for value, _ in found)
-        share = math.prod(len(by_name[name]) for name in names)
-        return Entry(
-            names=tuple(names),
-            values=top[1],
-            log_evidence=top[0] + math.log(total / share) - paid * len(names),
-        )
-
+def ranked_sets(sets: Sets, *, most: int = MOST) -> list[Entry]:
+    """All single effects, and the sets that deserve it, best first."""
+    entry, by_name = sets.entry, sets.by_name
     singles = sorted((entry([name]) for name in by_name), key=lambda x: -x.log_evidence)
     found = list(singles)
     best = [x.names[0] for x in singles[:AHEAD]]
@@ -126,19 +167,6 @@ def ranked_sets(system: System, *, most: int = MOST) -> list[Entry]:
 def wide(block: Block) -> bool:
     """Whether a block has so many columns (one per run) that sets with it need another way."""
     return len(block.places) > MANY
-
-
-def _near(system: System, index: Mapping[int, Places], own: Sequence[Block]) -> list[Block]:
-    """The two grid points of an effect that explain most by themselves."""
-    ranked = sorted(own, key=lambda b: -evidence_at(system, index[id(b)]))
-    return ranked[:2]
-
-
-def _product(grids: Sequence[Sequence[Block]]) -> list[tuple[Block, ...]]:
-    found: list[tuple[Block, ...]] = [()]
-    for own in grids:
-        found = [(*blocks, block) for blocks in found for block in own]
-    return found
 
 
 def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> float:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.least_squares import Stack, solved, stacked
+from pmmkit.diagnosis.captive.noise_level import LeftOut, expected_errors
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
@@ -18,10 +19,30 @@ from pmmkit.observations.views import View
 if TYPE_CHECKING:
     import pandas as pd
 
+Kind = Literal["error", "force", "level"]
 ALONE: Final = 1e-6
 """A condition whose rows have less than this to do with all others cannot be predicted."""
 CHANGED: Final = 0.02
 """Share by which an error must change to count as changed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Misfit:
+    """How far errors of left-out conditions are from their noise level.
+
+    Parameters
+    ----------
+    where : str
+        The channel that is fitted least, ``all`` for all harmonics of all channels.
+    ratio : float
+        Root mean square of its errors over what noise gives.
+    chance : float
+        Probability that noise gives one so large.
+    """
+
+    where: str
+    ratio: float
+    chance: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,6 +60,15 @@ class HeldOut:
     error, force : array (conditions, channels)
         Root mean square of the error and of the measured force over a cycle [N, N m]; NaN where a
         condition has no such channel or the other conditions do not determine it.
+    level : array (conditions, channels)
+        Noise level: the error to be expected if nothing is missing, of noise, run scatter, the
+        smooth floor and what the other conditions leave unknown [N, N m].
+    distance, rows : array (conditions,)
+        Squares of all errors of a condition, harmonic by harmonic, over their covariance, and what
+        is expected of them: their number.
+    spread : array (channels + 1,)
+        Variance that noise gives the sum over the conditions of (error over level)², by channel,
+        and of `distance`.
     """
 
     conditions: tuple[str, ...]
@@ -46,19 +76,65 @@ class HeldOut:
     channels: tuple[str, ...]
     error: Array
     force: Array
+    level: Array
+    distance: Array
+    rows: Array
+    spread: Array
 
-    def of_channel(
-        self, test: str | None = None, *, kind: Literal["error", "force"] = "error"
-    ) -> dict[str, float]:
-        """Root mean square of error or force by channel [N, N m], of one test type or of all."""
-        at = [i for i, name in enumerate(self.tests) if test in (None, name)]
-        values = self.error if kind == "error" else self.force
-        return dict(zip(self.channels, _rms(values[at]).tolist(), strict=True))
+    def of_channel(self, test: str | None = None, *, kind: Kind = "error") -> dict[str, float]:
+        """Root mean square of error, force or noise level by channel [N, N m], of one test type or
+        of all."""
+        return dict(zip(self.channels, self._rms(test, kind).tolist(), strict=True))
 
-    def share(self, test: str | None = None) -> float:
+    def share(self, test: str | None = None, *, kind: Kind = "error") -> float:
         """Errors of one test type or of all over the channels' rms forces, over the channels."""
+        return float(_rms((self._rms(test, kind) / _rms(self.force))[:, None])[0])
+
+    def _rms(self, test: str | None, kind: Kind) -> Array:
         at = [i for i, name in enumerate(self.tests) if test in (None, name)]
-        return float(_rms((_rms(self.error[at]) / _rms(self.force))[:, None])[0])
+        values: Mapping[Kind, Array] = {
+            "error": self.error,
+            "force": self.force,
+            "level": self.level,
+        }
+        return _rms(values[kind][at])
+
+    @property
+    def misfit(self) -> Misfit:
+        """Errors over what noise gives: of the channel, or of all harmonics, that it fits least.
+
+        The condition that stands out most is not counted: a run may be wrong. The sum over the
+        others is one of squares of dependent normal variables: a χ² of its mean and its variance
+        (Satterthwaite 1946). The least probability is multiplied by their number (Bonferroni).
+        """
+        from scipy.special import chdtrc
+
+        squares = np.column_stack([(self.error / self.level) ** 2, self.distance])
+        means = np.column_stack([np.where(np.isfinite(self.error), 1.0, np.nan), self.rows])
+        worst = np.argmax(np.where(np.isfinite(squares), squares - means, -np.inf), axis=0)
+        for values in (squares, means):
+            values[worst, np.arange(values.shape[1])] = np.nan
+        total, mean = np.nansum(squares, axis=0), np.nansum(means, axis=0)
+        known = (mean > 0.0) & (self.spread > 0.0)
+        if not known.any():
+            return Misfit(where="all", ratio=1.0, chance=1.0)
+        total, mean, spread = total[known], mean[known], self.spread[known]
+        chances = chdtrc(2.0 * mean**2 / spread, 2.0 * mean * total / spread)
+        place = int(np.lexsort((-total / mean, chances))[0])
+        names = np.array([*self.channels, "all"])[known]
+        return Misfit(
+            where=str(names[place]),
+            ratio=float(np.sqrt(total[place] / mean[place])),
+            chance=min(1.0, len(chances) * float(chances[place])),
+        )
+
+    def with_rows_of(self, other: HeldOut, rows: Sequence[int]) -> HeldOut:
+        """With some conditions as another set of effects predicts them."""
+        fields = ("error", "force", "level", "distance", "rows")
+        mixed = {name: getattr(self, name).copy() for name in fields}
+        for name, values in mixed.items():
+            values[list(rows)] = getattr(other, name)[list(rows)]
+        return replace(self, **mixed)
 
     def better_than(self, other: HeldOut) -> float:
         """Share of conditions and channels with a smaller error, of those that change at all."""
@@ -123,38 +199,63 @@ def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
     groups = _groups(system, stack)
     channels = tuple(stack.places)
     shape = (len(groups), len(channels))
-    error, force = np.full(shape, np.nan), np.full(shape, np.nan)
+    error, force, level = (np.full(shape, np.nan) for _ in range(3))
+    distance, rows_of = np.full(len(groups), np.nan), np.full(len(groups), np.nan)
+    folds: dict[int, LeftOut] = {}
     for number, own in enumerate(groups.values()):
         rows = np.concatenate([at for _, _, at in own])
         Q = found.Q[rows]
         inner = np.eye(len(rows)) - Q @ Q.T
         if np.linalg.eigvalsh(inner)[0] < ALONE:
             continue
-        change = np.linalg.solve(found.R, Q.T @ np.linalg.solve(inner, residual[rows])) / found.size
+        inverse = np.linalg.inv(inner)
+        change = np.linalg.solve(found.R, Q.T @ inverse @ residual[rows]) / found.size
         solution = found.solution - change
+        counted = []
         for place, channel in enumerate(channels):
-            mine = [(view, at) for name, view, at in own if name == channel and not view.early]
+            mine = [at for name, view, at in own if name == channel and not view.early]
             if mine:
                 left = [
                     _mean_square(stack.plain[at, -1] - stack.plain[at, :-1] @ solution)
-                    for _, at in mine
+                    for at in mine
                 ]
                 error[number, place] = np.sqrt(np.mean(left))
                 force[number, place] = np.sqrt(
-                    np.mean([_mean_square(stack.plain[at, -1]) for _, at in mine])
+                    np.mean([_mean_square(stack.plain[at, -1]) for at in mine])
                 )
+                counted += [(place, at, _weights(len(at)) / len(mine)) for at in mine]
+        folds[number] = LeftOut(
+            rows=rows,
+            inverse=inverse,
+            counted=np.concatenate([at for _, at, _ in counted]),
+            channel=np.repeat([k for k, _, _ in counted], [len(at) for _, at, _ in counted]),
+            weight=np.concatenate([weight for _, _, weight in counted]),
+        )
+    noise = expected_errors(system, stack, found, residual, tuple(folds.values()))
+    at = list(folds)
+    level[at] = np.where(np.isfinite(error[at]), np.sqrt(noise.square), np.nan)
+    distance[at], rows_of[at] = noise.distance, noise.rows
     return HeldOut(
         conditions=tuple(groups),
         channels=channels,
         error=error,
         force=force,
+        level=level,
+        distance=distance,
+        rows=rows_of,
+        spread=noise.spread,
         tests=tuple(own[0][1].run.test for own in groups.values()),
     )
 
 
+def _weights(rows: int) -> Array:
+    """Of squared mean and harmonics in the mean square over a cycle."""
+    return np.where(np.arange(rows) > 0, 0.5, 1.0)
+
+
 def _mean_square(harmonics: Array) -> float:
     """Mean square over a cycle of a history with these harmonics."""
-    return float(harmonics[0] ** 2 + 0.5 * np.sum(harmonics[1:] ** 2))
+    return float(_weights(len(harmonics)) @ harmonics**2)
 
 
 def _groups(system: System, stack: Stack) -> dict[str, list[tuple[str, View, Places]]]:

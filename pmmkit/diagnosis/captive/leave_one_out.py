@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
+from pmmkit.campaigns.run import Run
 from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.numerics import Array
@@ -24,7 +25,9 @@ def columns_at(piece: Piece, at: Places) -> Array:
     return found
 
 
-def taken_with(system: System, columns: Sequence[Array]) -> Mapping[str, Array]:
+def taken_with(
+    system: System, columns: Sequence[Array], named: Callable[[Run], str] = lambda run: run.id
+) -> Mapping[str, Array]:
     """Products of columns that go when a run is left out, base and floor fitted without it.
 
     Parameters
@@ -33,10 +36,12 @@ def taken_with(system: System, columns: Sequence[Array]) -> Mapping[str, Array]:
         Runs and base.
     columns : sequence of array (n + D, q)
         Projected columns of each channel.
+    named : callable
+        Name of a run; runs of one name are left out together.
 
     Returns
     -------
-    mapping of run to array (q, q)
+    mapping of name to array (q, q)
 
     Notes
     -----
@@ -46,17 +51,21 @@ def taken_with(system: System, columns: Sequence[Array]) -> Mapping[str, Array]:
     found: dict[str, Array] = {}
     for piece, own in zip(system.pieces, columns, strict=True):
         projection = piece.projection
-        for rows, inverse in zip(projection.channel.runs, projection.alone, strict=True):
+        together: dict[str, list[int]] = {}
+        for number, rows in enumerate(projection.channel.runs):
             run = _run_of(system, piece, int(rows[0]))
-            part = own[rows].T @ inverse @ own[rows]
-            found[run] = found[run] + part if run in found else part
+            together.setdefault(named(run), []).append(number)
+        for name, numbers in together.items():
+            rows = np.concatenate([projection.channel.runs[number] for number in numbers])
+            part = own[rows].T @ projection.without(numbers) @ own[rows]
+            found[name] = found[name] + part if name in found else part
     return found
 
 
-def _run_of(system: System, piece: Piece, row: int) -> str:
+def _run_of(system: System, piece: Piece, row: int) -> Run:
     channel = piece.projection.channel
     return next(
-        system.views[i].run.id
+        system.views[i].run
         for i, rows in zip(channel.views, channel.rows, strict=True)
         if rows.start <= row < rows.stop
     )

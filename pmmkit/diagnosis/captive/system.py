@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Final
 
@@ -21,7 +21,9 @@ from pmmkit.observations.whitening import Piece
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
 FEATURES: Final = 96
-"""Random features of the smooth floor, per channel."""
+"""Random features of the smooth floor, per channel: half of them of the channel's own parity."""
+TURNED: Final = 6
+"""Variables of the smooth floor that change sign in a mirrored motion."""
 SMOOTH: Final = 0.8
 """Length scale of the floor over the range of each variable."""
 STEP: Final = 1e-4
@@ -97,6 +99,15 @@ class System:
     centre: Array
     pieces: tuple[Piece, ...]
     unasked: tuple[Candidate, ...] = ()
+
+    def whole(self, names: Sequence[str]) -> System:
+        """With all coefficients of some effects, which a base has already."""
+        kept = [
+            block
+            for block in self.blocks
+            if block.candidate.name not in names or not block.candidate.partial
+        ]
+        return replace(self, blocks=tuple(kept))
 
     def taking_part(self, names: Sequence[str]) -> tuple[str, ...]:
         """Of some effects those for which these runs hold anything."""
@@ -198,23 +209,41 @@ def _turned(view: View) -> tuple[State, float]:
 
 
 def floor_features(channel: Channel, views: Sequence[View], base: Base, seed: int = 12345) -> Array:
-    """A smooth function of the motion as random features, of unit size over the scale (n, D)."""
+    """A smooth function of the motion as random features, of unit size over the scale (n, D).
+
+    Its covariance k(x, x') is that of two functions, k± = ½[k(x, x') ± k(x, P x')], where P turns
+    sway, yaw, their rates, rudder and heel over: a symmetric ship has odd Y and N and even X. The
+    first half of the columns are of the parity that such a ship has, the others of the other.
+    """
     variables = [_variables(views[i], base) for i in channel.views]
     ranges = np.max([np.max(np.abs(x), axis=0) for x in variables], axis=0)
     live = ranges > 1e-9
+    half = FEATURES // 2
     rng = np.random.default_rng([seed, ord(channel.name)])
-    omega = rng.normal(size=(int(live.sum()), FEATURES)) / SMOOTH
-    phase = rng.uniform(0, 2 * math.pi, FEATURES)
+    omega = np.zeros((len(ranges), half))
+    omega[live] = rng.normal(size=(int(live.sum()), half)) / SMOOTH
+    phase = rng.uniform(0, 2 * math.pi, half)
     rows = []
     for i, x in zip(channel.views, variables, strict=True):
         view = views[i]
-        features = math.sqrt(2.0 / FEATURES) * np.cos((x[:, live] / ranges[live]) @ omega + phase)
+        scaled = x / np.where(live, ranges, 1.0)
+        turned = scaled[:, :TURNED] @ omega[:TURNED]
+        kept = scaled[:, TURNED:] @ omega[TURNED:] + phase
+        even, odd = np.cos(turned) * np.cos(kept), np.sin(turned) * np.sin(kept)
+        both = (even, odd) if is_even(channel.name) else (odd, even)
         unit = channel.scale * view.motion.speed**2
+        features = math.sqrt(2.0 / half) * np.concatenate(both, axis=1)
         rows.append(view.project(features * unit[:, None]))
     return np.concatenate(rows)
 
 
+def is_even(channel: str) -> bool:
+    """Whether a channel of a symmetric ship is the same in a mirrored motion."""
+    return channel == "X"
+
+
 def _variables(view: View, base: Base) -> Array:
+    """What a smooth force may depend on; the first `TURNED` change sign in a mirrored motion."""
     m, L = view.motion, base.ship.L
     U = m.speed
     return np.stack(

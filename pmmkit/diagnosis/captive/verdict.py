@@ -1,4 +1,4 @@
-"""What a system answers: nothing, effects with their rivals, or something unknown."""
+"""What a system answers: nothing, effects with their rivals, a suspicion, something unknown."""
 
 from __future__ import annotations
 
@@ -10,21 +10,23 @@ from typing import Final
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from pmmkit.diagnosis.captive.adequacy import blocks_of, chosen, flags
+from pmmkit.diagnosis.captive.adequacy import LEAST, blocks_of, chosen, flags, refused
+from pmmkit.diagnosis.captive.chosen_anew import chosen_anew
 from pmmkit.diagnosis.captive.conditioning import condition_on
 from pmmkit.diagnosis.captive.coverage import coverage
-from pmmkit.diagnosis.captive.evidence import gate, ranked_sets
+from pmmkit.diagnosis.captive.evidence import gate, ranked_sets, sets_of
 from pmmkit.diagnosis.captive.grid import best_blocks
-from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
+from pmmkit.diagnosis.captive.held_out import HeldOut, Misfit, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.evidence import Entry, Visible
-from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Nearest, Suspect, Verdict
 from pmmkit.effects.effect import BY_SPEED
 
 CHANCE: Final = 0.01
-"""A best effect that chance alone gives more often than this is no finding."""
+"""A best effect that chance alone gives more often than this is no finding; nor is a set whose
+errors of left-out conditions noise gives less often."""
 RIVALS: Final = math.log(20.0)
 """Sets within these odds of the best cannot be told from it."""
 
@@ -58,25 +60,67 @@ def answer(system: System, given: Sequence[str] = (), *, floor: float, seed: int
 
 def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -> Diagnosis:
     known = taken_as_given(system, given)
-    entries = ranked_sets(known.system)
+    sets = sets_of(known.system)
+    entries = ranked_sets(sets)
     covered = coverage(known.system)
     singles = [item for item in entries if len(item.names) == 1]
     chance = gate(known.system, max(item.log_evidence for item in singles), seed=seed)
     best = chosen(system, entries, known.used) if chance < CHANCE else None
     blocks = blocks_of(known.system, best) if best else []
-    doubts = flags(system, blocks, known.used, entries[0] if chance < CHANCE else None)
-    verdict: Verdict = "missing_effect" if best else "unexplained" if doubts else "noise"
+    first = entries[0] if chance < CHANCE and entries[0].log_evidence > LEAST else None
+    left = refused(system, sets, first, blocks, known.used) if first else ()
+    hanging = tuple(item for item in left if item.run)
+    doubts = flags(system, blocks, known.used, left)
+    nearest: Nearest | None = None
+    findings: tuple[Finding, ...] = ()
+    verdict: Verdict = "unexplained" if doubts else "noise"
+    if best:
+        verdict = "missing_effect"
+        together = refined(system, [*known.blocks, *blocks])
+        after = held_out(system, together)
+        misfit = chosen_anew(system, entries, best, after, known.used).misfit
+        if misfit.chance < CHANCE:
+            verdict = "unexplained"
+            before = held_out(system, together[: len(known.blocks)])
+            nearest = _nearest(best, before, after, misfit)
+            doubts = doubts or ("not_the_whole_story",)
+        else:
+            findings = _findings(
+                system, sets.added(best), together, len(known.blocks), after, covered, floor
+            )
+    elif hanging and not flags(system, [item.block for item in hanging], known.used):
+        verdict, doubts = "suspected", (doubts[0], *map(str, hanging))
+    elif first and not hanging:
+        before = held_out(system, known.blocks)
+        after = held_out(system, [*known.blocks, *blocks_of(known.system, first)])
+        nearest = _nearest(first, before, after, after.misfit)
     return Diagnosis(
         verdict=verdict,
-        group=_group(entries, best) if best else (),
+        group=_group(entries, best) if findings and best else (),
         flags=doubts,
-        findings=_findings(system, best, known.blocks, blocks, covered, floor) if best else (),
+        findings=findings,
         chance=chance,
         covered=covered,
         entries=tuple(entries),
         floor=floor,
         base=system.base.values,
         given=given,
+        suspected=tuple(
+            Suspect(effect=item.block.candidate.name, run=item.run, log_odds=item.log_odds)
+            for item in hanging
+        ),
+        nearest=nearest,
+    )
+
+
+def _nearest(entry: Entry, before: HeldOut, after: HeldOut, misfit: Misfit) -> Nearest:
+    return Nearest(
+        effects=entry.names,
+        error_before=before.share(),
+        error_after=after.share(),
+        error_level=after.share(kind="level"),
+        channel=misfit.where,
+        ratio=misfit.ratio,
     )
 
 
@@ -150,30 +194,27 @@ def _askable(system: System, given: Sequence[Block]) -> System:
 
 def _findings(
     system: System,
-    entry: Entry,
-    given: Sequence[Block],
-    blocks: Sequence[Block],
+    evidence: Sequence[float],
+    together: Sequence[Block],
+    given: int,
+    after: HeldOut,
     covered: Sequence[Visible],
     floor: float,
 ) -> tuple[Finding, ...]:
-    """Each effect of a set, with the held-out errors without and with it; the largest first."""
-    if not blocks:
-        return ()
-    together = refined(system, [*given, *blocks])
-    blocks = together[len(given) :]
+    """Each effect after those that are given, with the held-out errors without and with it; the
+    largest first."""
     fit = joint_fit(system, together, floor=floor)
-    after = held_out(system, together)
     visible = {item.name: item for item in covered}
     found = [
         _finding(
             block,
             fit,
             visible[block.candidate.name],
-            entry.log_evidence,
+            log_odds,
             held_out(system, [item for item in together if item is not block]),
             after,
         )
-        for block in blocks
+        for block, log_odds in zip(together[given:], evidence, strict=True)
     ]
     return tuple(sorted(found, key=lambda item: -item.error_before))
 
@@ -199,7 +240,9 @@ def _finding(
         separating_test=c.check,
         error_before=before.share(),
         error_after=after.share(),
+        error_level=after.share(kind="level"),
         errors={name: (old[name], new[name]) for name in new},
+        levels=after.of_channel(kind="level"),
     )
 
 

@@ -6,6 +6,16 @@ foreign truth puts each effect in at its physical source.
 
 from .hull import BASE
 from .sizes import SHIP, SIZES, WATER
-from .tank import EFFECTS, INSIDE, OUTSIDE, hidden_campaign
+from .tank import BEYOND, EFFECTS, INSIDE, OUTSIDE, hidden_campaign
 
-__all__ = ["BASE", "EFFECTS", "INSIDE", "OUTSIDE", "SHIP", "SIZES", "WATER", "hidden_campaign"]
+__all__ = [
+    "BASE",
+    "BEYOND",
+    "EFFECTS",
+    "INSIDE",
+    "OUTSIDE",
+    "SHIP",
+    "SIZES",
+    "WATER",
+    "hidden_campaign",
+]

@@ -14,7 +14,7 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 
-from . import catalogue, outside, sources
+from . import beyond, catalogue, outside, sources
 from .gauges import GAUGE_EFFECTS, inertia, read
 from .hull import Force, add, heel, hull_force, times
 from .motion import Array, Motion, motion_of
@@ -42,7 +42,9 @@ INSIDE = tuple(
 """Effects that a catalogue holds."""
 OUTSIDE = (*outside.FORCES, "outside_dead_zone")
 """Effects that no catalogue holds."""
-EFFECTS = (*INSIDE, *OUTSIDE)
+BEYOND = tuple(beyond.FORCES)
+"""Others that no catalogue holds, of kinds that nothing was tried on before."""
+EFFECTS = (*INSIDE, *OUTSIDE, *BEYOND)
 
 
 def hidden_campaign(
@@ -69,7 +71,8 @@ def hidden_campaign(
     effects : mapping of str to float, optional
         Names from `EFFECTS` with size factors, any sign.
     truth : {"catalogue", "foreign"}
-        Effects in the catalogue's form, or at a physical source. Those of `OUTSIDE` have one form.
+        Effects in the catalogue's form, or at a physical source. Those that no catalogue holds
+        have one form.
     noise : {"standard", "double", "hard", "none"}
         See `sizes.toml`.
     seed : int
@@ -164,6 +167,7 @@ def motions(
 def water_force(m: Motion, effects: Mapping[str, float], truth: Truth) -> Force:
     """Force of the water with all hidden physics, and the catalogue's faults of motion."""
     forms = {**(sources.FORCES if truth == "foreign" else catalogue.FORCES), **outside.FORCES}
+    forms |= beyond.FORCES
     parts = [times(size, forms[name](m)) for name, size in effects.items() if name in forms]
     if truth == "catalogue":
         parts.append(catalogue.rig_change(m, dict(effects)))

@@ -1,0 +1,111 @@
+"""Predictions of left-out conditions by the set that the other conditions would have chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.adequacy import blocks_of
+from pmmkit.diagnosis.captive.evidence import log_evidence, wide
+from pmmkit.diagnosis.captive.held_out import HeldOut, condition, held_out
+from pmmkit.diagnosis.captive.leave_one_out import columns_at, taken_with
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.evidence import Entry
+from pmmkit.observations.channels import Places
+
+MOST: Final = 12
+"""Sets that stand for election beside the best."""
+
+
+def chosen_anew(
+    system: System,
+    entries: Sequence[Entry],
+    best: Entry,
+    predicted: HeldOut,
+    given: Sequence[Block] = (),
+) -> HeldOut:
+    """Held-out errors with the effects chosen anew for each condition, from all others.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates; of the base alone.
+    entries : sequence of Entry
+        Sets beside the effects that are given, best first.
+    best : Entry
+        The one that all conditions together choose.
+    predicted : HeldOut
+        Its errors.
+    given : sequence of Block
+        Effects that the base has already.
+
+    Returns
+    -------
+    HeldOut
+        Those errors, and where the others choose another set the errors of that.
+    """
+    blocks = blocks_of(system, best)
+    if any(wide(block) for block in (*blocks, *given)):
+        return predicted
+    own = _losses(system, [blocks], given)[0]
+    least = best.log_evidence + min(own.values(), default=0.0)
+    rivals = [
+        item
+        for item in entries
+        if item is not best and item.log_evidence > least and not _wide(system, item)
+    ][:MOST]
+    losses = [own, *_losses(system, [blocks_of(system, item) for item in rivals], given)]
+    elected: dict[int, list[int]] = {}
+    for number, name in enumerate(predicted.conditions):
+        left = [
+            item.log_evidence + loss.get(name, 0.0)
+            for item, loss in zip((best, *rivals), losses, strict=True)
+        ]
+        elected.setdefault(int(np.argmax(left)), []).append(number)
+    for winner, rows in elected.items():
+        if winner:
+            other = held_out(system, [*given, *blocks_of(system, rivals[winner - 1])])
+            predicted = predicted.with_rows_of(other, rows)
+    return predicted
+
+
+def _wide(system: System, entry: Entry) -> bool:
+    return any(wide(block) for block in blocks_of(system, entry))
+
+
+def _losses(
+    system: System, sets: Sequence[Sequence[Block]], given: Sequence[Block]
+) -> list[Mapping[str, float]]:
+    """Change of the ln evidence of each set, beside what is given, without each condition."""
+    if not sets:
+        return []
+    every = {id(block): block for own in sets for block in (*own, *given)}
+    at = np.concatenate([block.places for block in every.values()])
+    place = {column: k for k, column in enumerate(at.tolist())}
+    where = [
+        np.array([place[x] for block in (*own, *given) for x in block.places.tolist()])
+        for own in sets
+    ]
+    known = np.array([place[x] for block in given for x in block.places.tolist()], np.intp)
+    columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
+    gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
+
+    def evidence(taken: np.ndarray | None, cut: Places) -> float:
+        if not len(cut):
+            return 0.0
+        G, s = gram[np.ix_(cut, cut)], score[cut]
+        if taken is not None:
+            G, s = G - taken[np.ix_(cut, cut)], s - taken[cut, -1]
+        return log_evidence(G, s, centre[cut])
+
+    found: list[Mapping[str, float]] = []
+    parts = taken_with(system, columns, condition)
+    beside = {name: evidence(taken, known) for name, taken in parts.items()}
+    for cut in where:
+        whole = evidence(None, cut) - evidence(None, known)
+        found.append(
+            {name: evidence(taken, cut) - beside[name] - whole for name, taken in parts.items()}
+        )
+    return found

@@ -1,0 +1,172 @@
+"""The error of left-out conditions that noise alone would give: what the covariances expect."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.least_squares import Solved, Stack
+from pmmkit.diagnosis.captive.system import System
+from pmmkit.numerics import Array
+from pmmkit.observations.channels import Places
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LeftOut:
+    """One condition that a fit had not seen.
+
+    Parameters
+    ----------
+    rows : array (n,)
+        Its rows in the stack.
+    inverse : array (n, n)
+        Of I less their hat matrix: from residuals to errors of a fit without them.
+    counted : array (m,)
+        Rows whose errors count.
+    channel : array (m,)
+        Number of the channel of each.
+    weight : array (m,)
+        Of its squared error in the mean square of the channel over a cycle.
+    """
+
+    rows: Places
+    inverse: Array
+    counted: Places
+    channel: Places
+    weight: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Expected:
+    """What noise alone would give the errors of left-out conditions.
+
+    Parameters
+    ----------
+    square : array (conditions, channels)
+        Mean squares of the error over a cycle.
+    distance : array (conditions,)
+        Squared errors e' S⁻¹ e of all rows of a condition, over their covariance; `rows` if nothing
+        is missing.
+    rows : array (conditions,)
+        Number of rows of each.
+    spread : array (channels + 1,)
+        Variance of the sum over the conditions of mean squares over `square`, by channel, and of
+        the sum of `distance`.
+    """
+
+    square: Array
+    distance: Array
+    rows: Array
+    spread: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Errors:
+    """Covariance of errors of a condition: own - fit fit' + floor floor'."""
+
+    own: Array
+    fit: Array
+    floor: Array
+
+    @property
+    def covariance(self) -> Array:
+        return self.own - self.fit @ self.fit.T + self.floor @ self.floor.T
+
+    def by(self, matrix: Array) -> _Errors:
+        """Of what a matrix makes of the errors."""
+        return _Errors(
+            own=matrix @ self.own @ matrix.T, fit=matrix @ self.fit, floor=matrix @ self.floor
+        )
+
+    def of(self, rows: Places) -> _Errors:
+        """Of some of the errors."""
+        return _Errors(own=self.own[np.ix_(rows, rows)], fit=self.fit[rows], floor=self.floor[rows])
+
+
+def expected_errors(
+    system: System, stack: Stack, found: Solved, residual: Array, folds: Sequence[LeftOut]
+) -> Expected:
+    """What noise, run scatter, smooth floor and the fit to the others give left-out conditions.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    stack : Stack
+        Base and effects.
+    found : Solved
+        Their least squares.
+    residual : array (n,)
+        What it leaves, whitened.
+    folds : sequence of LeftOut
+        Conditions.
+
+    Returns
+    -------
+    Expected
+
+    Notes
+    -----
+    With P = I - H of the whitened fit, the errors of a condition are L (P_hh)⁻¹ (P z)_h, and the
+    data z have the covariance I + Φ Φ' of noise, run scatter and smooth floor.
+    """
+    begins = [part.start for part in stack.places.values()]
+    floors = [piece.projection.floor for piece in system.pieces]
+    edges = np.cumsum([0, *(x.shape[1] for x in floors)])
+    taken = np.hstack([found.Q[b : b + len(x)].T @ x for b, x in zip(begins, floors, strict=True)])
+    square = np.zeros((len(folds), len(begins)))
+    distance, plain, white = np.zeros(len(folds)), [], []
+    for number, fold in enumerate(folds):
+        left = -found.Q[fold.rows] @ taken
+        for k, (begin, own) in enumerate(zip(begins, floors, strict=True)):
+            mine = (fold.rows >= begin) & (fold.rows < begin + len(own))
+            left[mine, edges[k] : edges[k + 1]] += own[fold.rows[mine] - begin]
+        errors = _Errors(own=np.eye(len(fold.rows)), fit=found.Q[fold.rows], floor=left)
+        root = np.linalg.cholesky(errors.covariance)
+        white.append(errors.by(np.linalg.inv(root)))
+        distance[number] = float(np.sum(np.linalg.solve(root, residual[fold.rows]) ** 2))
+        shown = errors.by(_root(system, begins, fold) @ fold.inverse)
+        variance = fold.weight * np.maximum(np.diagonal(shown.covariance), 0.0)
+        square[number] = np.bincount(fold.channel, variance, minlength=len(begins))
+        size = np.where(square[number] > 0.0, square[number], np.inf)[fold.channel]
+        plain.append(shown.by(np.diag(np.sqrt(fold.weight / size))))
+    spread = [
+        _variance([e.of(np.flatnonzero(f.channel == k)) for e, f in zip(plain, folds, strict=True)])
+        for k in range(len(begins))
+    ]
+    return Expected(
+        square=square,
+        distance=distance,
+        rows=np.array([len(fold.rows) for fold in folds], float),
+        spread=np.array([*spread, _variance(white)]),
+    )
+
+
+def _variance(every: Sequence[_Errors]) -> float:
+    """Variance of the sum of squares of normal errors: 2 tr C² of their covariance C."""
+    total, fits, floors, across = 0.0, np.zeros(()), np.zeros(()), np.zeros(())
+    for e in every:
+        total += float(np.sum(e.own**2) - 2.0 * np.sum((e.own @ e.fit) * e.fit))
+        total += 2.0 * float(np.sum((e.own @ e.floor) * e.floor))
+        fits, floors = fits + e.fit.T @ e.fit, floors + e.floor.T @ e.floor
+        across = across + e.fit.T @ e.floor
+    shared = np.sum(fits**2) + np.sum(floors**2) - 2.0 * np.sum(across**2)
+    return 2.0 * max(total + float(shared), 0.0)
+
+
+def _root(system: System, begins: Sequence[int], fold: LeftOut) -> Array:
+    """Root of the covariance of noise and run scatter: counted rows by all rows of a condition."""
+    found = np.zeros((len(fold.counted), len(fold.rows)))
+    place = {row: k for k, row in enumerate(fold.rows.tolist())}
+    counted = {row: k for k, row in enumerate(fold.counted.tolist())}
+    for begin, piece in zip(begins, system.pieces, strict=True):
+        projection = piece.projection
+        for run in projection.runs_of(fold.rows - begin):
+            rows = (projection.channel.runs[run] + begin).tolist()
+            at = [place[row] for row in rows]
+            for k, row in enumerate(rows):
+                if row in counted:
+                    found[counted[row], at] = projection.roots[run][k]
+    return found

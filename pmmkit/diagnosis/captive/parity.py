@@ -1,0 +1,65 @@
+"""Symmetry of port and starboard: which parts of a force an effect, or an error of it, can have."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.system import FEATURES, Block, System, is_even
+from pmmkit.observations.channels import Places
+from pmmkit.observations.views import View
+
+PRESENT: Final = 0.01
+"""Share of its square from which a parity counts as one that an effect has."""
+Parity = bool
+"""True: Y and N odd, X even, as a symmetric ship has them; False: the other."""
+BOTH: Final[frozenset[Parity]] = frozenset((True, False))
+
+
+def mirrored(view: View) -> View:
+    """A run in a mirror: sway, yaw, rudder, heel and heading turned over."""
+    m = view.motion
+    turned = {
+        name: -getattr(m, name) for name in ("v", "r", "p", "phi", "vdot", "rdot", "pdot", "delta")
+    }
+    return replace(
+        view, motion=m.with_(**turned), heading=-view.heading, expected=MappingProxyType({})
+    )
+
+
+def parities(system: System, block: Block) -> frozenset[Parity]:
+    """Parities that an effect has: those of its columns in a motion and in its mirror.
+
+    Parameters
+    ----------
+    system : System
+        Runs; one of each kind of test and speed is looked at.
+    block : Block
+        The effect at a grid point. What each run draws for itself has no symmetry: both.
+    """
+    if block.candidate.each_run:
+        return BOTH
+    squares = {True: 0.0, False: 0.0}
+    seen = {(view.run.test, round(view.speed, 6)): view for view in system.views}
+    scale = {channel.name: channel.scale for channel in system.channels}
+    for view in seen.values():
+        here = block.candidate.columns(view, system.base, block.value)
+        there = block.candidate.columns(mirrored(view), system.base, block.value)
+        for name in here:
+            other = there[name] if is_even(name) else -there[name]
+            unit = scale[name] * view.speed**2
+            for own, part in ((True, here[name] + other), (False, here[name] - other)):
+                squares[own] += float(np.sum((0.5 * part / unit) ** 2))
+    whole = sum(squares.values())
+    return frozenset(own for own, square in squares.items() if square > PRESENT * whole) or BOTH
+
+
+def floor_places(system: System, wanted: frozenset[Parity]) -> Places:
+    """Places of the smooth floor's features of some parities."""
+    at = np.arange(system.floor_columns.start, system.floor_columns.stop)
+    own = (at - system.floor_columns.start) % FEATURES < FEATURES // 2
+    found: Places = at[[parity in wanted for parity in own.tolist()]]
+    return found
