@@ -353,6 +353,17 @@ class Diagnosis(Described):
         """The verdict in words."""
         return VERDICTS[self.verdict]
 
+    @property
+    def answer(self) -> str:
+        """The effects that are named, suspected or nearest, or the verdict, in few words."""
+        if self.best:
+            return " and ".join(self.best)
+        if self.verdict == "suspected":
+            return " and ".join(f"{item.effect} (run {item.run})" for item in self.suspected)
+        if self.nearest is not None:
+            return f"nearest relative {' and '.join(self.nearest.effects)}"
+        return self.sentence.rstrip(".").lower()
+
     def remarks(self) -> list[str]:
         """What is to be said of the findings together."""
         said = []
@@ -399,9 +410,8 @@ class Diagnosis(Described):
         )
 
     def _headline(self) -> str:
-        answer = " and ".join(self.best) or self.sentence.rstrip(".").lower()
         rivals = f", {counted(len(self.group) - 1, 'rival')}" if len(self.group) > 1 else ""
-        return f"{self.verdict.replace('_', ' ')}: {answer}{rivals}"
+        return f"{self.verdict.replace('_', ' ')}: {self.answer}{rivals}"
 
     def _sections(self) -> Sequence[Section]:
         floor = (

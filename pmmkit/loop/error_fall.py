@@ -63,7 +63,8 @@ class ErrorFall(Described):
         return tuple(dict.fromkeys(self.errors[0].tests))
 
     def table(self) -> Grid:
-        """A row per step: error in per cent of the rms force, by channel [N, N m], by test."""
+        """A row per step: error in per cent of the rms force and what noise alone gives, by channel
+        [N, N m], by test."""
         channels = self.errors[0].channels
         rows = []
         for number, (step, item) in enumerate(zip(self.steps, self.errors, strict=True)):
@@ -72,13 +73,16 @@ class ErrorFall(Described):
                 [
                     f"+ {step}" if number else step,
                     f"{100 * item.share():.2f}",
+                    f"{100 * item.share(kind='level'):.2f}",
                     *(f"{own[name]:.3g}" for name in channels),
                     *(f"{100 * item.share(test):.2f}" for test in self.tests),
                 ]
             )
         units = [f"{name} [{CHANNEL_UNITS[name]}]" for name in channels]
         tests = [f"{kind_of(test).title} [%]" for test in self.tests]
-        return Grid(head=["after", "all [%]", *units, *tests], groups=[Group(rows=rows)])
+        return Grid(
+            head=["after", "all [%]", "noise [%]", *units, *tests], groups=[Group(rows=rows)]
+        )
 
     def remarks(self) -> list[str]:
         """How much each step makes better, and which do not lower the error."""
@@ -107,8 +111,8 @@ class ErrorFall(Described):
     def to_pandas(self) -> pd.DataFrame:
         """A row per step, test type (``all`` too) and channel.
 
-        Columns: step, test, channel, error and force [N, N m], share (error over the force),
-        better (share of conditions and channels that a step improves, ``all`` only).
+        Columns: step, test, channel, error, noise level and force [N, N m], share (error over the
+        force), better (share of conditions and channels that a step improves, ``all`` only).
         """
         import pandas as pd
 
@@ -117,13 +121,14 @@ class ErrorFall(Described):
             better = item.better_than(self.errors[number - 1]) if number else float("nan")
             whole = item.of_channel(kind="force")
             for test in (None, *dict.fromkeys(item.tests)):
-                errors = item.of_channel(test)
+                errors, levels = item.of_channel(test), item.of_channel(test, kind="level")
                 rows += [
                     {
                         "step": name,
                         "test": test or "all",
                         "channel": channel,
                         "error": error,
+                        "level": levels[channel],
                         "force": whole[channel],
                         "share": error / whole[channel],
                         "better": better if test is None else float("nan"),

@@ -161,8 +161,7 @@ def _roots(channel: Channel, own: Array | None) -> list[tuple[list[int], Array]]
         if own is not None:
             drawn = own[_rows(channel, numbers)]
             covariance = covariance + drawn @ np.swapaxes(drawn, 1, 2)
-        root: Array = np.linalg.cholesky(covariance)
-        found.append((numbers, root))
+        found.append((numbers, np.asarray(np.linalg.cholesky(covariance), float)))
     return found
 
 

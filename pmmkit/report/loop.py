@@ -80,7 +80,7 @@ def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> P
         {"value": str(runs), "label": "runs"},
         {"value": f"{shown} of {len(found.covered)}", "label": "effects these runs can show"},
         {"value": f"{100 * found.floor:g} %", "label": "of the rms force does not matter"},
-        {"value": " + ".join(found.best) or found.verdict, "label": "answer"},
+        {"value": found.answer if found.best else found.verdict, "label": "answer"},
     ]
     target = Path(path)
     write_text(
@@ -144,14 +144,20 @@ def _told(found: Diagnosis) -> list[str]:
     ]
 
 
+def _asked_again(end: Diagnosis) -> list[str]:
+    """The verdict on the last step, and what it is about."""
+    about = [f"{end.answer}."] if end.verdict != "noise" else []
+    return [" ".join(["Asked again after the last step:", end.sentence, *about])]
+
+
 def _fall(loop: Loop) -> Section:
     fall = loop.fall
-    end = [f"Asked again after the last step: {loop.end.sentence}"] if loop.end else []
+    end = _asked_again(loop.end) if loop.end else []
     return Section(
         title="How the error falls",
         paragraphs=[
             "Each condition was left out of the fit in turn, with its repeats, and predicted from "
-            "all others: root mean square of the error, in newtons and in per cent of the "
+            "all others: root mean square of the error, beside what noise alone gives, in per cent of the "
             "channel's rms force."
         ],
         points=[*fall.remarks(), *end],

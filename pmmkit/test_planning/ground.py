@@ -64,6 +64,11 @@ class Ground:
     given: tuple[str, ...] = ()
     system: System | None = None
 
+    def is_new_speed(self, speed: float) -> bool:
+        """Whether no run is made at a speed, beside others that are made."""
+        made = self.system.views if self.system is not None else ()
+        return bool(made) and all(abs(view.speed - speed) > 1e-3 * speed for view in made)
+
     def known(self) -> Known:
         """What the runs made tell."""
         return known(self.rows, self.made)

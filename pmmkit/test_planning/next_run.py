@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,7 +20,7 @@ from pmmkit.numerics import Array
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.test_planning.ground import Asked, Ground, ground_of
 from pmmkit.test_planning.information import Reduced
-from pmmkit.test_planning.options import Limits, Option
+from pmmkit.test_planning.options import Limits, Option, limits_of, timed
 from pmmkit.test_planning.separation import expected_odds, likely, usual
 
 if TYPE_CHECKING:
@@ -28,6 +28,11 @@ if TYPE_CHECKING:
 
 LEAST: Final = 3.0
 """Expected gain in ln odds below which a run is not worth its time."""
+NOTHING: Final = "nothing"
+"""The rival of what one run alone shows."""
+TWICE: Final = 2
+"""Runs that are asked for at a speed at which none is made."""
+AT_A_NEW_SPEED: Final = "Twice: at a new speed one run would decide alone, and it may be wrong."
 REPEATS: Final = 8
 """Repeats of one run that are thought of before a check at the bench is advised."""
 
@@ -72,7 +77,8 @@ class Advice:
     Parameters
     ----------
     rivals : tuple of str
-        Sets of effects that the tests cannot tell apart; empty where effects are to be shown.
+        Sets of effects that the tests cannot tell apart, or what is suspected and nothing; empty
+        where effects are to be shown.
     wanted : tuple of str
         Effects that the advice is about.
     runs : tuple of NextRun
@@ -160,8 +166,8 @@ def next_runs(
         Of that model and campaign; made if absent.
     effects : sequence of str
         What to ask about: two effects or more are told apart at their usual sizes, one is made
-        visible. By default the rivals of the diagnosis; where it has none, what its runs cannot
-        show.
+        visible. By default the rivals of the diagnosis; where it has none, the run that alone
+        decides what is suspected, and else what its runs cannot show.
     limits : Limits, optional
         What tank and rig allow; what the campaign has done by default.
     options : sequence of Option, optional
@@ -190,7 +196,8 @@ def next_runs(
     uncertain as the data leave them, is a normal distribution; so is the other's. The gain in ln
     odds to be expected of the run is the divergence of one from the other. It holds within the
     catalogue and for the noise and scatter of the campaign. Its standard deviation is about the
-    root of twice its size.
+    root of twice its size. At a speed at which nothing is made yet one run would decide alone, and
+    may be wrong: two are asked for.
     """
     with threadpool_limits(1):
         ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
@@ -200,12 +207,49 @@ def next_runs(
             return _apart_at_usual_size(ground, reduced, effects, most)
         if not effects and found is None and ground.system is not None:
             found = answer(ground.system, ground.given, floor=floor)
+        if not effects and found is not None and found.suspected and not found.findings:
+            return _again(ground, reduced, campaign, found, limits)
         if not effects and found is not None:
             group = [item for item in found.group if set(item[0]) <= set(ground.candidates)]
             if len(group) > 1:
                 rivals, against = zip(*group, strict=True)
                 return _apart(ground, reduced, rivals, against, most)
         return _shown(ground, reduced, effects, most)
+
+
+def _again(
+    ground: Ground, reduced: Reduced, campaign: Campaign, found: Diagnosis, limits: Limits | None
+) -> Advice:
+    """Runs that alone decide what is suspected: each again."""
+    runs = []
+    for item in found.suspected:
+        run = campaign[item.run]
+        settings = replace(run.settings, repeat_of=item.run)
+        option = timed(run.test, settings, limits or limits_of(campaign), campaign.ship)
+        if option is None or item.effect not in ground.candidates:
+            continue
+        sets = [likely(reduced, names) for names in ((item.effect,), ())]
+        gains = expected_odds(reduced.added(item.run), sets).min(axis=1)
+        gain = float(gains.mean())
+        told = dict(zip((item.effect, NOTHING), gains.tolist(), strict=True))
+        runs.append(
+            NextRun(
+                option=option,
+                gain=gain,
+                gains=MappingProxyType(told),
+                resolves=_resolved(gains[:, None], np.zeros((2, 1)), np.full(2, 0.5)),
+                repeats=1,
+                hours=option.hours,
+                words=f"{item.run} again ({option.words}): it alone shows {item.effect}; expected "
+                f"odds {odds(gain)} for it or for nothing",
+            )
+        )
+    wanted = tuple(item.effect for item in found.suspected)
+    checks = _checks(ground, [name for name in wanted if name in ground.candidates])
+    words = f"{runs[0].words}." if runs else f"Look at the run {found.suspected[0].run}."
+    return Advice(
+        rivals=(*wanted, NOTHING), wanted=wanted, runs=tuple(runs), checks=checks, words=words
+    )
 
 
 def _apart(
@@ -275,7 +319,6 @@ def _ranked(
     def made(run: str, times: int, found: tuple[float, dict[str, float], float]) -> NextRun:
         option = ground.options[run]
         gain, gains, resolves = found
-        often = f"{times} times " if times > 1 else ""
         return NextRun(
             option=option,
             gain=gain,
@@ -283,13 +326,14 @@ def _ranked(
             resolves=resolves,
             repeats=times,
             hours=times * option.hours,
-            words=f"{often}{option.words}: expected odds {odds(gain)} between "
+            words=f"{_often(times)}{option.words}: expected odds {odds(gain)} between "
             f"{' and '.join(names[:2])}{' …' if len(names) > 2 else ''}, decided with "
             f"{100 * resolves:.0f} %",
         )
 
-    single = {run: gains_of(run, 1) for run in ground.options}
-    worth = [made(run, 1, found) for run, found in single.items() if found[0] >= LEAST]
+    least = {run: _least(ground, option) for run, option in ground.options.items()}
+    single = {run: gains_of(run, times) for run, times in least.items()}
+    worth = [made(run, least[run], found) for run, found in single.items() if found[0] >= LEAST]
     worth.sort(key=lambda item: (-item.resolves / item.hours, -item.gain))
     wanted = tuple(dict.fromkeys(name for own in rivals for name in own))
     checks = _checks(ground, wanted)
@@ -300,13 +344,18 @@ def _ranked(
         wanted=wanted,
         runs=tuple(worth[:most]),
         checks=checks,
-        words=_advice(worth, checks, " and ".join(names[:2])),
+        words=_advice(ground, worth, checks, " and ".join(names[:2])),
     )
 
 
 def _repeated(ground: Ground, single: Mapping[str, Any], gains_of: Any, made: Any) -> list[NextRun]:
     """The fewest repeats of one run that are worth their time; none within `REPEATS`."""
-    best = sorted(single, key=lambda run: -single[run][0] / ground.options[run].hours)[:REPEATS]
+    best = sorted(
+        single,
+        key=lambda run: (
+            -single[run][0] / _least(ground, ground.options[run]) / ground.options[run].hours
+        ),
+    )[:REPEATS]
     for times in range(2, REPEATS + 1):
         found = [made(run, times, gains_of(run, times)) for run in best]
         worth = [item for item in found if item.gain >= LEAST]
@@ -315,10 +364,21 @@ def _repeated(ground: Ground, single: Mapping[str, Any], gains_of: Any, made: An
     return []
 
 
-def _advice(runs: Sequence[NextRun], checks: Mapping[str, str], names: str) -> str:
+def _often(times: int) -> str:
+    return f"{times} times " if times > 1 else ""
+
+
+def _least(ground: Ground, option: Option) -> int:
+    """How often a run is to be made at least."""
+    return TWICE if ground.is_new_speed(option.settings.speed) else 1
+
+
+def _advice(ground: Ground, runs: Sequence[NextRun], checks: Mapping[str, str], names: str) -> str:
     bench = "; ".join(f"{name}: {check}" for name, check in checks.items())
     if runs and runs[0].repeats == 1:
         return runs[0].words + "."
+    if runs and runs[0].repeats == _least(ground, runs[0].option):
+        return f"{runs[0].words}. {AT_A_NEW_SPEED}"
     if runs:
         return f"No single run will do: {runs[0].words}. Or a check ({bench})."
     return f"No run within these limits tells {names} apart. A check will ({bench})."
@@ -339,7 +399,8 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
         return Advice(rivals=(), wanted=tuple(effects), runs=(), checks={}, words=words)
     found = []
     for run, option in ground.options.items():
-        columns = reduced.added(run)
+        times = _least(ground, option)
+        columns = reduced.added(run, times)
         after = before + np.sum((columns @ sizes.sizes) ** 2, axis=0)
         seen = [i for i in hidden if after[i] >= SHOWS]
         if seen:
@@ -349,10 +410,11 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
                     option=option,
                     gain=float(len(seen)),
                     resolves=math.nan,
-                    repeats=1,
-                    hours=option.hours,
+                    repeats=times,
+                    hours=times * option.hours,
                     gains=MappingProxyType({sizes.names[i]: float(after[i]) for i in seen}),
-                    words=f"{option.words}: makes {', '.join(names)} visible at usual size",
+                    words=f"{_often(times)}{option.words}: makes {', '.join(names)} visible at "
+                    "usual size",
                 )
             )
     found.sort(key=lambda item: (-item.gain / item.hours, -min(item.gains.values())))
@@ -360,6 +422,8 @@ def _shown(ground: Ground, reduced: Reduced, effects: Sequence[str], most: int) 
     checks = _checks(ground, [name for name in wanted if name not in shown])
     bench = "; ".join(f"{name}: {check}" for name, check in checks.items())
     words = f"{found[0].words}." if found else "No single run makes more visible."
+    if found and found[0].repeats > 1:
+        words += f" {AT_A_NEW_SPEED}"
     if bench:
         words += f" Not shown by a single run ({bench})."
     return Advice(rivals=(), wanted=wanted, runs=tuple(found[:most]), checks=checks, words=words)

@@ -74,6 +74,8 @@ class Option:
             parts.append(f"a{s.amplitude:.3g}")
         if s.yaw_amplitude is not None:
             parts.append(f"y{math.degrees(s.yaw_amplitude):.3g}")
+        if s.repeat_of is not None:
+            parts.append("again")
         return "_".join(parts)
 
     @property
@@ -113,6 +115,8 @@ class Option:
         ):
             if value is not None:
                 given[name] = round(value, 4)
+        if s.repeat_of is not None:
+            given["repeat_of"] = s.repeat_of
         return given
 
     def run(self, number: int = 0) -> Run:

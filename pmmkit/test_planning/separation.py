@@ -124,11 +124,14 @@ class Likely:
 
 
 def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
-    """A set of effects as the data have made it likely, at the likely ones of its grid values."""
+    """A set of effects as the data have made it likely, at the likely ones of its grid values.
+
+    An empty set is the base as it is.
+    """
     by_name = blocks_by_name(reduced.rows)
 
     def evidence(blocks: Sequence[Block]) -> float:
-        at = np.concatenate([block.places for block in blocks])
+        at = _places(blocks)
         return log_evidence(
             reduced.gram[np.ix_(at, at)], reduced.score[at], reduced.rows.centre[at]
         )
@@ -142,14 +145,18 @@ def likely(reduced: Reduced, names: Sequence[str]) -> tuple[Likely, ...]:
     total = sum(math.exp(value - top) for value, _ in found)
     made = []
     for value, blocks in found:
-        at = np.concatenate([block.places for block in blocks])
+        at = _places(blocks)
         G, centre = reduced.gram[np.ix_(at, at)], reduced.rows.centre[at]
-        covariance = np.linalg.inv(G + np.eye(len(at)))
+        covariance = np.asarray(np.linalg.inv(G + np.eye(len(at))), float)
         mean = centre + covariance @ (reduced.score[at] - G @ centre)
         made.append(
             Likely(share=math.exp(value - top) / total, places=at, mean=mean, covariance=covariance)
         )
     return tuple(made)
+
+
+def _places(blocks: Sequence[Block]) -> Places:
+    return np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
 
 
 def expected_odds(columns: Array, rivals: Sequence[Sequence[Likely]]) -> Array:
