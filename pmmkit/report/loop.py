@@ -157,8 +157,8 @@ def _fall(loop: Loop) -> Section:
         title="How the error falls",
         paragraphs=[
             "Each condition was left out of the fit in turn, with its repeats, and predicted from "
-            "all others: root mean square of the error, beside what noise alone gives, in per cent of the "
-            "channel's rms force."
+            "all others: root mean square of the error in newtons and in per cent of the channel's "
+            "rms force, beside what noise alone gives."
         ],
         points=[*fall.remarks(), *end],
         tables=[fall.table()],

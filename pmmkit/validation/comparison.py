@@ -28,6 +28,7 @@ from pmmkit.validation.misfit import (
     cells,
     conditions,
     order_words,
+    sentences_of,
     standouts_of,
 )
 from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
@@ -284,7 +285,7 @@ class Comparison(Described):
         return standouts_of(self.captive, self.ship.L, least=least)
 
     def standouts(self, least: float = STANDS_OUT) -> tuple[str, ...]:
-        """One sentence per cell that stands out, the worst first.
+        """One sentence per channel and kind of test that stands out, the worst first.
 
         Parameters
         ----------
@@ -292,7 +293,7 @@ class Comparison(Described):
             As for `outstanding`.
         """
         if self.captive:
-            return tuple(str(item) for item in self.outstanding(least))
+            return sentences_of(self.outstanding(least))
         return (*_force_sentences(self.misfit(), least), *_measure_sentences(self.manoeuvres))
 
     def metrics(self) -> pd.DataFrame:

@@ -6,14 +6,16 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.numerics import Array, rms
 from pmmkit.validation.captive import CaptiveRun
 
+Sign = Literal["too large", "too small", "too high", "too low", "off"]
 STANDS_OUT: Final = 2.0
 """A cell stands out whose error is so many times its expanded uncertainty."""
 LEAST_RANGE: Final = 1.3
@@ -26,6 +28,8 @@ SCATTER: Final = 0.2
 """Scatter of the sizes about the power law, as a share, from which it tells nothing."""
 MOST_LISTED: Final = 3
 """Speeds that a sentence lists; of more it gives the number."""
+WITHIN: Final = math.sqrt(0.5)
+"""Cosine of 45°, within which an error counts as along the measured force."""
 THREE: Final = 3
 """Speeds that it takes to tell a power of the speed; of two no more is said than that it grows."""
 ORDERS: Final = ("mean", "first", "second", "third", "fourth", "fifth", "sixth", "seventh")
@@ -94,6 +98,11 @@ class Standout:
         Powers of the variables with which the coefficient of the error grows.
     known : bool
         Whether the noise is known.
+    error : float
+        Root mean square over the runs of the error's amplitude [N, N m].
+    sign : {"too large", "too small", "too high", "too low", "off"}
+        The prediction beside the measurement: its size, where the error is within 45° of the
+        measured force or its opposite; else its value, where means err to one side; else neither.
     """
 
     channel: str
@@ -104,6 +113,8 @@ class Standout:
     ratio: float
     growth: Mapping[str, int]
     known: bool
+    error: float = math.nan
+    sign: Sign = "off"
 
     @property
     def where(self) -> str:
@@ -114,11 +125,18 @@ class Standout:
             return f"{len(self.speeds)} of {len(self.tested)} speeds"
         return f"{_listed([f'{speed:.3g}' for speed in self.speeds])} m/s"
 
-    def __str__(self) -> str:
-        text = (
-            f"{self.channel}, {kind_of(self.test).title}, {order_words(self.harmonic)}, "
-            f"{self.where}: {_times(self.ratio)} the uncertainty"
-        )
+    @property
+    def size(self) -> str:
+        """Sign and size of the error, in words."""
+        if not math.isfinite(self.error):
+            return ""
+        amount = f"{self.error:.3g} {CHANNEL_UNITS[self.channel]}"
+        return f"off by {amount}" if self.sign == "off" else f"{amount} {self.sign}"
+
+    @property
+    def weight(self) -> str:
+        """The error over its uncertainty, and what it grows with, in words."""
+        text = f"{_times(self.ratio)} the uncertainty"
         if not self.known:
             text += " (noise not known)"
         grows = [f"{name}{POWERS[power]}" for name, power in self.growth.items() if power > 0]
@@ -128,6 +146,64 @@ class Standout:
         if falls:
             text += f"; falls with {_listed(falls)}"
         return text
+
+    def __str__(self) -> str:
+        size = f"{self.size}, " if self.size else ""
+        return (
+            f"{self.channel}, {kind_of(self.test).title}, {order_words(self.harmonic)}, "
+            f"{self.where}: {size}{self.weight}"
+        )
+
+
+def sentences_of(standouts: Sequence[Standout]) -> tuple[str, ...]:
+    """Sentences that join what belongs together, the worst first.
+
+    Parameters
+    ----------
+    standouts : sequence of Standout
+        The worst first.
+
+    Returns
+    -------
+    tuple of str
+        All harmonics of a channel and kind of test together; and where only one stands out, all
+        kinds of test of which the same does.
+
+    Examples
+    --------
+    >>> cell = {"channel": "Y", "test": "pure_sway", "speeds": (1.5,), "tested": (1.5,),
+    ...         "growth": {}, "known": True, "sign": "too small"}
+    >>> first = Standout(harmonic=1, ratio=8.0, error=6.0, **cell)
+    >>> mean = Standout(harmonic=0, ratio=4.0, error=2.0, **cell)
+    >>> print(*sentences_of([first, mean]))
+    Y, pure sway, 1.5 m/s: first harmonic 6 N too small (8 times the uncertainty), mean 2 N too \
+small (4 times the uncertainty)
+    """
+    by_test: dict[tuple[str, str], list[Standout]] = {}
+    for item in standouts:
+        by_test.setdefault((item.channel, item.test), []).append(item)
+    joined: dict[tuple[str, ...], list[Standout]] = {}
+    for own in by_test.values():
+        alone = own[0] if len(own) == 1 else None
+        place = ("harmonic", str(alone.harmonic), alone.where) if alone else ("test", own[0].test)
+        joined.setdefault((own[0].channel, *place), []).extend(own)
+    return tuple(_sentence(own) for own in joined.values())
+
+
+def _sentence(own: Sequence[Standout]) -> str:
+    first = own[0]
+    if len(own) == 1:
+        return str(first)
+    one_test = len({item.test for item in own}) == 1
+    alike = len({item.where for item in own}) == 1
+    parts = []
+    for item in own:
+        what = order_words(item.harmonic) if one_test else kind_of(item.test).title
+        where = "" if alike else f", {item.where},"
+        parts.append(f"{what}{where} {item.size} ({item.weight})")
+    common = kind_of(first.test).title if one_test else order_words(first.harmonic)
+    head = [first.channel, common, *([first.where] if alike else [])]
+    return f"{', '.join(head)}: {', '.join(parts)}"
 
 
 def _listed(words: Sequence[str]) -> str:
@@ -168,6 +244,10 @@ class _Part:
     @property
     def error(self) -> Array:
         return self._of(self.run.error(self.channel))
+
+    @property
+    def measured(self) -> Array:
+        return self._of(self.run.view.force[self.channel])
 
     @property
     def uncertainty(self) -> Array:
@@ -293,9 +373,25 @@ def standouts_of(
                 ratio=rms([part.ratio for part in own]),
                 growth=_growth(own, lengths),
                 known=all(part.run.view.known(part.channel) for part in own),
+                error=rms([part.size for part in own]),
+                sign=_sign(own),
             )
         )
     return tuple(sorted(found, key=lambda item: -item.ratio))
+
+
+def _sign(parts: Sequence[_Part]) -> Sign:
+    """Whether predictions are too large or too small, or too high or too low, for all parts."""
+    pairs = [(part.error, part.measured) for part in parts]
+    along = sum(float(e @ m) for e, m in pairs)
+    whole = math.sqrt(sum(float(e @ e) for e, _ in pairs) * sum(float(m @ m) for _, m in pairs))
+    if whole > 0.0 and abs(along) > WITHIN * whole:
+        return "too large" if along > 0.0 else "too small"
+    if parts[0].harmonic == 0:
+        values = np.array([float(e[0]) for e, _ in pairs])
+        if abs(values.sum()) > WITHIN * float(np.abs(values).sum()):
+            return "too high" if values.sum() > 0.0 else "too low"
+    return "off"
 
 
 def conditions(run: CaptiveRun, length: float) -> dict[str, float]:

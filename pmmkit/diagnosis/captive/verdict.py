@@ -27,6 +27,7 @@ from pmmkit.effects.effect import BY_SPEED
 CHANCE: Final = 0.01
 """A best effect that chance alone gives more often than this is no finding; nor is a set whose
 errors of left-out conditions noise gives less often."""
+ABOVE: Final = "errors of left-out conditions stay above noise"
 RIVALS: Final = math.log(20.0)
 """Sets within these odds of the best cannot be told from it."""
 
@@ -75,19 +76,19 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
     findings: tuple[Finding, ...] = ()
     verdict: Verdict = "unexplained" if doubts else "noise"
     if best:
-        verdict = "missing_effect"
         together = refined(system, [*known.blocks, *blocks])
         after = held_out(system, together)
         misfit = chosen_anew(system, entries, best, after, known.used).misfit
-        if misfit.chance < CHANCE:
-            verdict = "unexplained"
-            before = held_out(system, together[: len(known.blocks)])
-            nearest = _nearest(best, before, after, misfit)
-            doubts = doubts or ("not_the_whole_story",)
-        else:
+        if misfit.chance >= CHANCE or _leads_on(system, (*given, *best.names)):
+            verdict = "missing_effect"
             findings = _findings(
                 system, sets.added(best), together, len(known.blocks), after, covered, floor
             )
+        else:
+            before = held_out(system, together[: len(known.blocks)])
+            nearest = _nearest(best, before, after, misfit)
+        if misfit.chance < CHANCE:
+            doubts = doubts or ("not_the_whole_story", ABOVE)
     elif hanging and not flags(system, [item.block for item in hanging], known.used):
         verdict, doubts = "suspected", (doubts[0], *map(str, hanging))
     elif first and not hanging:
@@ -111,6 +112,22 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
         ),
         nearest=nearest,
     )
+
+
+def _leads_on(system: System, named: Sequence[str]) -> bool:
+    """Whether effects that leave more than noise do so for want of others in the catalogue.
+
+    A set holds three effects at most, and what changes with the speed is asked for once the term is
+    there: where more are missing, what is found beside the set must bring the errors of left-out
+    conditions down to the noise.
+    """
+    known = taken_as_given(system, named)
+    entries = ranked_sets(sets_of(known.system))
+    best = chosen(system, entries, known.used)
+    if best is None:
+        return False
+    after = held_out(system, refined(system, [*known.blocks, *blocks_of(known.system, best)]))
+    return chosen_anew(system, entries, best, after, known.used).misfit.chance >= CHANCE
 
 
 def _nearest(entry: Entry, before: HeldOut, after: HeldOut, misfit: Misfit) -> Nearest:
