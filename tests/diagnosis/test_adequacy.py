@@ -15,12 +15,13 @@ from pmmkit.diagnosis.captive.adequacy import (
     flags,
     gains,
     lack_of_fit,
+    refused,
     remainder,
 )
 from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.coverage import coverage
 from pmmkit.diagnosis.captive.diagnose import captive_system
-from pmmkit.diagnosis.captive.evidence import evidence_at, ranked_sets
+from pmmkit.diagnosis.captive.evidence import evidence_at, ranked_sets, sets_of
 from pmmkit.diagnosis.captive.leave_one_out import least_gains
 from pmmkit.observations.views import views_of
 
@@ -28,7 +29,7 @@ from pmmkit.observations.views import views_of
 def asked(effects, seed=11, programme="small", **settings):
     """A system and the blocks of its best set."""
     system = captive_system(hidden_campaign(programme, effects, seed=seed, **settings), BASE)
-    return system, blocks_of(system, ranked_sets(system)[0])
+    return system, blocks_of(system, ranked_sets(sets_of(system))[0])
 
 
 def worst(system, blocks):
@@ -113,7 +114,7 @@ def test_what_stands_for_an_error_of_form_is_not_named():
     """Drag of sections from a table is no catalogue's: what is added to it is not needed."""
     campaign = hidden_campaign("full", {"crossflow_drag": 1.0}, truth="foreign", seed=502)
     system = captive_system(campaign, BASE)
-    entries = ranked_sets(system)
+    entries = ranked_sets(sets_of(system))
     pair = next(e for e in entries if e.names == ("crossflow_drag", "yaw_sway_coupling"))
     strong, weak = gains(system, blocks_of(system, pair))
     assert weak < NEEDED < strong
@@ -148,10 +149,13 @@ def test_one_bad_run_is_not_named():
     campaign = hidden_campaign("small", {}, seed=3)
     runs = tuple(_off(run, 15.0) if run.id == "DR_1.5_6_20" else run for run in campaign.runs)
     system = captive_system(campaign.with_(runs=runs), BASE)
-    entries = ranked_sets(system)
+    sets = sets_of(system)
+    entries = ranked_sets(sets)
     assert entries[0].log_evidence > 5.0
     assert chosen(system, entries) is None
-    assert "DR_1.5_6_20 alone" in "".join(flags(system, [], first=entries[0]))
+    left = refused(system, sets, entries[0], [])
+    assert {item.run for item in left} == {"DR_1.5_6_20"}
+    assert "DR_1.5_6_20 alone: repeat it" in "".join(flags(system, [], refused=left))
     listed = {item.name: item for item in coverage(system)}
     assert "DR_1.5_6_20" in listed["rudder_cross_terms"].why
 

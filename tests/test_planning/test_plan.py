@@ -238,6 +238,30 @@ def test_an_invisible_effect_is_shown_by_another_speed():
     assert advice.runs
     assert {run.option.test for run in advice.runs} == {"pure_sway"}
     assert all(run.option.settings.speed != 1.5 for run in advice.runs)
+    assert all(run.repeats == 2 for run in advice.runs)
+    assert len(advice.options) == 2
+    assert "at a new speed one run would decide alone" in advice.words
+
+
+@pytest.mark.slow
+def test_a_run_that_alone_decides_is_to_be_repeated():
+    """A static run off by 15 N looks like products of drift and rudder; so would they."""
+    campaign = hidden_campaign("small", {}, seed=3)
+    data = campaign["DR_1.5_6_20"].data
+    wrong = campaign["DR_1.5_6_20"].with_(loader=lambda: data.assign(Y=data["Y"] + 15.0))
+    runs = tuple(wrong if run.id == wrong.id else run for run in campaign.runs)
+    found = diagnose_captive(campaign.with_(runs=runs), BASE)
+    assert found.verdict == "suspected"
+    (suspect,) = found.suspected
+    assert suspect.run == "DR_1.5_6_20"
+    assert f"{suspect.effect} (run DR_1.5_6_20)" in repr(found)
+    advice = next_runs(BASE, campaign.with_(runs=runs), found)
+    best = advice.runs[0]
+    assert best.option.settings.repeat_of == "DR_1.5_6_20"
+    assert best.option.entry["repeat_of"] == "DR_1.5_6_20"
+    assert best.option.id.endswith("_again")
+    assert best.gain > 3.0
+    assert "DR_1.5_6_20 again" in advice.words
 
 
 @pytest.mark.slow

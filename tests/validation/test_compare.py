@@ -438,6 +438,30 @@ def test_a_law_of_speed_is_told_where_it_is(s175, truth):
     assert found[0].growth == {"speed": 1}
 
 
+@pytest.mark.slow
+def test_the_sign_of_an_error_is_that_of_the_force_or_of_its_value(s175, truth):
+    """Too little drag on drift on both sides; a force to starboard that the model has not."""
+    drift = s175.select("static_drift")
+    weak = pk.compare(truth.with_values("hull_polynomial", Yv=-0.008), drift).outstanding()
+    cell = next(item for item in weak if item.channel == "Y")
+    assert cell.sign == "too small"
+    by_hand = [
+        abs(run.error("Y")[0])
+        for run in pk.compare(truth.with_values("hull_polynomial", Yv=-0.008), drift).captive
+        if round(run.view.speed, 4) in cell.speeds
+    ]
+    assert cell.error == pytest.approx(np.sqrt(np.mean(np.square(by_hand))))
+
+    def pushed(run):
+        data = run.data
+        return run.with_(loader=lambda: data.assign(Y=data["Y"] + 20.0))
+
+    moved = drift.with_(runs=tuple(map(pushed, drift.runs)))
+    cell = next(x for x in pk.compare(truth, moved).outstanding() if x.channel == "Y")
+    assert cell.sign == "too low"
+    assert cell.error == pytest.approx(20.0, rel=0.1)
+
+
 def test_speeds_are_merged_listed_or_counted():
     item = Standout(
         channel="Y",
@@ -453,6 +477,9 @@ def test_speeds_are_merged_listed_or_counted():
     assert "1 and 2 m/s" in str(replace(item, tested=(1.0, 2.0, 3.0)))
     assert "4 of 5 speeds" in str(replace(item, speeds=(1, 2, 3, 4), tested=(1, 2, 3, 4, 5)))
     assert "(noise not known)" in str(replace(item, known=False))
+    sized = replace(item, error=3.14, sign="too small")
+    assert str(sized).endswith("all speeds: 3.14 N too small, 4 times the uncertainty")
+    assert "off by 3.14 N, " in str(replace(sized, sign="off"))
     falls = replace(item, growth={"speed": -1, "drift": 2})
     assert str(falls).endswith("grows with drift squared; falls with speed")
 

@@ -172,7 +172,7 @@ def _rms(values: Array) -> Array:
     return found
 
 
-def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
+def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool = True) -> HeldOut:
     """Errors of base and effects on each condition, fitted to all other conditions.
 
     Parameters
@@ -181,6 +181,8 @@ def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
         Runs with the estimated scatter.
     effects : sequence of Block
         Effects at a value of their nonlinear parameter.
+    with_level : bool
+        Whether the noise level is asked for; without it the numbers that tell of it are NaN.
 
     Returns
     -------
@@ -231,10 +233,12 @@ def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
             channel=np.repeat([k for k, _, _ in counted], [len(at) for _, at, _ in counted]),
             weight=np.concatenate([weight for _, _, weight in counted]),
         )
-    noise = expected_errors(system, stack, found, residual, tuple(folds.values()))
-    at = list(folds)
-    level[at] = np.where(np.isfinite(error[at]), np.sqrt(noise.square), np.nan)
-    distance[at], rows_of[at] = noise.distance, noise.rows
+    spread = np.full(len(channels) + 1, np.nan)
+    if with_level and folds:
+        noise = expected_errors(system, stack, found, residual, tuple(folds.values()))
+        at = list(folds)
+        level[at] = np.where(np.isfinite(error[at]), np.sqrt(noise.square), np.nan)
+        distance[at], rows_of[at], spread = noise.distance, noise.rows, noise.spread
     return HeldOut(
         conditions=tuple(groups),
         channels=channels,
@@ -243,7 +247,7 @@ def held_out(system: System, effects: Sequence[Block] = ()) -> HeldOut:
         level=level,
         distance=distance,
         rows=rows_of,
-        spread=noise.spread,
+        spread=spread,
         tests=tuple(own[0][1].run.test for own in groups.values()),
     )
 

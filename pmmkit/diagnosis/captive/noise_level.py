@@ -146,14 +146,14 @@ def expected_errors(
 
 def _variance(every: Sequence[_Errors]) -> float:
     """Variance of the sum of squares of normal errors: 2 tr C² of their covariance C."""
-    total, fits, floors, across = 0.0, np.zeros(()), np.zeros(()), np.zeros(())
-    for e in every:
-        total += float(np.sum(e.own**2) - 2.0 * np.sum((e.own @ e.fit) * e.fit))
-        total += 2.0 * float(np.sum((e.own @ e.floor) * e.floor))
-        fits, floors = fits + e.fit.T @ e.fit, floors + e.floor.T @ e.floor
-        across = across + e.fit.T @ e.floor
-    shared = np.sum(fits**2) + np.sum(floors**2) - 2.0 * np.sum(across**2)
-    return 2.0 * max(total + float(shared), 0.0)
+    own = sum(
+        float(np.sum(e.own**2) - 2.0 * np.sum((e.own @ e.fit) * e.fit))
+        + 2.0 * float(np.sum((e.own @ e.floor) * e.floor))
+        for e in every
+    )
+    fit, floor = (np.concatenate([getattr(e, x) for e in every]) for x in ("fit", "floor"))
+    shared = np.sum((fit.T @ fit) ** 2) + np.sum((floor.T @ floor) ** 2)
+    return 2.0 * max(own + float(shared - 2.0 * np.sum((fit.T @ floor) ** 2)), 0.0)
 
 
 def _root(system: System, begins: Sequence[int], fold: LeftOut) -> Array:

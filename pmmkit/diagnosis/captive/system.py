@@ -20,7 +20,7 @@ from pmmkit.observations.whitening import Piece
 
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
-FEATURES: Final = 96
+FEATURES: Final = 128
 """Random features of the smooth floor, per channel: half of them of the channel's own parity."""
 TURNED: Final = 6
 """Variables of the smooth floor that change sign in a mirrored motion."""

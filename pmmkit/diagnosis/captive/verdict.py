@@ -85,14 +85,14 @@ def _answered(system: System, given: tuple[str, ...], floor: float, seed: int) -
                 system, sets.added(best), together, len(known.blocks), after, covered, floor
             )
         else:
-            before = held_out(system, together[: len(known.blocks)])
+            before = held_out(system, together[: len(known.blocks)], with_level=False)
             nearest = _nearest(best, before, after, misfit)
         if misfit.chance < CHANCE:
             doubts = doubts or ("not_the_whole_story", ABOVE)
     elif hanging and not flags(system, [item.block for item in hanging], known.used):
         verdict, doubts = "suspected", (doubts[0], *map(str, hanging))
     elif first and not hanging:
-        before = held_out(system, known.blocks)
+        before = held_out(system, known.blocks, with_level=False)
         after = held_out(system, [*known.blocks, *blocks_of(known.system, first)])
         nearest = _nearest(first, before, after, after.misfit)
     return Diagnosis(
@@ -228,7 +228,7 @@ def _findings(
             fit,
             visible[block.candidate.name],
             log_odds,
-            held_out(system, [item for item in together if item is not block]),
+            held_out(system, [item for item in together if item is not block], with_level=False),
             after,
         )
         for block, log_odds in zip(together[given:], evidence, strict=True)
