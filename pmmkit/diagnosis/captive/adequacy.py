@@ -204,6 +204,8 @@ def refused(
 ) -> tuple[Refused, ...]:
     """Effects of the set of the greatest evidence that are not in the answer, and why.
 
+    What adds next to nothing to the others of the set is left out.
+
     Parameters
     ----------
     system : System
@@ -225,7 +227,7 @@ def refused(
         for block, log_odds, (left, run) in zip(
             tried, sets.added(first), least_gains(system, tried, given), strict=True
         )
-        if block.candidate.name not in answered
+        if block.candidate.name not in answered and log_odds > LEAST
     )
 
 
