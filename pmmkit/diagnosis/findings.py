@@ -222,6 +222,9 @@ class Suspect:
     run: str
     log_odds: float
 
+    def __str__(self) -> str:
+        return f"{self.effect} (run {self.run})"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Nearest:
@@ -359,7 +362,7 @@ class Diagnosis(Described):
         if self.best:
             return " and ".join(self.best)
         if self.verdict == "suspected":
-            return " and ".join(f"{item.effect} (run {item.run})" for item in self.suspected)
+            return " and ".join(map(str, self.suspected))
         if self.nearest is not None:
             return f"nearest relative {' and '.join(self.nearest.effects)}"
         return self.sentence.rstrip(".").lower()

@@ -288,7 +288,8 @@ def printed(answers: Sequence[Answer], sizes: Sequence[float]) -> None:
     if none := [a for a in answers if not a.job.effects]:
         print(
             f"  no effect: named in {limited(none, lambda a: a.detected)}, unexplained in "
-            f"{limited(none, lambda a: a.verdict == 'unexplained')}"
+            f"{limited(none, lambda a: a.verdict == 'unexplained')}, suspected in "
+            f"{limited(none, lambda a: a.verdict == 'suspected')}"
         )
     inside = tank().INSIDE
     single = [a for a in answers if len(a.job.effects) == 1 and a.job.names[0] in inside]
@@ -302,7 +303,8 @@ def printed(answers: Sequence[Answer], sizes: Sequence[float]) -> None:
         print(
             f"  outside the catalogue: a name without a flag in {bare}; a name in "
             f"{share(beyond, lambda a: a.detected)}, unexplained in "
-            f"{share(beyond, lambda a: a.verdict == 'unexplained')}"
+            f"{share(beyond, lambda a: a.verdict == 'unexplained')}, suspected in "
+            f"{share(beyond, lambda a: a.verdict == 'suspected')}"
         )
 
 
@@ -405,7 +407,7 @@ def drawn(answers: Sequence[Answer], path: Path) -> None:
 
     single = [a for a in answers if len(a.job.effects) == 1]
     truths = list(dict.fromkeys(a.job.names[0] for a in single))
-    said = ["noise", "unexplained", *truths, "other", "several"]
+    said = ["noise", "suspected", "unexplained", *truths, "other", "several"]
 
     def column(a: Answer) -> int:
         name = a.verdict if not a.best else a.best[0] if len(a.best) == 1 else "several"

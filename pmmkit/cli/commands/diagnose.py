@@ -276,11 +276,11 @@ def _areas(text: str | None) -> tuple[float, float] | None:
 
 
 def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
-    """The command that puts the findings into the model."""
+    """The command that puts the findings into the model, or plans the run that decides."""
     from pmmkit.structures import structures
 
     if not found.findings:
-        return []
+        return [f"Next: pmmkit plan {model} {campaign}"] if found.suspected else []
     names = " ".join(item.effect for item in found.findings)
     if model in structures():
         reduced = f"{stem(campaign)}-reduced"
