@@ -247,14 +247,16 @@ def _lesser_kin(system: System, blocks: Sequence[Block]) -> list[str]:
 def remainder(system: System, blocks: Sequence[Block]) -> float:
     """ln evidence that something smooth is left beside some effects, larger than the floor.
 
-    What is symmetric as a ship is, and what is not, have sizes of their own.
+    What is symmetric as a ship is, and what is not, have sizes of their own: two tries, each as
+    likely as the other.
     """
     without = _with_floor(system, blocks)
-    return max(
+    top = max(
         _with_floor(system, blocks, factor, frozenset((parity,))) - without
         for parity in BOTH
         for factor in (2.0, 4.0, 8.0)
     )
+    return top - math.log(len(BOTH))
 
 
 def _with_floor(
