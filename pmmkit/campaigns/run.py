@@ -41,7 +41,8 @@ class Correction:
         Ids of runs, ``*`` and ``?`` allowed.
     action : str
         ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``tare``, ``drop means``,
-        ``drop``, ``inertia still inside``, ``inertia already removed``.
+        ``drop``, ``inertia still inside``, ``inertia already removed``, ``accept`` (what a check
+        says).
     reason : str
         Why, in the user's words.
     values : mapping

@@ -12,6 +12,7 @@ from pmmkit.checks import (
     density,
     free_running,
     frequency,
+    gauges,
     inertia,
     motion,
     particulars,
@@ -24,7 +25,8 @@ from pmmkit.checks import (
     static,
     whole_files,
 )
-from pmmkit.checks.finding import Check, CheckFinding, loudest_first, refuse
+from pmmkit.checks.agreement import examine as agreement
+from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
 from pmmkit.errors import CampaignError, DataError, Problem
@@ -48,6 +50,8 @@ CHECKS: Final[tuple[Check, ...]] = (
     *copies.CHECKS,
     *motion.CHECKS,
     *clock.CHECKS,
+    *gauges.CHECKS,
+    *agreement.CHECKS,
     *record.CHECKS,
     *particulars.CHECKS,
     *frequency.CHECKS,
@@ -77,8 +81,8 @@ def examine(
     Returns
     -------
     tuple of CheckFinding
-        Errors first, then warnings, then what is worth knowing. Give it to `refuse` to stop on
-        errors.
+        Errors first, then warnings, then what is worth knowing, among it what the campaign file
+        accepts with its reason. Give it to `refuse` to stop on errors.
 
     Raises
     ------
@@ -95,7 +99,11 @@ def examine(
     """
     if summaries is None:
         summaries = _read_all(campaign)
-    found = [finding for check in CHECKS for finding in check.examine(campaign, summaries)]
+    found = [
+        accepted(campaign, finding)
+        for check in CHECKS
+        for finding in check.examine(campaign, summaries)
+    ]
     return loudest_first(found)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final, Literal
 
@@ -12,7 +12,7 @@ from pmmkit.errors import ContradictionError, Problem
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
-    from pmmkit.campaigns.run import Campaign
+    from pmmkit.campaigns.run import Campaign, Correction
     from pmmkit.checks.summary import Summary
 
 Severity = Literal["error", "warning", "info"]
@@ -38,6 +38,11 @@ class CheckFinding:
         What the user can do.
     numbers : mapping of str to float
         The numbers by name, for programs.
+    channels : tuple of str
+        The channels that are at fault, where it is they.
+    cause : str
+        What is thought to be wrong: a fault of the catalogue of effects, or a slip, by name;
+        empty where the check names none.
     """
 
     check: str
@@ -46,6 +51,8 @@ class CheckFinding:
     runs: tuple[str, ...] = ()
     remedy: str = ""
     numbers: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    channels: tuple[str, ...] = ()
+    cause: str = ""
 
     def __str__(self) -> str:
         where = f" ({name_runs(self.runs)})" if self.runs else ""
@@ -60,6 +67,8 @@ class CheckFinding:
             "runs": list(self.runs),
             "remedy": self.remedy,
             "numbers": dict(self.numbers),
+            "channels": list(self.channels),
+            "cause": self.cause,
         }
 
 
@@ -130,6 +139,37 @@ def loudest_first(findings: Iterable[CheckFinding]) -> tuple[CheckFinding, ...]:
     ['error', 'info']
     """
     return tuple(sorted(findings, key=lambda item: SEVERITIES.index(item.severity)))
+
+
+def accepted(campaign: Campaign, finding: CheckFinding) -> CheckFinding:
+    """The finding, or a remark with the reason where the campaign file accepts it.
+
+    A correction with ``action = "accept"`` takes it for the runs that it names: all runs of the
+    finding must be named. What speaks of no run is accepted for ``runs = ["*"]``.
+    """
+    if finding.severity == "info":
+        return finding
+    reasons: dict[str, None] = {}
+    taken = [
+        (run.id, [item for item in run.corrections if _accepts(item, finding)])
+        for run in campaign.runs
+        if run.id in finding.runs or not finding.runs
+    ]
+    if not taken or not all(items for _, items in taken):
+        return finding
+    for _, items in taken:
+        reasons |= {item.reason: None for item in items}
+    return replace(
+        finding,
+        severity="info",
+        message=f"{finding.message} Accepted by the campaign file: {'; '.join(reasons)}",
+        remedy="",
+    )
+
+
+def _accepts(item: Correction, finding: CheckFinding) -> bool:
+    named = item.action == "accept" and item.values.get("check") == finding.check
+    return named and (bool(finding.runs) or "*" in item.runs)
 
 
 def name_runs(ids: Sequence[str], most: int = 4) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -16,8 +16,10 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.checks.clock import clock_facts
 from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
+from pmmkit.checks.gauges import change_facts, hold_facts
 from pmmkit.checks.record import flat_facts
 from pmmkit.checks.rest import rest_facts
+from pmmkit.checks.signs import axis_facts
 from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
@@ -34,6 +36,7 @@ FORCES: Final = ("X", "Y", "N", "K", "T", "Q", "FX_rudder", "FY_rudder")
 MOTIONS: Final = ("u", "v", "r", "udot", "vdot", "rdot")
 _HULL: Final = ("X", "Y", "N", "K")
 _SKETCH: Final = 48
+_PARTS: Final = 12
 
 
 def summarise(run: Run, campaign: Campaign) -> Summary:
@@ -59,7 +62,9 @@ def summarise(run: Run, campaign: Campaign) -> Summary:
         return _of_harmonics(run, data)
     means = {name: float(data[name]) for name in FORCES if name in data}
     values = np.array([means[name] for name in _HULL if name in means])
-    return Summary(run=run, means=means, digest=_digest(values), sketch=_scaled(values))
+    return Summary(
+        run=run, means=means, digest=_digest(values), sketch=_scaled(values), facts=axis_facts(data)
+    )
 
 
 def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
@@ -83,13 +88,19 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
         for row, name in enumerate(MOTIONS):
             cos[name], sin[name] = _split(found[row])
     return Summary(
-        run=run, means=means, cos=cos, sin=sin, digest=_digest(values), sketch=_scaled(values)
+        run=run,
+        means=means,
+        cos=cos,
+        sin=sin,
+        digest=_digest(values),
+        sketch=_scaled(values),
+        facts=axis_facts(data),
     )
 
 
 def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     raw = np.asarray(data["t"].values, float)
-    facts = {**clock_facts(raw), **density_facts(data)}
+    facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
     columns = {
         name: np.asarray(data[name].values, float)
         for name in (*FORCES, *(("x", "y") if campaign.kind == "free-running" else ()))
@@ -102,6 +113,7 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     for name in _HULL:
         if name in columns:
             facts |= {f"{name}_flat_{k}": v for k, v in flat_facts(columns[name]).items()}
+            facts |= {f"{name}_{k}": v for k, v in hold_facts(columns[name]).items()}
     values = np.concatenate(
         [columns[name] for name in (*_HULL, "x", "y") if name in columns] or [EMPTY]
     )
@@ -133,7 +145,32 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
         return _oscillating(run, clean, t, present, forces, shared)
     window = steady_window(t, forces)
     part = forces[:, window.start : window.stop]
-    return Summary(means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)), **shared)
+    shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
+    return Summary(
+        means=dict(zip(present, part.mean(axis=1).tolist(), strict=True)),
+        harmonic_noise=dict(zip(present, _mean_noise(part).tolist(), strict=True)),
+        **shared,
+    )
+
+
+def _gauge_facts(
+    t: Array, forces: Array, theta: Array | None, names: Sequence[str]
+) -> dict[str, float]:
+    """Steps, creep and noise of each channel over what counts of the record."""
+    jitter = np.diff(forces, 2, axis=1).std(axis=1) if forces.shape[1] > 3 else np.zeros(len(names))
+    found = {f"{name}_noise": float(size) for name, size in zip(names, jitter, strict=True)}
+    for name, own in zip(names, change_facts(t, forces, theta), strict=True):
+        found |= {f"{name}_{key}": value for key, value in own.items()}
+    return found
+
+
+def _mean_noise(part: Array) -> Array:
+    """Standard error of the mean of each record from the scatter of twelve parts of it."""
+    size = part.shape[1] // _PARTS
+    if not size:
+        return np.zeros(len(part))
+    parts = part[:, : size * _PARTS].reshape(len(part), _PARTS, size).mean(axis=2)
+    return np.asarray(parts.std(axis=1, ddof=1) / math.sqrt(_PARTS))
 
 
 def _oscillating(
@@ -156,6 +193,8 @@ def _oscillating(
     nominal = _split_nominal(run, theta[part])
     single, noise = _by_cycle(theta, forces)
     count = max(cycles.count, 1)
+    gauges = _gauge_facts(t[part], forces[:, part], theta[part], names)
+    more = {**shared, "facts": {**shared["facts"], **gauges}}
     hull = [(row, name) for row, name in enumerate(names) if name in _HULL]
     return Summary(
         means={name: float(cos[name][0]) for name in names},
@@ -164,7 +203,7 @@ def _oscillating(
         cycles={name: single[:, row] for row, name in hull} if len(single) else {},
         cycle_noise={name: float(noise[row]) for row, name in hull},
         harmonic_noise={name: float(noise[row]) / math.sqrt(count) for row, name in hull},
-        **shared,
+        **more,
     )
 
 

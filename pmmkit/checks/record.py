@@ -93,6 +93,7 @@ def examine_saturation(_campaign: Campaign, summaries: Sequence[Summary]) -> Ite
                 remedy='Leave the run out (action = "exclude"), or the cycles concerned '
                 '(action = "trim"); set the range of the gauge wider.',
                 numbers={"share": share, "level": level, "stretches": stretches},
+                channels=(channel,),
             )
 
 

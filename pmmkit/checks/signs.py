@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.samples.conversions import TURNED
 from pmmkit.checks.expected import expected, prime_unit
 from pmmkit.checks.finding import Check, CheckFinding, figure, straight_line
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pmmkit.campaigns.run import Campaign
     from pmmkit.checks.summary import Summary
 
@@ -39,6 +43,14 @@ class Slope:
 
     def __str__(self) -> str:
         return f"{figure(self.value)} ± {figure(WIDE * self.std, 2)} per radian"
+
+
+def axis_facts(data: xr.Dataset) -> Mapping[str, float]:
+    """Whether the side force changed its sign when it was brought to our axes."""
+    notes = json.loads(data.attrs.get("conversions", "[]"))
+    told = [note.split(":")[1] for note in notes if note.startswith(TURNED)]
+    turned = any("Y" in names.replace(",", " ").split() for names in told)
+    return {"sway_axis_turned": 1.0} if turned else {}
 
 
 def drift_slope(campaign: Campaign, summaries: Sequence[Summary], channel: str) -> Slope | None:
@@ -111,7 +123,14 @@ def _drift(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFi
     wrong = [name for name, slope in slopes.items() if slope is not None and slope.sign < 0]
     if not wrong:
         return
-    if len(wrong) == 2:
+    turned = any(item.facts.get("sway_axis_turned") for item in summaries)
+    if len(wrong) == 2 and turned:
+        remedy = (
+            "The campaign file turns the sway axis, and with it Y and N, but not the drift angles: "
+            'take y = "-y" (or z = "-z") under [axes] away if the forces are in our axes already; '
+            'where they are not, write drift_positive = "port-bow".'
+        )
+    elif len(wrong) == 2:
         remedy = 'Write drift_positive = "port-bow": turning the sign of drift mends both.'
     elif slopes["Y" if wrong == ["N"] else "N"] is None:
         remedy = 'Write drift_positive = "port-bow", or turn the axis of this channel.'

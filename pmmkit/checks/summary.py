@@ -33,7 +33,8 @@ class Summary:
     cycles : mapping of str to array (cycles, 7)
         The same cycle by cycle, order C0, C1, S1, C2, S2, C3, S3; only from histories.
     harmonic_noise, cycle_noise : mapping of str to float
-        Standard error of a first harmonic of the record, and of one cycle.
+        Standard error of a first harmonic of the record (of the mean of a steady one), and of
+        one cycle.
     digest : str
         Hash of the force values.
     sketch : array

@@ -173,9 +173,11 @@ def motion_facts(run: Run, data: xr.Dataset, t: Array) -> Mapping[str, float]:
     if "y" in column and {"u", "v"} <= set(column) and run.dynamic:
         psi = column.get("psi", np.full(len(t), run.settings.drift))
         x = column.get("x", np.zeros(len(t)))
-        if abs(x[-1] - x[0]) < 0.5 * run.settings.speed * (t[-1] - t[0]):
-            x = x + run.settings.speed * (t - t[0])
-        facts |= velocity_facts(t, x, column["y"], psi, column["u"], column["v"])
+        counted = [x + run.settings.speed * (t - t[0]), *([x] if "x" in column else [])]
+        facts |= min(
+            (velocity_facts(t, x, column["y"], psi, column["u"], column["v"]) for x in counted),
+            key=lambda found: min(found["body"], found["earth"]),
+        )
     for name in ("u", "v", "r"):
         rate = f"{name}dot"
         if name in column and rate in column and np.ptp(column[name]) > 1e-6 and run.dynamic:

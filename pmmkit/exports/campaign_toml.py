@@ -234,7 +234,17 @@ def _corrections(campaign: Campaign, kept: list[Run]) -> list[dict[str, Any]]:
     if wrong:
         reason = "as in the campaign that was exported"
         found.append({"runs": wrong, "action": "drop means", "reason": reason})
-    return [{**item, "runs": [_literal(name) for name in item["runs"]]} for item in found]
+    literal = [{**item, "runs": [_literal(name) for name in item["runs"]]} for item in found]
+    accepted = {
+        (item.runs, item.values["check"], item.reason): None
+        for run in kept
+        for item in run.corrections
+        if item.action == "accept"
+    }
+    return literal + [
+        {"runs": list(runs), "action": "accept", "check": check, "reason": reason}
+        for runs, check, reason in accepted
+    ]
 
 
 def _literal(run_id: str) -> str:

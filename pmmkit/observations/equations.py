@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, inertia_inside
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, inertia_inside
 from pmmkit.observations.prepare import Prepared, RunResult
 from pmmkit.observations.stated import altered, nominal_path
 

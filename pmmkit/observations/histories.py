@@ -9,13 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.motion.inertia import Rig, force_of_water
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
 from pmmkit.numerics import Array, projector
 from pmmkit.observations.equations import motion_of_water
-from pmmkit.observations.inertia import Rig, force_of_water
 from pmmkit.observations.prepare import ORDER, Prepared
 from pmmkit.signals.noise import autoregressive_noise
 from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, force_of_water
 from pmmkit.campaigns.motion.kinematics import (
     displacement_phase,
     measured_motion,
@@ -21,7 +22,6 @@ from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError, Problem
 from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, force_of_water
 from pmmkit.presentation import WIDE
 from pmmkit.signals import (
     Harmonics,

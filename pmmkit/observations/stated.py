@@ -14,12 +14,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, moments_of_sway
 from pmmkit.campaigns.motion.kinematics import move_motion, nominal_motion
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array, projector
-from pmmkit.observations.inertia import Rig, moments_of_sway
 from pmmkit.observations.prepare import one_cycle, places_of
 from pmmkit.signals import design_matrix
 

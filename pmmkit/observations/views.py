@@ -12,11 +12,11 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, rig_of
 from pmmkit.observations.prepare import Prepared, prepare
 
 Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]

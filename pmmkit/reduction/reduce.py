@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.channels import CHANNEL_UNITS
@@ -16,7 +17,6 @@ from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError, ContradictionError, Problem
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, excited_alone
-from pmmkit.observations.inertia import rig_of
 from pmmkit.observations.prepare import CycleChoice, RunResult
 from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted

@@ -102,14 +102,17 @@ def mean_noise(x: Array) -> tuple[Array, Array]:
     """Variance of the mean of each record x (c, m) and its degrees of freedom.
 
     Neighbours that are nearly equal are averaged in pairs first, record by record, until they
-    are not: a process sampled much faster than it changes has no useful autoregression.
+    are not: a process sampled much faster than it changes has no useful autoregression. A record
+    that varies by rounding alone has no noise.
     """
     rest = x - x.mean(axis=-1, keepdims=True)
     variance = np.zeros(x.shape[0])
     dof = np.full(x.shape[0], x.shape[-1] - 1.0)
-    todo = np.flatnonzero(np.mean(rest**2, axis=-1) > 0)
-    rest = rest[todo]
+    rounding = (4.0 * np.finfo(float).eps * np.abs(x).max(axis=-1)) ** 2
+    todo = np.arange(x.shape[0])
     while todo.size:
+        varies = np.mean(rest**2, axis=-1) > rounding[todo]
+        todo, rest = todo[varies], rest[varies]
         half = rest.shape[-1] // 2
         neighbours = np.einsum("cm,cm->c", rest[:, 1:], rest[:, :-1])
         own = np.einsum("cm,cm->c", rest, rest)

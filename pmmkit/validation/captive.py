@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, force_of_water, rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, ExtrapolationError
 from pmmkit.models import Model
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, force_of_water, rig_of
 from pmmkit.observations.stated import idle
 from pmmkit.observations.views import View, repeat_scatter, views_of
 from pmmkit.progress import Progress

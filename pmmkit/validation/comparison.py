@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
-from pmmkit.observations.inertia import Rig, rig_of
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress

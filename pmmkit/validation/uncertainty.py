@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.motion.inertia import Rig, as_read, inertia_inside
 from pmmkit.campaigns.motion.kinematics import move_motion
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.effects.hull import regressors
 from pmmkit.numerics import Array
-from pmmkit.observations.inertia import Rig, as_read, inertia_inside
 from pmmkit.observations.stated import altered, nominal_path
 from pmmkit.observations.views import View
 from pmmkit.validation.prediction import Forces, Predictor

@@ -29,6 +29,7 @@ from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,7 @@ import numpy as np
 from pmmkit.checks import CheckFinding, examine
 from pmmkit.errors import DataError
 from pmmkit.reduction import reduce_campaign
+from pmmkit.tables import DerivativeTable
 
 CLASSES = ("refused", "named", "other", "harmless", "wrong")
 MOVED = 2.0
@@ -65,7 +67,7 @@ class Answer:
 def answered(case: Any) -> Answer:
     """Spoil a campaign, look at it, and see how far the table moves."""
     loud = said_of(case.spoiled())
-    worst, moved = shift(case)
+    worst, moved = ("", np.nan) if loud else shift(case)
     right = any(re.search(case.way.cause, text) for _, text in loud)
     if any(severity == "error" for severity, _ in loud):
         verdict = "refused" if right else "other"
@@ -91,25 +93,34 @@ def said_of(campaign: Any) -> list[tuple[str, str]]:
         found: Sequence[CheckFinding] = examine(campaign)
     except DataError as error:
         return [("error", str(error))]
-    return [
-        (item.severity, f"{item} {item.remedy}") for item in found if item.severity != "info"
-    ]
+    return [(item.severity, f"{item} {item.remedy}") for item in found if item.severity != "info"]
 
 
 def shift(case: Any) -> tuple[str, float]:
     """The derivative that moves most against the clean campaign, and by how many of its std."""
+    before = clean_table(case.programme, case.seed, case.way.base)
     try:
-        before, after = (
-            reduce_campaign(item, structure="abkowitz3", check=False).table
-            for item in (case.clean(), case.spoiled())
-        )
+        after = table(case.spoiled())
     except DataError:
         return "no table", np.inf
+    except (ValueError, ArithmeticError) as error:
+        return f"crash: {error}", np.inf
     z = np.abs(after.value - before.value) / before.std
     if not np.isfinite(z).any():
         return "no table", np.inf
     place = np.unravel_index(int(np.nanargmax(z)), z.shape)
     return before.names[place[1]], float(z[place])
+
+
+def table(campaign: Any) -> DerivativeTable:
+    """The derivatives of a campaign, whatever the checks say."""
+    return reduce_campaign(campaign, structure="abkowitz3", check=False).table
+
+
+@cache
+def clean_table(programme: str, seed: int, base: str) -> DerivativeTable:
+    """The derivatives before anything was spoiled."""
+    return table(ways().clean(programme, seed, base))
 
 
 def alarm(job: tuple[str, int, str]) -> list[str]:
@@ -166,11 +177,10 @@ def counted(programme: str, answers: Sequence[Answer]) -> None:
         print(f"  {scope:10}" + "".join(f"{own[name]:10}" for name in CLASSES))
     for item in answers:
         if item.verdict in ("wrong", "other"):
-            said = item.said[0][:200] if item.said else "nothing"
+            far = f"{item.worst} by {item.moved:.0f} std, nothing said"
+            said = item.said[0][:300] if item.said else far
             mark = "" if item.told else " (cannot be told)"
-            print(
-                f"  {item.verdict}: {item.name}{mark}: {item.worst} by {item.moved:.0f} std; {said}"
-            )
+            print(f"  {item.verdict}: {item.name}{mark}: {said}")
 
 
 def written(answers: Sequence[Answer], path: Path) -> None:

@@ -17,7 +17,7 @@ from pmmkit.campaigns.motion.kinematics import nominal_motion
 from pmmkit.campaigns.run import Campaign, Run
 
 from .hidden_effects import hidden_campaign
-from .hidden_effects.hull import TRUTH
+from .hidden_effects.hull import TRUTH, one_pole
 
 Change = Callable[[Run, xr.Dataset], Mapping[str, np.ndarray]]
 Scope = Literal["one", "all"]
@@ -187,14 +187,8 @@ def filtered(run: Run, data: xr.Dataset) -> Mapping[str, np.ndarray]:
     """A one-pole filter on the forces."""
     values = {key: data[key].values for key in data}
     t = data["t"].values
-    fade = math.exp(-(t[1] - t[0]) / FILTER)
     for name in LIBRARY_CHANNELS:
-        x = values[name]
-        y = np.empty_like(x)
-        y[0] = x[: max(1, len(x) // 4)].mean() if not run.dynamic else x[0]
-        for k in range(1, len(x)):
-            y[k] = fade * y[k - 1] + (1 - fade) * x[k]
-        values[name] = y
+        values[name] = one_pole(values[name], t[1] - t[0], FILTER)
     return values
 
 
@@ -312,9 +306,7 @@ class Way:
 
 
 def _samples(name: str, cause: str, change: Change, **more: Any) -> Way:
-    return Way(
-        name=name, cause=cause, spoil=lambda found, runs: each(found, runs, change), **more
-    )
+    return Way(name=name, cause=cause, spoil=lambda found, runs: each(found, runs, change), **more)
 
 
 def _whole(name: str, cause: str, spoil: Callable[[Campaign], Campaign], **more: Any) -> Way:
@@ -325,7 +317,10 @@ def _ship(**changes: Any) -> Callable[[Campaign], Campaign]:
     return lambda found: found.with_(
         ship=replace(
             found.ship,
-            **{key: by * (getattr(found.ship, key.removeprefix("balance_"))) for key, by in changes.items()},
+            **{
+                key: by * (getattr(found.ship, key.removeprefix("balance_")))
+                for key, by in changes.items()
+            },
         )
     )
 
@@ -399,7 +394,9 @@ WAYS: tuple[Way, ...] = (
         tests=OSCILLATING,
     ),
     *(
-        _samples(f"{name} sign flipped", rf"\b{name}\b.*(sign|flip)|sign.*\b{name}\b", factor(name, -1.0))
+        _samples(
+            f"{name} sign flipped", rf"\b{name}\b.*(sign|flip)|sign.*\b{name}\b", factor(name, -1.0)
+        )
         for name in "XYN"
     ),
     _samples("X in kgf", r"\bX\b.*(kilogram-force|kgf|near 1/g)", factor("X", 1 / 9.80665)),
@@ -409,9 +406,7 @@ WAYS: tuple[Way, ...] = (
         name="half of the hull",
         cause=r"half",
         spoil=lambda found, runs: each(
-            found,
-            runs,
-            lambda _, data: {name: 0.5 * data[name].values for name in data},
+            found, runs, lambda _, data: {name: 0.5 * data[name].values for name in data}
         ),
     ),
     Way(
@@ -437,14 +432,44 @@ WAYS: tuple[Way, ...] = (
         base="recorded",
     ),
     _samples("clock offsets", r"clock|late|early|time|phase", off_the_clock, tests=OSCILLATING),
-    _samples("half a cycle off", r"half a (cycle|period)|180°|phase", half_a_cycle, tests=OSCILLATING),
-    _whole("sway file under a yaw entry", r"record of|belongs to|copies|same numbers", _sway_file_twice, scopes=("one",), tests=("pure_yaw",)),
-    _whole("sway and yaw files exchanged", r"record of|belongs to|exchanged", _sway_under_yaw, scopes=("one",), tests=("pure_yaw",)),
-    _whole("two drift angles exchanged", r"exchanged|record of|drift", _drifts_exchanged, scopes=("one",), tests=("static_drift",)),
-    _whole("two sway runs exchanged", r"exchanged|record of|amplitude", _sway_exchanged, scopes=("one",), tests=("pure_sway",)),
-    _whole("copy x 1.001", r"cop(y|ies|ied)|agree", _copied, scopes=("one",), tests=("static_drift",)),
+    _samples(
+        "half a cycle off", r"half a (cycle|period)|180°|phase", half_a_cycle, tests=OSCILLATING
+    ),
+    _whole(
+        "sway file under a yaw entry",
+        r"record of|belongs to|copies|same numbers",
+        _sway_file_twice,
+        scopes=("one",),
+        tests=("pure_yaw",),
+    ),
+    _whole(
+        "sway and yaw files exchanged",
+        r"record of|belongs to|exchanged",
+        _sway_under_yaw,
+        scopes=("one",),
+        tests=("pure_yaw",),
+    ),
+    _whole(
+        "two drift angles exchanged",
+        r"exchanged|record of|drift",
+        _drifts_exchanged,
+        scopes=("one",),
+        tests=("static_drift",),
+    ),
+    _whole(
+        "two sway runs exchanged",
+        r"exchanged|record of|amplitude",
+        _sway_exchanged,
+        scopes=("one",),
+        tests=("pure_sway",),
+    ),
+    _whole(
+        "copy x 1.001", r"cop(y|ies|ied)|agree", _copied, scopes=("one",), tests=("static_drift",)
+    ),
     _samples("Y and N exchanged", r"Y and N.*exchanged|exchanged.*Y and N", exchanged_channels),
-    Way(name="yaw with drift as pure yaw", cause=r"drift", spoil=_as_pure_yaw, tests=("yaw_drift",)),
+    Way(
+        name="yaw with drift as pure yaw", cause=r"drift", spoil=_as_pure_yaw, tests=("yaw_drift",)
+    ),
     Way(
         name="drift 4° off",
         cause=r"drift|turned",
@@ -463,8 +488,9 @@ WAYS: tuple[Way, ...] = (
             found,
             tuple(run for run in runs if run.dynamic),
             amplitude=lambda run: run.settings.amplitude and 1.05 * run.settings.amplitude,
-            yaw_amplitude=lambda run: run.settings.yaw_amplitude
-            and 1.05 * run.settings.yaw_amplitude,
+            yaw_amplitude=lambda run: (
+                run.settings.yaw_amplitude and 1.05 * run.settings.yaw_amplitude
+            ),
         ),
         tests=("pure_sway", "pure_yaw"),
     ),
@@ -479,7 +505,12 @@ WAYS: tuple[Way, ...] = (
         ),
         tests=("pure_sway", "pure_yaw"),
     ),
-    _samples("forces in tank axes", r"tank", in_tank_axes("X", "Y"), tests=("static_drift", "pure_yaw", "yaw_drift")),
+    _samples(
+        "forces in tank axes",
+        r"tank",
+        in_tank_axes("X", "Y"),
+        tests=("static_drift", "pure_yaw", "yaw_drift"),
+    ),
     _samples(
         "velocities in tank axes",
         r"tank|earth",
@@ -489,7 +520,12 @@ WAYS: tuple[Way, ...] = (
     ),
     _samples("phase 5° late", r"late|phase|lag", five_degrees_late, tests=OSCILLATING),
     _samples("filter lag 0.1 s", r"filter|late|lag", filtered, tests=OSCILLATING),
-    _samples("Y 0.2 s late", r"\bY\b.*(late|lag)|(late|lag).*\bY\b", late(LATE_CLOCK, "Y"), tests=OSCILLATING),
+    _samples(
+        "Y 0.2 s late",
+        r"\bY\b.*(late|lag)|(late|lag).*\bY\b",
+        late(LATE_CLOCK, "Y"),
+        tests=OSCILLATING,
+    ),
     _samples("quiet and 3 % high", rf"noise|{_GAIN}", silent_and_high, scopes=("one",)),
 )
 """All ways; `cause` is what a user should read of each."""
@@ -517,11 +553,11 @@ class Case:
     def target(self, campaign: Campaign) -> tuple[Run, ...]:
         """The runs that are spoiled."""
         if self.scope == "all":
-            tests = TESTS if set(self.way.tests) == set(TESTS) else self.way.tests
-            everything = self.way.tests == TESTS
-            return tuple(
-                run for run in campaign.runs if everything or run.test in (*tests, "sway_yaw")
-            )
+            tests = self.way.tests
+            if set(tests) == set(TESTS):
+                return campaign.runs
+            more = ("sway_yaw",) if set(OSCILLATING) <= set(tests) else ()
+            return tuple(run for run in campaign.runs if run.test in (*tests, *more))
         return (next(run for run in of(campaign, self.test)[::-1] if run.settings.speed == 1.5),)
 
     def spoiled(self) -> Campaign:

@@ -402,7 +402,7 @@ def _correction_values(
     if entry.action == "set":
         return entry.settings()
     values: dict[str, Any] = {"channels": list(entry.channels)} if entry.channels else {}
-    for name in ("factor", "t_start", "t_end"):
+    for name in ("factor", "t_start", "t_end", "check"):
         if getattr(entry, name) is not None:
             values[name] = getattr(entry, name)
     for channel in entry.channels if entry.value is not None else ():

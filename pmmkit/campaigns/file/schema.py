@@ -74,6 +74,7 @@ ACTIONS: Final = (
     "set",
     "inertia still inside",
     "inertia already removed",
+    "accept",
 )
 
 M = TypeVar("M", bound="Entry")
@@ -348,6 +349,7 @@ class CorrectionEntry(SettingsEntry):
     unit: str | None = None
     t_start: float | None = None
     t_end: float | None = None
+    check: Annotated[str, Field(min_length=1)] | None = None
 
     @field_validator("channels")
     @classmethod
@@ -364,6 +366,7 @@ class CorrectionEntry(SettingsEntry):
             "shift": ("channels", "value", "unit?"),
             "flip": ("channels",),
             "drop": ("channels",),
+            "accept": ("check",),
             "trim": ("t_start?", "t_end?"),
             "tare": ("channels?", "t_start?", "t_end?"),
             "set": tuple(f"{name}?" for name in SettingsEntry.model_fields),

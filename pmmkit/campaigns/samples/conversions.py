@@ -14,6 +14,8 @@ from pmmkit.conventions import force_unit
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship, Water
 
+TURNED: Final = "sign changed to our axes and rudder"
+"""How the note begins that names the channels whose sign was changed."""
 _AXIS_PARITY: Final[dict[str, str]] = {
     "X": "x",
     "u": "x",
@@ -155,7 +157,7 @@ def to_ours(
     if frame.density_factor != 1.0:
         notes.append(f"forces times rho/rho_inf = {frame.density_factor:.10g}")
     if flipped:
-        notes.append(f"sign changed to our axes and rudder: {', '.join(flipped)}")
+        notes.append(f"{TURNED}: {', '.join(flipped)}")
     if turn_harmonics:
         notes.append("odd harmonics refer to the motion reversed with the axis")
     return out, notes

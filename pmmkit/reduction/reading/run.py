@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
+from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.checks import Summary, summarise
@@ -12,7 +13,6 @@ from pmmkit.conventions import Convention
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
 from pmmkit.observations.histories import History, history_of
-from pmmkit.observations.inertia import rig_of
 from pmmkit.observations.prepare import CycleChoice, prepare
 from pmmkit.reduction.derivatives import Columns
 

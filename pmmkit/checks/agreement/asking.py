@@ -1,0 +1,200 @@
+"""Asking the suspects: how much better the runs agree if something was wrong with one, or with all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
+from pmmkit.checks.agreement.rows import Group
+from pmmkit.checks.agreement.suspects import Suspect, as_set
+from pmmkit.checks.summary import Summary
+from pmmkit.numerics import Array
+
+FINER: Final = 4
+"""Halvings of the grid about the best value."""
+TAILS: Final = ((1.0, 0.9), (2.0, 0.08), (4.0, 0.02))
+"""A run may scatter more than its sisters: so many times, with such a chance."""
+OCCAM: Final = 2.0
+"""Logarithm of what a suspect pays for its freedom, beside its grid."""
+REFINED: Final = 5
+"""Suspects that are looked at more closely."""
+SAME_PERIOD: Final = 0.02
+
+Judge = Callable[[Suspect, float], tuple[float, float]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a suspect explains.
+
+    Parameters
+    ----------
+    suspect : Suspect
+        What may be wrong.
+    value : float
+        How much of it.
+    gain : float
+        Logarithm of the evidence against nothing wrong.
+    left : float
+        Squared misfit that is left over its expected value.
+    """
+
+    suspect: Suspect
+    value: float
+    gain: float
+    left: float
+
+    @property
+    def words(self) -> str:
+        """What would be wrong."""
+        return self.suspect.says(self.value)
+
+
+def of_one(found: Agreement, place: int, suspects: Iterable[Suspect]) -> list[Answer]:
+    """What may be wrong with one run, the best explanation first."""
+    group = found.group.only([place])
+    mean, covariance = found.without(place)
+    known = found.group.known[place]
+    white = [found.white.whitener[place, c][known[c]] for c in range(3)]
+    rows = np.concatenate([found.white.rows[place, c][known[c]] for c in range(3)])
+    noise = np.diag(np.concatenate([np.full(known[c].sum(), found.excess[c]) for c in range(3)]))
+    base = group.histories()
+    expected = base @ mean
+
+    def over(harmonics: Array) -> Array:
+        return np.concatenate([white[c] @ harmonics[c] for c in range(3)])
+
+    def judged(suspect: Suspect, value: float) -> tuple[float, float]:
+        design = over(group.design(suspect.histories(group, value, base))[0])
+        rest, spread = rows - design @ mean, noise + design @ covariance @ design.T
+        if suspect.column is not None:
+            along = over(suspect.column(group, expected, value)[0])
+            spread = spread + np.outer(along, along)
+        left = float(rest @ np.linalg.solve(spread, rest)) / max(len(rest), 1)
+        return log_density(rest, spread), left
+
+    design = over(group.design(base)[0])
+    rest, spread = rows - design @ mean, design @ covariance @ design.T
+    none = np.logaddexp.reduce(
+        [math.log(chance) + log_density(rest, times**2 * noise + spread) for times, chance in TAILS]
+    )
+    run = found.group.summaries[place].run
+    asked = [
+        suspect
+        for suspect in (*suspects, *_records_of_others(found, place))
+        if suspect.scope != "all" and suspect.applies(run)
+    ]
+    return _answers(asked, judged, float(none))
+
+
+def of_all(
+    agreements: Sequence[Agreement], kept: Sequence[Array], suspects: Iterable[Suspect]
+) -> list[Answer]:
+    """What may be wrong with all runs at all speeds, the best explanation first."""
+    groups = [found.group for found in agreements]
+    base = [group.histories() for group in groups]
+    expected = [own @ found.value for own, found in zip(base, agreements, strict=True)]
+
+    def judged(suspect: Suspect, value: float) -> tuple[float, float]:
+        total = 0.0
+        for place, (found, group) in enumerate(zip(agreements, groups, strict=True)):
+            design = group.design(suspect.histories(group, value, base[place]))
+            mean, covariance = group.usual.mean, _set_free(group, suspect.free)
+            scatter = None
+            if suspect.column is not None:
+                column = suspect.column(group, expected[place], value)
+                touched = np.array([suspect.applies(item.run) for item in group.summaries])
+                column = np.where(touched[:, None, None], column, 0.0)
+                if suspect.each_run:
+                    scatter = column
+                else:
+                    design = np.concatenate([design, column[..., None]], axis=-1)
+                    mean = np.append(mean, 0.0)
+                    covariance = np.pad(covariance, (0, 1))
+                    covariance[-1, -1] = 1.0
+            total += evidence(found, design, mean, covariance, kept[place], scatter)
+        return total, math.nan
+
+    nothing = sum(
+        evidence(found, group.design(own), group.usual.mean, group.usual.covariance, which)
+        for found, group, own, which in zip(agreements, groups, base, kept, strict=True)
+    )
+    asked = [
+        suspect
+        for suspect in suspects
+        if suspect.scope != "one"
+        and any(suspect.applies(item.run) for group in groups for item in group.summaries)
+    ]
+    return _answers(asked, judged, nothing)
+
+
+def _answers(asked: Sequence[Suspect], judged: Judge, none: float) -> list[Answer]:
+    """The suspects that explain most, each at its best value."""
+    tried = [{value: judged(suspect, value) for value in suspect.grid} for suspect in asked]
+    order = sorted(range(len(asked)), key=lambda k: -max(x for x, _ in tried[k].values()))
+    answers = []
+    for k in order[:REFINED]:
+        suspect = asked[k]
+        value, (best, left) = _refined(suspect, tried[k], judged)
+        price = OCCAM * suspect.continuous + math.log(len(suspect.grid))
+        answers.append(Answer(suspect=suspect, value=value, gain=best - price - none, left=left))
+    return sorted(answers, key=lambda answer: -answer.gain)
+
+
+def _refined(
+    suspect: Suspect, given: dict[float, tuple[float, float]], judged: Judge
+) -> tuple[float, tuple[float, float]]:
+    """The value that explains most, between those of the grid where it may be."""
+    tried = dict(given)
+    for _ in range(FINER if suspect.continuous else 0):
+        order = sorted(tried)
+        at = order.index(max(tried, key=lambda value: tried[value][0]))
+        for other in (at - 1, at + 1):
+            if 0 <= other < len(order):
+                middle = 0.5 * (order[at] + order[other])
+                tried[middle] = judged(suspect, middle)
+    value = max(tried, key=lambda value: tried[value][0])
+    return value, tried[value]
+
+
+def _records_of_others(found: Agreement, place: int) -> list[Suspect]:
+    """That the record is that of another run of the group, by its settings."""
+    own = found.group.summaries[place]
+    return [
+        Suspect(
+            name="record of another run",
+            says=lambda _, run=other.run: (  # type: ignore[misc]
+                f"its file is the record of {run.id} ({', '.join(run.settings.words)}), or of a "
+                f"run with those settings: files or settings are exchanged"
+            ),
+            remedy="Look which file belongs to which run.",
+            move=lambda group, _, run=other.run: as_set(group, run),  # type: ignore[misc]
+            scope="one",
+            slip=True,
+        )
+        for other in found.group.summaries
+        if other is not own and _may_be(own, other)
+    ]
+
+
+def _may_be(one: Summary, other: Summary) -> bool:
+    """Whether a record of one may be taken for one of the other: alike in length and period."""
+    a, b = one.run.settings.omega or 0.0, other.run.settings.omega or 0.0
+    if one.run.dynamic != other.run.dynamic or abs(a - b) > SAME_PERIOD * max(a, b):
+        return False
+    return one.run.settings != other.run.settings or one.run.test != other.run.test
+
+
+def _set_free(group: Group, free: Sequence[str]) -> Array:
+    if not free:
+        return group.usual.covariance
+    wide = group.usual.covariance.copy()
+    for name in free:
+        at = group.usual.names.index(name)
+        wide[at, at] = 1.0
+    return wide

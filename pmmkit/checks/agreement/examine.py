@@ -1,0 +1,251 @@
+"""Runs held against one another and against what hulls usually have, with the cause by name."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.checks.agreement.asking import Answer, of_all, of_one
+from pmmkit.checks.agreement.posterior import Agreement, agreement
+from pmmkit.checks.agreement.rows import CHANNELS, groups_of
+from pmmkit.checks.agreement.suspects import SUSPECTS, Suspect
+from pmmkit.checks.agreement.usual import MAIN
+from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
+from pmmkit.checks.gauges import examine_gauges
+from pmmkit.checks.record import examine_saturation
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.numerics import Array
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.checks.summary import Summary
+
+NAMED: Final = 9.0
+"""Logarithm of the evidence from which a cause is named."""
+SURE: Final = 20.0
+"""And from which a slip is an error."""
+RIVAL: Final = 2.5
+"""Causes whose evidence comes as near as this are named beside it."""
+EXPLAINED: Final = 4.0
+"""Squared misfit over its expected value that a cause may leave."""
+ODD: Final = 10.0
+UNEXPLAINED: Final = 0.05
+"""A run that no cause explains is told of if it misses by this share of a channel's usual size."""
+SCATTER: Final = 2.5
+"""Scatter between runs beyond the usual (variance) from which a common cause is sought."""
+UNUSUAL: Final = 2.0
+STRANGE: Final = 4.0
+"""Standard deviations by which a derivative is unlike those of hulls: a cause is sought; told."""
+SHALLOW: Final = 3.0
+MOST: Final = 4
+"""Runs of one speed that are looked at one by one."""
+
+
+def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    """Each run against what the others of its speed predict, and all against usual hulls.
+
+    A polynomial of third order in the motion, with the derivatives that hulls of these particulars
+    usually have as its prior, is fitted to all runs of a speed. Runs that miss what the others
+    predict, and campaigns whose runs contradict one another or physics, are asked what slip or
+    fault would bring them to agree; it is named where the evidence is clear.
+    """
+    if campaign.kind != "captive":
+        return
+    blind = {
+        (run, channel)
+        for examine in (examine_gauges, examine_saturation)
+        for item in examine(campaign, summaries)
+        for run in item.runs
+        for channel in item.channels
+    }
+    found = [agreement(group) for group in groups_of(campaign, summaries, blind)]
+    odd = [_odd(item) for item in found]
+    many = [len(own) > max(2, len(item.misfit) / 4) for item, own in zip(found, odd, strict=True)]
+    depth = campaign.water.depth
+    deep = depth is None or depth >= SHALLOW * campaign.ship.d
+    common: list[Answer] = []
+    if deep and (any(many) or any(_doubtful(item) for item in found)):
+        kept = [
+            np.ones(len(item.misfit), bool) if full else _without(item, own)
+            for item, own, full in zip(found, odd, many, strict=True)
+        ]
+        common = [x for x in of_all(found, kept, SUSPECTS) if x.gain > NAMED]
+    if common:
+        yield _of_all(common, found)
+        if any(many):
+            return
+    for item, own in zip(found, odd, strict=True):
+        yield from _of_each(item, own)
+    if deep and not common and not any(odd):
+        yield from _strange(found)
+
+
+def _odd(found: Agreement) -> list[int]:
+    """Runs that miss what the others predict by more than chance, the worst first."""
+    count = found.group.known.sum(axis=2)
+    square = found.misfit * count
+    beyond = square - (count + 4 * np.sqrt(2 * count) + ODD)
+    beyond = np.where(count > 0, beyond, -math.inf)
+    worst = beyond.max(axis=1)
+    return [int(k) for k in np.argsort(-worst) if worst[k] > 0]
+
+
+def _without(found: Agreement, odd: Sequence[int]) -> Array:
+    kept = np.ones(len(found.misfit), bool)
+    kept[list(odd)] = False
+    return kept
+
+
+def _doubtful(found: Agreement) -> bool:
+    z = _unusual(found)
+    large = max((abs(x) for x in z.values()), default=0.0)
+    return bool(large > UNUSUAL or np.any(found.excess > SCATTER))
+
+
+def _unusual(found: Agreement) -> dict[str, float]:
+    """By how many standard deviations each main derivative is unlike those of hulls."""
+    value, covariance = found.value, np.linalg.inv(found.precision)
+    usual = found.group.usual
+    out = {}
+    for k, name in enumerate(usual.names):
+        told = float(usual.covariance[k, k] - covariance[k, k])
+        if name in MAIN and told > 0.1 * usual.covariance[k, k]:
+            out[name] = float(value[k] - usual.mean[k]) / math.sqrt(told)
+    return out
+
+
+def _of_each(found: Agreement, odd: Sequence[int]) -> Iterator[CheckFinding]:
+    """What is said of single runs."""
+    for place in odd[:MOST]:
+        missed = _missed(found, place)
+        answers = of_one(found, place, SUSPECTS)
+        good = [x for x in answers if x.gain > NAMED and x.left < EXPLAINED]
+        if good:
+            yield _named(found, place, good, missed)
+        elif missed.max() > UNEXPLAINED:
+            yield _at_odds(found, place, missed, answers)
+
+
+def _missed(found: Agreement, place: int) -> Array:
+    """By what share of its usual size each channel of a run misses what the others predict."""
+    group = found.group.only([place])
+    value, _ = found.without(place)
+    rest = group.rows[0] - group.design(group.histories())[0] @ value
+    return np.asarray(np.sqrt(np.nansum(rest**2, axis=1)) / found.group.level)
+
+
+def _who(found: Agreement, place: int, missed: Array) -> str:
+    run = found.group.summaries[place].run
+    parts = [
+        f"{name} by {100 * share:.0f} %"
+        for name, share in zip(CHANNELS, missed, strict=True)
+        if share > max(0.01, 0.2 * missed.max())
+    ]
+    others = len(found.misfit) - 1
+    return (
+        f"{run.id} is at odds with the other {others} runs at {figure(found.group.speed)} m/s: it "
+        f"misses what they predict, {', '.join(parts)} of the usual size"
+    )
+
+
+def _named(found: Agreement, place: int, good: Sequence[Answer], missed: Array) -> CheckFinding:
+    best, rivals = _rivals(good)
+    run = found.group.summaries[place].run
+    return CheckFinding(
+        check="agreement",
+        severity="error" if best.suspect.slip and best.gain > SURE else "warning",
+        message=f"{_who(found, place, missed)}. It agrees if "
+        f"{', or if '.join(x.words for x in (best, *rivals))}.",
+        runs=(run.id,),
+        remedy=_remedy(best.suspect, 'exclude the run (action = "exclude", with the reason)'),
+        numbers={"value": best.value, "evidence": best.gain, "missed": float(missed.max())},
+        channels=best.suspect.channels if len(best.suspect.channels) < len(CHANNELS) else (),
+        cause=best.suspect.effect or best.suspect.name,
+    )
+
+
+def _at_odds(
+    found: Agreement, place: int, missed: Array, answers: Sequence[Answer]
+) -> CheckFinding:
+    run = found.group.summaries[place].run
+    nearest = f" The nearest: {answers[0].words}." if answers and answers[0].gain > NAMED else ""
+    return CheckFinding(
+        check="agreement",
+        severity="warning",
+        message=f"{_who(found, place, missed)}. No single slip or fault that is known explains it."
+        f"{nearest}",
+        runs=(run.id,),
+        remedy="Look at its record and its settings; compare the derivatives with and without it, "
+        'and exclude it (action = "exclude") if it is at fault.',
+        numbers={"missed": float(missed.max())},
+    )
+
+
+def _of_all(answers: Sequence[Answer], found: Sequence[Agreement]) -> CheckFinding:
+    best, rivals = _rivals(answers)
+    runs = tuple(
+        item.run.id
+        for own in found
+        for item in own.group.summaries
+        if best.suspect.applies(item.run)
+    )
+    return CheckFinding(
+        check="agreement",
+        severity="error" if best.suspect.slip and best.gain > SURE else "warning",
+        message=f"Taken as stated, the runs contradict one another, or have derivatives that no "
+        f"hull has. They agree if in all of them "
+        f"{', or if '.join(x.words for x in (best, *rivals))}.",
+        runs=runs,
+        remedy=_remedy(best.suspect, ""),
+        numbers={"value": best.value, "evidence": best.gain},
+        channels=best.suspect.channels if len(best.suspect.channels) < len(CHANNELS) else (),
+        cause=best.suspect.effect or best.suspect.name,
+    )
+
+
+def _rivals(answers: Sequence[Answer]) -> tuple[Answer, list[Answer]]:
+    best = answers[0]
+    return best, [x for x in answers[1:3] if x.gain > best.gain - RIVAL]
+
+
+def _remedy(suspect: Suspect, other: str) -> str:
+    known = catalogue().get(suspect.effect)
+    shows = f" What would show it: {known.check}." if known is not None else ""
+    return f"{suspect.remedy}{f' Or {other}.' if other else ''}{shows}"
+
+
+def _strange(found: Sequence[Agreement]) -> Iterator[CheckFinding]:
+    """Main derivatives that no hull of these particulars has, where no cause was found."""
+    told: dict[str, list[tuple[float, Agreement, float]]] = {}
+    for item in found:
+        for name, z in _unusual(item).items():
+            if abs(z) > STRANGE:
+                told.setdefault(name, []).append((abs(z), item, z))
+    for name, every in told.items():
+        _, item, z = max(every, key=lambda entry: entry[0])
+        at = item.group.usual.names.index(name)
+        size = item.group.scale[at]
+        value, mean = item.value[at] * size, item.group.usual.mean[at] * size
+        yield CheckFinding(
+            check="agreement",
+            severity="warning",
+            message=f"{name}' comes to about {figure(value)} at {figure(item.group.speed)} m/s; "
+            f"hulls of these particulars have {figure(mean)} ± {figure(size, 2)} (library ships "
+            f"and Clarke, Gedling and Hine 1983).",
+            runs=(),
+            remedy="Look at the units, signs and axes of this channel, at the inertia and at what "
+            f"the runs were set to: {name_runs([x.run.id for x in item.group.summaries])}.",
+            numbers={"value": float(value), "usual": float(mean), "z": z},
+        )
+
+
+CHECKS = (
+    Check(
+        "agreement",
+        "each run against what the others predict, and all against usual hulls",
+        examine_agreement,
+    ),
+)

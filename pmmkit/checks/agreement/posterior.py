@@ -1,0 +1,280 @@
+"""The polynomial behind the runs: its posterior, each run against the others, and evidence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.checks.agreement.rows import FORM, GAIN, Group
+from pmmkit.numerics import Array
+
+ROUNDS: Final = 3
+MENDED: Final = 1.3
+"""Squared misfit over the number of rows up to which a channel has nothing to mend."""
+PRICE: Final = 3.0
+"""Squared misfit for each row that a run must take with it to be left out …"""
+LEAST: Final = 10.0
+"""… and beyond that in all."""
+SHRINKS: Final = (0.0, 0.5, 1.0)
+"""Powers of the misfit beyond the usual that an explanation may leave."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class White:
+    """Rows over their usual scatter, run by run and channel by channel.
+
+    Parameters
+    ----------
+    whitener : array (n, 3, 7, 7)
+        What whitens; zero in rows that are not known.
+    rows : array (n, 3, 7)
+        Whitened rows.
+    design : array (n, 3, 7, p)
+        Whitened design.
+    """
+
+    whitener: Array
+    rows: Array
+    design: Array
+
+
+def whitened(group: Group, design: Array) -> White:
+    """The rows of a group and their design over the scatter that is usual."""
+    whitener = _whiteners(group)
+    rows = np.nan_to_num(group.rows)
+    return White(
+        whitener=whitener,
+        rows=np.einsum("nckl,ncl->nck", whitener, rows),
+        design=np.einsum("nckl,nclp->nckp", whitener, design),
+    )
+
+
+def _whiteners(group: Group) -> Array:
+    """Inverse Cholesky factors of noise, zero, gain and form of each run and channel."""
+    known = group.known
+    rows = np.nan_to_num(group.rows)
+    level = group.level[None, :, None]
+    variance = group.noise**2 + (FORM * level) ** 2
+    variance[..., 0] += group.zero[None, :] ** 2
+    size = np.abs(rows)
+    floor = np.maximum(size, 0.1 * level)
+    variance = variance + (0.5 * GAIN * floor) ** 2
+    covariance = GAIN**2 * rows[..., :, None] * rows[..., None, :]
+    diagonal = np.arange(variance.shape[-1])
+    covariance[..., diagonal, diagonal] += variance
+    both = known[..., :, None] & known[..., None, :]
+    covariance = np.where(both, covariance, 0.0)
+    covariance[..., diagonal, diagonal] += ~known
+    inverse = np.linalg.inv(np.linalg.cholesky(covariance))
+    return np.where(known[..., :, None], inverse, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Agreement:
+    """How the runs of a group agree.
+
+    Parameters
+    ----------
+    group : Group
+        The runs.
+    white : White
+        Their rows over the usual scatter.
+    precision, score : array (p, p), (p,)
+        Of the posterior with runs at odds weighed down.
+    prior : array (p, p)
+        Precision of the prior.
+    weight : array (n, 3)
+        1 for what counts, 0 for what is left out, run by run and channel by channel.
+    excess : array (3,)
+        By how much the scatter between runs exceeds the usual, variance over variance, at least 1.
+    misfit : array (n, 3)
+        Squared misfit of each run against the others, over its expected value.
+    """
+
+    group: Group
+    white: White
+    precision: Array
+    score: Array
+    prior: Array
+    weight: Array
+    excess: Array
+    misfit: Array
+
+    @property
+    def value(self) -> Array:
+        """The derivatives, (p,)."""
+        return np.asarray(np.linalg.solve(self.precision, self.score))
+
+    def without(self, place: int) -> tuple[Array, Array]:
+        """Derivatives and covariance by all runs but one."""
+        design, rows = self.white.design[place], self.white.rows[place]
+        strength = self.weight[place] / self.excess
+        precision = self.precision - np.einsum("ckp,ckq,c->pq", design, design, strength)
+        score = self.score - np.einsum("ckp,ck,c->p", design, rows, strength)
+        covariance = np.linalg.inv(precision)
+        return covariance @ score, covariance
+
+
+def agreement(group: Group) -> Agreement:
+    """The polynomial of a group without the runs at odds with it, and how far each run is off.
+
+    Runs are left out of a channel one by one as long as that mends much of its misfit (a forward
+    search: with few runs one bad one makes its sisters look bad, and no weight found from
+    residuals tells which it is). Where more than a third would go, none does: then it is not a
+    run that is at fault. The scatter beyond the usual is that of the middle run.
+    """
+    white = whitened(group, group.design(group.histories()))
+    prior = np.linalg.inv(group.usual.covariance)
+    count = group.known.sum(axis=2)
+    weight = np.stack([_kept(group, white, prior, count, c) for c in range(3)], axis=1)
+    excess = np.ones(3)
+    for _ in range(ROUNDS):
+        precision, score = _posterior(group, white, prior, weight / excess)
+        probe = Agreement(
+            group=group,
+            white=white,
+            precision=precision,
+            score=score,
+            prior=prior,
+            weight=weight,
+            excess=excess,
+            misfit=np.zeros(count.shape),
+        )
+        misfit = np.stack([_misfit(probe, place) for place in range(len(count))])
+        share = np.where(count > 0, misfit / np.maximum(count, 1), np.nan)
+        judged = np.where(weight > 0, share, np.nan)
+        level = _middle(np.where(count > 1, judged, np.nan), judged)
+        if np.all(level <= 1.0):
+            break
+        excess = np.maximum(excess * level, 1.0)
+    precision, score = _posterior(group, white, prior, weight / excess)
+    return Agreement(
+        group=group,
+        white=white,
+        precision=precision,
+        score=score,
+        prior=prior,
+        weight=weight,
+        excess=excess,
+        misfit=np.nan_to_num(share),
+    )
+
+
+def _middle(dynamic: Array, every: Array) -> Array:
+    """Middle share of the misfit: of oscillating runs, which have many rows, before all."""
+    out = np.ones(3)
+    for c in range(3):
+        for values, usual in ((dynamic[:, c], 1.0), (every[:, c], 0.5)):
+            known = values[np.isfinite(values)]
+            if len(known) >= 3:
+                out[c] = float(np.median(known)) / usual
+                break
+    return out
+
+
+def _kept(group: Group, white: White, prior: Array, count: Array, c: int) -> Array:
+    """Weights (n,) of a channel: 0 for the runs whose absence mends much of its misfit."""
+    design, rows = white.design[:, c], white.rows[:, c]
+    gram = np.einsum("nkp,nkq->npq", design, design)
+    score = np.einsum("nkp,nk->np", design, rows)
+    square = np.einsum("nk,nk->n", rows, rows)
+    mean = group.usual.mean
+    start = float(mean @ prior @ mean)
+    weight = np.ones(len(rows))
+
+    def left(weights: Array) -> float:
+        precision = prior + np.einsum("n,npq->pq", weights, gram)
+        right = prior @ mean + weights @ score
+        return start + float(weights @ square) - float(right @ np.linalg.solve(precision, right))
+
+    now = left(weight)
+    for _ in range(len(rows) // 3 + 1):
+        if now <= MENDED * float(weight @ count[:, c]):
+            return weight
+        gains = np.zeros(len(rows))
+        for place in np.flatnonzero((weight > 0) & (count[:, c] > 0)):
+            without = weight.copy()
+            without[place] = 0.0
+            gains[place] = now - left(without) - PRICE * count[place, c]
+        worst = int(np.argmax(gains))
+        if gains[worst] <= LEAST:
+            return weight
+        weight[worst] = 0.0
+        now = left(weight)
+    return np.ones(len(rows))
+
+
+def _posterior(group: Group, white: White, prior: Array, strength: Array) -> tuple[Array, Array]:
+    precision = prior + np.einsum("nckp,nckq,nc->pq", white.design, white.design, strength)
+    score = prior @ group.usual.mean + np.einsum(
+        "nckp,nck,nc->p", white.design, white.rows, strength
+    )
+    return precision, score
+
+
+def _misfit(probe: Agreement, place: int) -> Array:
+    """Squared misfit of each channel of a run over what is expected of it, (3,)."""
+    value, covariance = probe.without(place)
+    out = np.zeros(3)
+    for c in range(3):
+        known = probe.group.known[place, c]
+        if not known.any():
+            continue
+        design = probe.white.design[place, c][known]
+        rest = probe.white.rows[place, c][known] - design @ value
+        spread = probe.excess[c] * np.eye(len(rest)) + design @ covariance @ design.T
+        out[c] = float(rest @ np.linalg.solve(spread, rest))
+    return out
+
+
+def log_density(rest: Array, covariance: Array) -> float:
+    """Logarithm of a normal density, without the constant."""
+    factor = np.linalg.cholesky(0.5 * (covariance + covariance.T))
+    half = np.linalg.solve(factor, rest)
+    return -0.5 * float(half @ half) - float(np.log(np.diagonal(factor)).sum())
+
+
+def evidence(
+    found: Agreement,
+    design: Array,
+    mean: Array,
+    covariance: Array,
+    kept: Array,
+    scatter: Array | None = None,
+) -> float:
+    """Logarithm of the evidence of all runs under a design (n, 3, 7, p) and a prior.
+
+    Scatter beyond the usual may shrink where an explanation removes its cause. `kept` (n,) says
+    which runs count; `scatter` (n, 3, 7) is an error that each run and channel draws anew.
+    """
+    whitener = found.white.whitener[kept]
+    rows, own = found.white.rows[kept], np.einsum("nckl,nclp->nckp", whitener, design[kept])
+    count = found.group.known[kept].sum(axis=(0, 2))
+    prior = np.linalg.inv(covariance)
+    base = float(np.linalg.slogdet(prior)[1])
+    moved = None if scatter is None else np.einsum("nckl,ncl->nck", whitener, scatter[kept])
+    logs = []
+    for power in SHRINKS if np.any(found.excess > 1.0) else (0.0,):
+        scale = found.excess**power
+        strength, spread = 1 / scale, 0.0
+        gram = np.einsum("nckp,nckq,c->pq", own, own, strength)
+        score = np.einsum("nckp,nck,c->p", own, rows, strength)
+        square = float(np.einsum("nck,nck,c->", rows, rows, strength))
+        if moved is not None:
+            size = np.einsum("nck,nck,c->nc", moved, moved, strength)
+            less = strength**2 / (1 + size)
+            along = np.einsum("nckp,nck->ncp", own, moved)
+            read = np.einsum("nck,nck->nc", rows, moved)
+            gram -= np.einsum("ncp,ncq,nc->pq", along, along, less)
+            score -= np.einsum("ncp,nc,nc->p", along, read, less)
+            square -= float(np.einsum("nc,nc,nc->", read, read, less))
+            spread = float(np.log1p(size).sum())
+        precision, right = prior + gram, prior @ mean + score
+        value = np.linalg.solve(precision, right)
+        rest = square + float(mean @ prior @ mean) - float(right @ value)
+        log_det = float(np.linalg.slogdet(precision)[1])
+        logs.append(-0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale)))
+    return float(np.logaddexp.reduce(logs)) - math.log(len(logs))
