@@ -63,6 +63,8 @@ CHECKS: Final[tuple[Check, ...]] = (
     *whole_files.CHECKS,
 )
 """All checks, each with its name and a line on what it looks for."""
+RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *record.SATURATION)
+"""Checks of single channels of single records; what they find at fault the others do not see."""
 
 
 def examine(
@@ -99,12 +101,32 @@ def examine(
     """
     if summaries is None:
         summaries = _read_all(campaign)
-    found = [
-        accepted(campaign, finding)
-        for check in CHECKS
-        for finding in check.examine(campaign, summaries)
-    ]
+    gauges_first = [x for check in RECORDS for x in check.examine(campaign, summaries)]
+    sound = without_channels(summaries, gauges_first)
+    rest = [x for check in CHECKS if check not in RECORDS for x in check.examine(campaign, sound)]
+    found = [accepted(campaign, x) for x in settled([*gauges_first, *rest])]
     return loudest_first(found)
+
+
+def without_channels(
+    summaries: Sequence[Summary], findings: Sequence[CheckFinding]
+) -> list[Summary]:
+    """Summaries without the channels that are at fault in a run, errors and warnings alike."""
+    blind: dict[str, set[str]] = {}
+    for finding in findings:
+        for run in finding.runs:
+            blind.setdefault(run, set()).update(finding.channels)
+    return [
+        item.without(blind[item.run.id]) if blind.get(item.run.id) else item for item in summaries
+    ]
+
+
+def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
+    """Findings without the doubts about the moment reference that another cause explains."""
+    causes = {item.cause for item in findings if item.cause}
+    if not causes or "fault_moment_point" in causes:
+        return list(findings)
+    return [x for x in findings if x.check != "moment reference" or x.severity == "error"]
 
 
 def _read_all(campaign: Campaign) -> list[Summary]:

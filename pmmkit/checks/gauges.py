@@ -290,33 +290,40 @@ def _levels(channel: str, items: Sequence[Summary]) -> list[float]:
 
 
 def _quiet(channel: str, items: Sequence[Summary]) -> Iterator[CheckFinding]:
-    """Records with far less noise than those of other runs of the same family and speed."""
+    """Records with far less noise than those of the other steady, or oscillating, runs."""
     for dynamic in (False, True):
-        own = [
-            item
+        pairs = [
+            (item, size)
             for item in items
             if item.run.dynamic == dynamic
             and not item.facts.get(f"{channel}_constant")
-            and item.facts.get(f"{channel}_noise", 0.0) > 0
+            and (size := _noise(channel, item)) > 0
         ]
-        noise = np.array([item.facts[f"{channel}_noise"] for item in own])
+        own, noise = [item for item, _ in pairs], np.array([size for _, size in pairs])
         if len(own) < 3:
             continue
         usual = float(np.median(noise))
         hit = [item for item, size in zip(own, noise, strict=True) if size < QUIET * usual]
         if hit and len(hit) <= len(own) / 3:
-            worst = min(hit, key=lambda item: item.facts[f"{channel}_noise"])
+            worst = own[int(np.argmin(noise))]
+            least = float(noise.min())
             yield CheckFinding(
                 check="gauges",
                 severity="warning",
-                message=f"{channel} has {usual / worst.facts[f'{channel}_noise']:.0f} times less "
+                message=f"{channel} has {usual / least:.0f} times less "
                 f"noise in {worst.run.id} than in the other runs: its record was smoothed, or was "
                 f"not measured.",
                 runs=tuple(item.run.id for item in hit),
                 remedy="Take the record as it was sampled; a run without noise counts too much.",
-                numbers={"noise": worst.facts[f"{channel}_noise"], "usual": usual},
-                channels=(channel,),
+                numbers={"noise": least, "usual": usual},
             )
+
+
+def _noise(channel: str, item: Summary) -> float:
+    """Noise of a record: about its harmonics, or from sample to sample where it is steady."""
+    if item.run.dynamic:
+        return item.cycle_noise.get(channel, 0.0)
+    return item.facts.get(f"{channel}_noise", 0.0)
 
 
 CHECKS = (

@@ -208,15 +208,17 @@ def _headings(summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     if off:
         item, found, speed = max(off, key=lambda entry: abs(entry[1] - entry[0].run.settings.drift))
         settings = item.run.settings
+        straight = abs(found) < math.radians(0.3) and abs(speed / settings.speed - 1) < 0.02
         yield CheckFinding(
             check="settings",
             severity="error",
             message=f"In {len(off)} static runs the recorded u and v do not give the speed and "
             f"drift of the campaign file: in {item.run.id} they give {figure(speed, 4)} m/s and "
             f"{math.degrees(found):.2f}°, stated are {figure(settings.speed, 4)} m/s and "
-            f"{math.degrees(settings.drift):.2f}°.",
+            f"{math.degrees(settings.drift):.2f}°."
+            + (" They look like velocities along and across the tank." if straight else ""),
             runs=tuple(entry[0].run.id for entry in off),
-            remedy="Correct drift_deg or drift_positive, or the units of the columns.",
+            remedy="Correct drift_deg or drift_positive, or the units and axes of the columns.",
             numbers={"drift_deg": math.degrees(found), "speed": speed},
         )
 

@@ -289,8 +289,11 @@ def _dotted(motion: str) -> str:
     return {"vdot": "v̇", "rdot": "ṙ"}.get(motion, motion)
 
 
-CHECKS = (
+SATURATION = (
     Check("saturation", "forces that stand flat at their extreme value", examine_saturation),
+)
+CHECKS = (
+    *SATURATION,
     Check("cycles", "first harmonics that change from cycle to cycle", examine_cycles),
     Check("sister runs", "runs out of line with the series they belong to", examine_sisters),
 )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
@@ -53,6 +53,16 @@ class Summary:
     digest: str = ""
     sketch: Array = field(default_factory=lambda: EMPTY)
     facts: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    def without(self, names: Collection[str]) -> Summary:
+        """The run without some force channels, as if they had not been measured."""
+        return replace(
+            self,
+            **{
+                part: {key: x for key, x in getattr(self, part).items() if key not in names}
+                for part in ("means", "cos", "sin", "cycles", "harmonic_noise", "cycle_noise")
+            },
+        )
 
     def c(self, name: str, order: int) -> float:
         """Harmonic in phase with the velocity; nan where it is not known."""

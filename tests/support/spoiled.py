@@ -270,8 +270,10 @@ def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:
 
 
 def of(campaign: Campaign, test: str) -> tuple[Run, ...]:
-    """The runs of one kind, the smallest motion first."""
-    return tuple(run for run in campaign.runs if run.test == test)
+    """The runs of one kind, the smallest motion first; none that repeats another."""
+    return tuple(
+        run for run in campaign.runs if run.test == test and not run.settings.repeat_of
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

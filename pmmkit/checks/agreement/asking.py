@@ -101,7 +101,7 @@ def of_all(
     expected = [own @ found.value for own, found in zip(base, agreements, strict=True)]
 
     def judged(suspect: Suspect, value: float) -> tuple[float, float]:
-        total = 0.0
+        gains, left = [], []
         for place, (found, group) in enumerate(zip(agreements, groups, strict=True)):
             design = group.design(suspect.histories(group, value, base[place]))
             mean, covariance = group.usual.mean, _set_free(group, suspect.free)
@@ -117,20 +117,22 @@ def of_all(
                     mean = np.append(mean, 0.0)
                     covariance = np.pad(covariance, (0, 1))
                     covariance[-1, -1] = 1.0
-            total += evidence(found, design, mean, covariance, kept[place], scatter)
-        return total, math.nan
+            own, misfit = evidence(found, design, mean, covariance, kept[place], scatter)
+            gains.append(own - nothing[place])
+            left.append(misfit)
+        return sum(gains) / (len(gains) if suspect.by_size else 1), max(left)
 
-    nothing = sum(
-        evidence(found, group.design(own), group.usual.mean, group.usual.covariance, which)
+    nothing = [
+        evidence(found, group.design(own), group.usual.mean, group.usual.covariance, which)[0]
         for found, group, own, which in zip(agreements, groups, base, kept, strict=True)
-    )
+    ]
     asked = [
         suspect
         for suspect in suspects
         if suspect.scope != "one"
         and any(suspect.applies(item.run) for group in groups for item in group.summaries)
     ]
-    return _answers(asked, judged, nothing)
+    return _answers(asked, judged, 0.0)
 
 
 def _answers(asked: Sequence[Suspect], judged: Judge, none: float) -> list[Answer]:

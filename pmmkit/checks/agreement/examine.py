@@ -14,8 +14,6 @@ from pmmkit.checks.agreement.rows import CHANNELS, groups_of
 from pmmkit.checks.agreement.suspects import SUSPECTS, Suspect
 from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
-from pmmkit.checks.gauges import examine_gauges
-from pmmkit.checks.record import examine_saturation
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.numerics import Array
 
@@ -31,17 +29,24 @@ RIVAL: Final = 2.5
 """Causes whose evidence comes as near as this are named beside it."""
 EXPLAINED: Final = 4.0
 """Squared misfit over its expected value that a cause may leave."""
-ODD: Final = 10.0
-UNEXPLAINED: Final = 0.05
+ODD: Final = 5.0
+"""Squared misfit beyond chance from which a run is asked what is wrong; from which it is told of
+without a cause, `FAR`."""
+UNEXPLAINED: Final = 0.03
+FAR: Final = 25.0
 """A run that no cause explains is told of if it misses by this share of a channel's usual size."""
-SCATTER: Final = 2.5
+SCATTER: Final = 1.2
 """Scatter between runs beyond the usual (variance) from which a common cause is sought."""
-UNUSUAL: Final = 2.0
+UNUSUAL: Final = 1.3
 STRANGE: Final = 4.0
 """Standard deviations by which a derivative is unlike those of hulls: a cause is sought; told."""
+LOPSIDED: Final = 0.5
+"""Asymmetry of the mass matrix, over the usual, from which a cause is sought."""
 SHALLOW: Final = 3.0
+FEW: Final = 2
+"""Runs at odds up to which it is the runs that are looked at; more may have a common cause."""
 MOST: Final = 4
-"""Runs of one speed that are looked at one by one."""
+"""Runs that are looked at one by one."""
 
 
 def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
@@ -54,55 +59,71 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
     """
     if campaign.kind != "captive":
         return
-    blind = {
-        (run, channel)
-        for examine in (examine_gauges, examine_saturation)
-        for item in examine(campaign, summaries)
-        for run in item.runs
-        for channel in item.channels
-    }
-    found = [agreement(group) for group in groups_of(campaign, summaries, blind)]
-    odd = [_odd(item) for item in found]
-    many = [len(own) > max(2, len(item.misfit) / 4) for item, own in zip(found, odd, strict=True)]
+    found = [agreement(group) for group in groups_of(campaign, summaries)]
+    far = sorted(
+        ((beyond, item, place) for item in found for beyond, place in _odd(item)),
+        key=lambda entry: -entry[0],
+    )
+    odd = [(item, place) for _, item, place in far]
+    single = [(item, place, of_one(item, place, SUSPECTS)) for item, place in odd[:MOST]]
     depth = campaign.water.depth
     deep = depth is None or depth >= SHALLOW * campaign.ship.d
+    few = len(odd) <= FEW
     common: list[Answer] = []
-    if deep and (any(many) or any(_doubtful(item) for item in found)):
-        kept = [
-            np.ones(len(item.misfit), bool) if full else _without(item, own)
-            for item, own, full in zip(found, odd, many, strict=True)
-        ]
-        common = [x for x in of_all(found, kept, SUSPECTS) if x.gain > NAMED]
+    if deep and (odd or any(_doubtful(item) for item in found)):
+        common = _common(found, odd if few else [])
+        if not common and few and odd and not any(_explain(answers) for _, _, answers in single):
+            common = [x for x in _common(found, []) if x.gain > 2 * NAMED]
+        alone = max((answers[0].gain for _, _, answers in single), default=0.0)
+        if common and not few and common[0].gain < alone:
+            common = []
     if common:
         yield _of_all(common, found)
-        if any(many):
-            return
-    for item, own in zip(found, odd, strict=True):
-        yield from _of_each(item, own)
-    if deep and not common and not any(odd):
+    if few or not common:
+        named = [
+            (item, place) for item, place, answers in single if few or _explain(answers)
+        ]
+        for item, place, answers in single:
+            if (item, place) in named:
+                yield from _of_one(item, place, answers)
+        yield from _rest([entry for entry in odd if entry not in named])
+    if deep and not common and not odd:
         yield from _strange(found)
 
 
-def _odd(found: Agreement) -> list[int]:
-    """Runs that miss what the others predict by more than chance, the worst first."""
+def _common(
+    found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]
+) -> list[Answer]:
+    """Causes in all runs that the evidence names, some runs left out."""
+    left = {(id(item), place) for item, place in without}
+    kept = [
+        np.array([(id(item), k) not in left for k in range(len(item.misfit))]) for item in found
+    ]
+    return [x for x in of_all(found, kept, SUSPECTS) if x.gain > NAMED and x.left < EXPLAINED]
+
+
+def _explain(answers: Sequence[Answer]) -> list[Answer]:
+    """Causes that the evidence names and that leave little."""
+    return [x for x in answers if x.gain > NAMED and x.left < EXPLAINED]
+
+
+def _odd(found: Agreement) -> list[tuple[float, int]]:
+    """Runs that miss what the others predict by more than chance, and by how much more."""
+    return [(float(x), k) for k, x in enumerate(_beyond(found) - ODD) if x > 0]
+
+
+def _beyond(found: Agreement) -> Array:
+    """Squared misfit of the worst channel of each run beyond what chance makes of it, (n,)."""
     count = found.group.known.sum(axis=2)
-    square = found.misfit * count
-    beyond = square - (count + 4 * np.sqrt(2 * count) + ODD)
-    beyond = np.where(count > 0, beyond, -math.inf)
-    worst = beyond.max(axis=1)
-    return [int(k) for k in np.argsort(-worst) if worst[k] > 0]
-
-
-def _without(found: Agreement, odd: Sequence[int]) -> Array:
-    kept = np.ones(len(found.misfit), bool)
-    kept[list(odd)] = False
-    return kept
+    beyond = found.misfit * count - (count + 4 * np.sqrt(2 * count))
+    return np.asarray(np.where(count > 0, beyond, -math.inf).max(axis=1))
 
 
 def _doubtful(found: Agreement) -> bool:
     z = _unusual(found)
     large = max((abs(x) for x in z.values()), default=0.0)
-    return bool(large > UNUSUAL or np.any(found.excess > SCATTER))
+    lopsided = _asymmetry(found) > LOPSIDED
+    return bool(large > UNUSUAL or lopsided or np.any(found.excess > SCATTER))
 
 
 def _unusual(found: Agreement) -> dict[str, float]:
@@ -117,16 +138,47 @@ def _unusual(found: Agreement) -> dict[str, float]:
     return out
 
 
-def _of_each(found: Agreement, odd: Sequence[int]) -> Iterator[CheckFinding]:
-    """What is said of single runs."""
-    for place in odd[:MOST]:
-        missed = _missed(found, place)
-        answers = of_one(found, place, SUSPECTS)
-        good = [x for x in answers if x.gain > NAMED and x.left < EXPLAINED]
-        if good:
-            yield _named(found, place, good, missed)
-        elif missed.max() > UNEXPLAINED:
-            yield _at_odds(found, place, missed, answers)
+def _asymmetry(found: Agreement) -> float:
+    """Yrdot against Nvdot, equal in a mass matrix, over what hulls with way on may have."""
+    names, scale = found.group.usual.names, found.group.scale
+    one, other = names.index("Yrdot"), names.index("Nvdot")
+    both = np.zeros(len(names))
+    both[one], both[other] = scale[one], -scale[other]
+    usual = float(both @ found.group.usual.covariance @ both)
+    return float(abs(both @ found.value)) / math.sqrt(usual)
+
+
+def _of_one(found: Agreement, place: int, answers: Sequence[Answer]) -> Iterator[CheckFinding]:
+    """What is said of a single run."""
+    missed = _missed(found, place)
+    good = _explain(answers)
+    if good:
+        yield _named(found, place, good, missed)
+    elif missed.max() > UNEXPLAINED and (_beyond(found)[place] > FAR or answers[0].gain > NAMED):
+        yield _at_odds(found, place, missed, answers)
+
+
+def _rest(odd: Sequence[tuple[Agreement, int]]) -> Iterator[CheckFinding]:
+    """What is said of runs at odds that nothing explains, all together."""
+    far = [
+        (float(_missed(item, place).max()), item.group.summaries[place].run.id)
+        for item, place in odd
+        if _missed(item, place).max() > UNEXPLAINED and _beyond(item)[place] > FAR
+    ]
+    if far:
+        share, worst = max(far)
+        yield CheckFinding(
+            check="agreement",
+            severity="warning",
+            message=f"{len(far)} runs miss what the others of their speed predict by more than "
+            f"{100 * UNEXPLAINED:.0f} % of the usual size, {worst} by {100 * share:.0f} %, and no "
+            f"slip or fault explains it: their forces have a form that no polynomial of third "
+            f"order holds (waves, memory, separation), or several records are at fault.",
+            runs=tuple(run for _, run in far),
+            remedy="Compare the derivatives with and without these runs; see what the diagnosis "
+            "says of them.",
+            numbers={"missed": share, "runs": float(len(far))},
+        )
 
 
 def _missed(found: Agreement, place: int) -> Array:
@@ -171,16 +223,20 @@ def _at_odds(
     found: Agreement, place: int, missed: Array, answers: Sequence[Answer]
 ) -> CheckFinding:
     run = found.group.summaries[place].run
-    nearest = f" The nearest: {answers[0].words}." if answers and answers[0].gain > NAMED else ""
+    best, rivals = _rivals([x for x in answers if x.left < EXPLAINED] or answers)
+    nearest = (
+        f" The nearest: {', or '.join(x.words for x in (best, *rivals))}." if best.gain > 0 else ""
+    )
     return CheckFinding(
         check="agreement",
         severity="warning",
-        message=f"{_who(found, place, missed)}. No single slip or fault that is known explains it."
+        message=f"{_who(found, place, missed)}. No single slip or fault explains it for certain."
         f"{nearest}",
         runs=(run.id,),
         remedy="Look at its record and its settings; compare the derivatives with and without it, "
         'and exclude it (action = "exclude") if it is at fault.',
         numbers={"missed": float(missed.max())},
+        cause=best.suspect.effect if best.gain > 0 else "",
     )
 
 

@@ -48,7 +48,7 @@ def whitened(group: Group, design: Array) -> White:
     return White(
         whitener=whitener,
         rows=np.einsum("nckl,ncl->nck", whitener, rows),
-        design=np.einsum("nckl,nclp->nckp", whitener, design),
+        design=whitener @ design,
     )
 
 
@@ -178,15 +178,15 @@ def _middle(dynamic: Array, every: Array) -> Array:
 def _kept(group: Group, white: White, prior: Array, count: Array, c: int) -> Array:
     """Weights (n,) of a channel: 0 for the runs whose absence mends much of its misfit."""
     design, rows = white.design[:, c], white.rows[:, c]
-    gram = np.einsum("nkp,nkq->npq", design, design)
-    score = np.einsum("nkp,nk->np", design, rows)
+    gram = design.transpose(0, 2, 1) @ design
+    score = (rows[:, None, :] @ design)[:, 0]
     square = np.einsum("nk,nk->n", rows, rows)
     mean = group.usual.mean
     start = float(mean @ prior @ mean)
     weight = np.ones(len(rows))
 
     def left(weights: Array) -> float:
-        precision = prior + np.einsum("n,npq->pq", weights, gram)
+        precision = prior + np.tensordot(weights, gram, 1)
         right = prior @ mean + weights @ score
         return start + float(weights @ square) - float(right @ np.linalg.solve(precision, right))
 
@@ -208,11 +208,15 @@ def _kept(group: Group, white: White, prior: Array, count: Array, c: int) -> Arr
 
 
 def _posterior(group: Group, white: White, prior: Array, strength: Array) -> tuple[Array, Array]:
-    precision = prior + np.einsum("nckp,nckq,nc->pq", white.design, white.design, strength)
-    score = prior @ group.usual.mean + np.einsum(
-        "nckp,nck,nc->p", white.design, white.rows, strength
-    )
-    return precision, score
+    root = np.sqrt(strength)
+    design = _flat(white.design * root[:, :, None, None])
+    rows = (white.rows * root[:, :, None]).ravel()
+    return prior + design.T @ design, prior @ group.usual.mean + rows @ design
+
+
+def _flat(design: Array) -> Array:
+    """All rows of all runs and channels under one another, (rows, p)."""
+    return design.reshape(-1, design.shape[-1])
 
 
 def _misfit(probe: Agreement, place: int) -> Array:
@@ -244,37 +248,40 @@ def evidence(
     covariance: Array,
     kept: Array,
     scatter: Array | None = None,
-) -> float:
+) -> tuple[float, float]:
     """Logarithm of the evidence of all runs under a design (n, 3, 7, p) and a prior.
 
     Scatter beyond the usual may shrink where an explanation removes its cause. `kept` (n,) says
-    which runs count; `scatter` (n, 3, 7) is an error that each run and channel draws anew.
+    which runs count; `scatter` (n, 3, 7) is an error that each run and channel draws anew. The
+    second number is the squared misfit over the number of rows where scatter is the usual.
     """
     whitener = found.white.whitener[kept]
-    rows, own = found.white.rows[kept], np.einsum("nckl,nclp->nckp", whitener, design[kept])
+    rows, own = found.white.rows[kept], whitener @ design[kept]
     count = found.group.known[kept].sum(axis=(0, 2))
     prior = np.linalg.inv(covariance)
     base = float(np.linalg.slogdet(prior)[1])
     moved = None if scatter is None else np.einsum("nckl,ncl->nck", whitener, scatter[kept])
-    logs = []
+    logs, left = [], []
     for power in SHRINKS if np.any(found.excess > 1.0) else (0.0,):
         scale = found.excess**power
         strength, spread = 1 / scale, 0.0
-        gram = np.einsum("nckp,nckq,c->pq", own, own, strength)
-        score = np.einsum("nckp,nck,c->p", own, rows, strength)
-        square = float(np.einsum("nck,nck,c->", rows, rows, strength))
+        root = np.sqrt(strength)[:, None]
+        flat, read = _flat(own * root[..., None]), (rows * root).ravel()
+        gram, score, square = flat.T @ flat, read @ flat, float(read @ read)
         if moved is not None:
-            size = np.einsum("nck,nck,c->nc", moved, moved, strength)
-            less = strength**2 / (1 + size)
-            along = np.einsum("nckp,nck->ncp", own, moved)
-            read = np.einsum("nck,nck->nc", rows, moved)
-            gram -= np.einsum("ncp,ncq,nc->pq", along, along, less)
-            score -= np.einsum("ncp,nc,nc->p", along, read, less)
-            square -= float(np.einsum("nc,nc,nc->", read, read, less))
+            size = strength * np.sum(moved**2, axis=2)
+            less = strength / np.sqrt(1 + size)
+            along = _flat((moved[:, :, None, :] @ own) * less[..., None, None])
+            seen = (np.sum(rows * moved, axis=2) * less).ravel()
+            gram, score = gram - along.T @ along, score - seen @ along
+            square -= float(seen @ seen)
             spread = float(np.log1p(size).sum())
         precision, right = prior + gram, prior @ mean + score
         value = np.linalg.solve(precision, right)
         rest = square + float(mean @ prior @ mean) - float(right @ value)
+        left.append(rest / max(int(count.sum()), 1))
         log_det = float(np.linalg.slogdet(precision)[1])
-        logs.append(-0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale)))
-    return float(np.logaddexp.reduce(logs)) - math.log(len(logs))
+        logs.append(
+            -0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale))
+        )
+    return float(np.logaddexp.reduce(logs)) - math.log(len(logs)), left[0]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -40,6 +41,8 @@ FORM: Final = 0.006
 """Scatter that is usual from run to run: of the gain; of the zero, and of each harmonic by what no
 polynomial of third order holds, over the size of the channel."""
 SPEEDS: Final = 0.01
+FEWEST: Final = 6
+"""Runs of one speed below which they are not held against one another."""
 SHARE: Final = 0.3
 """By how much a share of the inertia may be off where it is doubted."""
 KNOWN: Final = 1e-3
@@ -92,17 +95,17 @@ class Group:
         """Which rows are known, (n, 3, 7)."""
         return np.isfinite(self.rows)
 
-    @property
+    @cached_property
     def omega(self) -> Array:
         """Angular frequency of each run [rad/s]; 0 for a steady one."""
         return np.array([item.run.settings.omega or 0.0 for item in self.summaries])
 
-    @property
+    @cached_property
     def speed(self) -> float:
         """Speed of the carriage [m/s]."""
         return float(np.mean([item.run.settings.speed for item in self.summaries]))
 
-    @property
+    @cached_property
     def units(self) -> Array:
         """Units of the channels by run [N, N m], (n, 3)."""
         return np.array(
@@ -151,19 +154,13 @@ class Group:
 
     def design(self, histories: Array) -> Array:
         """Harmonics of histories (n, 32, 3, p), as (n, 3, 7, p)."""
-        found: Array = np.einsum("kt,ntcp->nckp", _projection(), histories)
-        return found
+        n, t, channels, p = histories.shape
+        found = _projection() @ histories.reshape(n, t, channels * p)
+        return found.reshape(n, len(LABELS), channels, p).transpose(0, 2, 1, 3)
 
 
-def groups_of(
-    campaign: Campaign,
-    summaries: Sequence[Summary],
-    blind: Collection[tuple[str, str]] = frozenset(),
-) -> Iterator[Group]:
-    """The captive runs by speed and revolutions, where there are enough to be held together.
-
-    Channels of runs, as pairs of names, that are `blind` count as not measured.
-    """
+def groups_of(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[Group]:
+    """The captive runs by speed and revolutions, where there are enough to be held together."""
     sorted_: dict[tuple[int, float | None, str], list[Summary]] = {}
     for item in summaries:
         settings, kind = item.run.settings, item.run.kind_of_test
@@ -172,19 +169,17 @@ def groups_of(
         rps = None if settings.propeller_rps is None else round(settings.propeller_rps, 1)
         key = (round(np.log(settings.speed) / SPEEDS), rps, item.run.forces)
         sorted_.setdefault(key, []).append(item)
-    made = [
-        found for group in _joined(sorted_) if (found := _group(campaign, group, blind)) is not None
-    ]
+    made = [found for group in _joined(sorted_) if (found := _group(campaign, group)) is not None]
     if not made:
         return
     shown = np.median([found.level * found.units.mean(axis=0) for found in made], axis=0)
     for found in made:
-        yield replace(
-            found, zero=OFFSET * np.maximum(found.level, shown / found.units.mean(axis=0))
-        )
+        yield replace(found, zero=OFFSET * np.maximum(found.level, shown / found.units.mean(axis=0)))
 
 
-def _joined(sorted_: dict[tuple[int, float | None, str], list[Summary]]) -> Iterator[list[Summary]]:
+def _joined(
+    sorted_: dict[tuple[int, float | None, str], list[Summary]],
+) -> Iterator[list[Summary]]:
     """Groups whose speeds are neighbours in one."""
     keys = sorted(sorted_, key=lambda key: (key[2], key[1] or 0.0, key[1] is None, key[0]))
     joined: list[Summary] = []
@@ -201,16 +196,12 @@ def _joined(sorted_: dict[tuple[int, float | None, str], list[Summary]]) -> Iter
         yield joined
 
 
-def _group(
-    campaign: Campaign, items: Sequence[Summary], blind: Collection[tuple[str, str]]
-) -> Group | None:
+def _group(campaign: Campaign, items: Sequence[Summary]) -> Group | None:
     pairs = [(item, motion) for item in items if (motion := _motion(campaign, item)) is not None]
-    if len(pairs) < 4:
+    if len(pairs) < FEWEST:
         return None
     summaries = tuple(item for item, _ in pairs)
     rows, noise = (np.stack(parts) for parts in zip(*map(_rows, summaries), strict=True))
-    for place, item in enumerate(summaries):
-        rows[place, [(item.run.id, name) in blind for name in CHANNELS]] = np.nan
     if campaign.moment_reference_x:
         rows[:, 2] += campaign.moment_reference_x * rows[:, 1]
     units = np.array(
@@ -223,7 +214,7 @@ def _group(
     size = np.sqrt(np.nansum(rows[..., :5] ** 2, axis=2))
     if not np.all(np.isfinite(rows).any(axis=(1, 2))):
         at = np.flatnonzero(np.isfinite(rows).any(axis=(1, 2)))
-        return _group(campaign, [summaries[k] for k in at], blind) if len(at) >= 4 else None
+        return _group(campaign, [summaries[k] for k in at]) if len(at) >= FEWEST else None
     motion = State(
         **{
             field.name: np.concatenate([getattr(own, field.name) for _, own in pairs])
@@ -343,6 +334,7 @@ def _basis() -> Array:
     return design_matrix(phases(), ORDER)
 
 
+@cache
 def _projection() -> Array:
     """From 32 phases to the seven harmonics: exact, as the phases are even."""
     basis = _basis()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -32,6 +32,8 @@ LAGS: Final = (0.03, 0.06, 0.12, 0.25, 0.5)
 DEGREES: Final = (2.0, 5.0, 10.0, 20.0, 45.0, 90.0)
 SHARES: Final = (0.8, 0.9, 0.95, 1.05, 1.1, 1.25)
 POINTS: Final = (0.02, 0.05, 0.1, 0.2)
+
+_MOVES: Final = ("u", "v", "r", "udot", "vdot", "rdot")
 
 Move = Callable[[Group, float], State]
 Show = Callable[[Group, Array, float], Array]
@@ -72,6 +74,9 @@ class Suspect:
         Whether it is asked of one run, of all, or of both.
     slip : bool
         Whether it is a slip of the hand, to be mended before anything is fitted.
+    by_size : bool
+        Whether of all runs it shows in the size of derivatives alone, which tells it at one speed
+        as well as at many.
     effect : str
         Entry of the catalogue, where there is one.
     column : callable, optional
@@ -95,6 +100,7 @@ class Suspect:
     applies: Callable[[Run], bool] = field(default=_any)
     scope: str = "both"
     slip: bool = False
+    by_size: bool = False
     effect: str = ""
     column: Column | None = None
     each_run: bool = False
@@ -238,22 +244,18 @@ def _rate(values: Array, omega: Array) -> Array:
 
 def restated(group: Group, of: Callable[[Settings], Settings]) -> State:
     """The motion that other settings would give; where runs recorded theirs, so it changes."""
-    parts = []
+    change = {name: np.zeros(len(group.motion.u)) for name in _MOVES}
     for place, item in enumerate(group.summaries):
-        own = group.motion.at(slice(place * PHASES, (place + 1) * PHASES))
-        before, after = (
-            motion_at_phase(item.run.with_(settings=settings), phases())
-            for settings in (item.run.settings, of(item.run.settings))
-        )
-        parts.append(
-            {
-                name.name: getattr(own, name.name)
-                + getattr(after, name.name)
-                - getattr(before, name.name)
-                for name in fields(State)
-            }
-        )
-    return State(**{key: np.concatenate([part[key] for part in parts]) for key in parts[0]})
+        settings, kind = item.run.settings, item.run.kind_of_test
+        if not item.run.dynamic:
+            continue
+        before, after = (kind.nominal(x, phases()) for x in (settings, of(settings)))
+        at = slice(place * PHASES, (place + 1) * PHASES)
+        for name, values in change.items():
+            values[at] = after.get(name, 0.0) - np.asarray(before.get(name, 0.0))
+    return group.motion.with_(
+        **{name: getattr(group.motion, name) + values for name, values in change.items()}
+    )
 
 
 def as_set(group: Group, run: Run) -> State:
@@ -295,6 +297,7 @@ def _units() -> Iterator[Suspect]:
                 show=_scaled(channel),
                 grid=(1 / factor,),
                 slip=True,
+                by_size=True,
                 channels=(channel,),
             )
         yield Suspect(
@@ -304,6 +307,7 @@ def _units() -> Iterator[Suspect]:
             show=_scaled(channel),
             grid=(-1.0,),
             slip=True,
+            by_size=True,
             channels=(channel,),
         )
         yield Suspect(
@@ -316,6 +320,7 @@ def _units() -> Iterator[Suspect]:
             show=_scaled(channel),
             grid=(0.3, 0.5, 0.7, *SHARES, 1.5, 2.0),
             continuous=True,
+            scope="one",
             effect="fault_gauge_gain",
             channels=(channel,),
         )
@@ -370,6 +375,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         show=_scaled(*CHANNELS),
         grid=(0.5,),
         slip=True,
+        by_size=True,
     ),
     Suspect(
         name="gain of all",
@@ -381,6 +387,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         show=_scaled(*CHANNELS),
         grid=SHARES,
         continuous=True,
+        scope="one",
     ),
     Suspect(
         name="Y and N exchanged",
@@ -388,6 +395,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         remedy="Exchange the two columns under [columns].",
         show=_exchanged,
         slip=True,
+        by_size=True,
     ),
     Suspect(
         name="forces in tank axes",
@@ -553,6 +561,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         scope="all",
         effect="fault_inertia",
         free=("mass",),
+        by_size=True,
     ),
 )
 """All suspects."""

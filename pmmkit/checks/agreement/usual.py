@@ -18,6 +18,8 @@ SPREAD: Final = {
     "Yr": (0.20, 0.15),
     "Yvvv": (-5.0, 5.0),
     "Yrrr": (0.0, 0.3),
+    "Yv|v|": (0.0, 1.5),
+    "Yr|r|": (0.0, 0.2),
     "Yvvr": (1.5, 6.0),
     "Yvrr": (-2.0, 3.0),
     "Yvdot": (-0.62, 0.11),
@@ -30,6 +32,8 @@ SPREAD: Final = {
     "Nr": (-0.155, 0.05),
     "Nvvv": (0.0, 1.5),
     "Nrrr": (-0.1, 0.2),
+    "Nv|v|": (0.0, 0.4),
+    "Nr|r|": (0.0, 0.15),
     "Nvvr": (-2.5, 3.0),
     "Nvrr": (0.0, 0.5),
     "Nvdot": (0.0, 0.04),
@@ -43,7 +47,7 @@ SPREAD: Final = {
     "Xvvvv": (0.0, 4.0),
     "Xrr": (0.02, 0.06),
     "Xvr": (0.45, 0.30),
-    "Xudot": (-0.04, 0.04),
+    "Xudot": (-0.04, 0.025),
     "Xdd": (-0.12, 0.12),
     "X0": (0.0, 1.0),
     "Y0": (0.0, 0.03),
@@ -53,7 +57,7 @@ SPREAD: Final = {
 coefficients: means of the hulls of the library, and about one and a half times their scatter."""
 SAME: Final = 0.02
 """By how much Yrdot and Nvdot, equal in a mass matrix, may differ with way on, over the same."""
-MAIN: Final = ("Xudot", "Xvr", "Yv", "Yr", "Yvdot", "Nv", "Nr", "Nrdot")
+MAIN: Final = ("Xuu", "Xudot", "Xvr", "Yv", "Yr", "Yvdot", "Nv", "Nr", "Nrdot")
 """Derivatives whose size physics tells well enough to doubt data that show another."""
 
 
