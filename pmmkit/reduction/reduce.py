@@ -13,6 +13,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.samples.loading import file_hashes
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.checks import CheckFinding, examine, loudest_first, refuse
+from pmmkit.checks.untold import untold
 from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError, ContradictionError, Problem
 from pmmkit.observations.blockage import speed_increase
@@ -286,6 +287,7 @@ def reduce_campaign(
         *(note for item in results for note in item.notes),
         *notes(solution, rows),
         *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
+        *untold(campaign, [item.summary for item in read]),
         *_tank(campaign, blockage),
     )
     table = to_table(

@@ -9,6 +9,8 @@ each kind of test and in all runs. What the user meets is one of
 refused : the checks find a contradiction, nothing is fitted.
 named : a warning names the right cause.
 other : a warning, or a refusal, that names another cause.
+noted : nothing is said of this campaign, but a note of its table says that the property cannot
+    be checked by these runs, and what would check it.
 harmless : nothing is said, and no derivative has moved by more than 2 of its standard
     uncertainties.
 wrong : nothing is said, and one has.
@@ -40,7 +42,7 @@ from pmmkit.errors import DataError
 from pmmkit.reduction import reduce_campaign
 from pmmkit.tables import DerivativeTable
 
-CLASSES = ("refused", "named", "other", "harmless", "wrong")
+CLASSES = ("refused", "named", "other", "noted", "harmless", "wrong")
 MOVED = 2.0
 
 
@@ -75,6 +77,8 @@ def answered(case: Any) -> Answer:
         verdict = "named" if right else "other"
     else:
         verdict = "wrong" if moved > MOVED else "harmless"
+        if verdict == "wrong" and any(re.search(case.way.cause, note) for note in notes(case)):
+            verdict = "noted"
     return Answer(
         case.name,
         case.scope,
@@ -85,6 +89,12 @@ def answered(case: Any) -> Answer:
         moved,
         tuple(f"{severity}: {text}" for severity, text in loud),
     )
+
+
+def notes(case: Any) -> list[str]:
+    """What the notes of the table say that these runs do not check."""
+    told = table(case.spoiled()).notes
+    return [note for note in told if note.startswith("Not ")] if case.scope == "all" else []
 
 
 def said_of(campaign: Any) -> list[tuple[str, str]]:

@@ -271,9 +271,7 @@ def exchanged(campaign: Campaign, one: str, other: str) -> Campaign:
 
 def of(campaign: Campaign, test: str) -> tuple[Run, ...]:
     """The runs of one kind, the smallest motion first; none that repeats another."""
-    return tuple(
-        run for run in campaign.runs if run.test == test and not run.settings.repeat_of
-    )
+    return tuple(run for run in campaign.runs if run.test == test and not run.settings.repeat_of)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -403,7 +401,7 @@ WAYS: tuple[Way, ...] = (
     ),
     _samples("X in kgf", r"\bX\b.*(kilogram-force|kgf|near 1/g)", factor("X", 1 / 9.80665)),
     _samples("Y in kgf", r"\bY\b.*(kilogram-force|kgf|near 1/g)", factor("Y", 1 / 9.80665)),
-    _samples("N in lbf ft", r"\bN\b.*(lbf|pound)", factor("N", 0.737562)),
+    _samples("N in lbf ft", r"\bN\b.*(lbf|pound|unit)|unit.*\bN\b", factor("N", 0.737562)),
     Way(
         name="half of the hull",
         cause=r"half",

@@ -80,9 +80,7 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
     if common:
         yield _of_all(common, found)
     if few or not common:
-        named = [
-            (item, place) for item, place, answers in single if few or _explain(answers)
-        ]
+        named = [(item, place) for item, place, answers in single if few or _explain(answers)]
         for item, place, answers in single:
             if (item, place) in named:
                 yield from _of_one(item, place, answers)
@@ -91,9 +89,7 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
         yield from _strange(found)
 
 
-def _common(
-    found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]
-) -> list[Answer]:
+def _common(found: Sequence[Agreement], without: Sequence[tuple[Agreement, int]]) -> list[Answer]:
     """Causes in all runs that the evidence names, some runs left out."""
     left = {(id(item), place) for item, place in without}
     kept = [

@@ -46,9 +46,7 @@ def whitened(group: Group, design: Array) -> White:
     whitener = _whiteners(group)
     rows = np.nan_to_num(group.rows)
     return White(
-        whitener=whitener,
-        rows=np.einsum("nckl,ncl->nck", whitener, rows),
-        design=whitener @ design,
+        whitener=whitener, rows=np.einsum("nckl,ncl->nck", whitener, rows), design=whitener @ design
     )
 
 
@@ -281,7 +279,5 @@ def evidence(
         rest = square + float(mean @ prior @ mean) - float(right @ value)
         left.append(rest / max(int(count.sum()), 1))
         log_det = float(np.linalg.slogdet(precision)[1])
-        logs.append(
-            -0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale))
-        )
+        logs.append(-0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale)))
     return float(np.logaddexp.reduce(logs)) - math.log(len(logs)), left[0]

@@ -174,12 +174,12 @@ def groups_of(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[Grou
         return
     shown = np.median([found.level * found.units.mean(axis=0) for found in made], axis=0)
     for found in made:
-        yield replace(found, zero=OFFSET * np.maximum(found.level, shown / found.units.mean(axis=0)))
+        yield replace(
+            found, zero=OFFSET * np.maximum(found.level, shown / found.units.mean(axis=0))
+        )
 
 
-def _joined(
-    sorted_: dict[tuple[int, float | None, str], list[Summary]],
-) -> Iterator[list[Summary]]:
+def _joined(sorted_: dict[tuple[int, float | None, str], list[Summary]]) -> Iterator[list[Summary]]:
     """Groups whose speeds are neighbours in one."""
     keys = sorted(sorted_, key=lambda key: (key[2], key[1] or 0.0, key[1] is None, key[0]))
     joined: list[Summary] = []
