@@ -122,11 +122,19 @@ def without_channels(
 
 
 def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
-    """Findings without the doubts about the moment reference that another cause explains."""
+    """Findings without those that another cause explains and that would advise the wrong cure.
+
+    Doubts about the moment reference go where any other cause is named; what is said of inertia
+    goes where all runs have one slip.
+    """
     causes = {item.cause for item in findings if item.cause}
-    if not causes or "fault_moment_point" in causes:
-        return list(findings)
-    return [x for x in findings if x.check != "moment reference" or x.severity == "error"]
+    slips = {x.cause for x in findings if x.check == "agreement" and x.severity == "error"}
+    gone = set()
+    if causes and "fault_moment_point" not in causes:
+        gone.add(("moment reference", "warning"))
+    if slips and not causes & {"fault_moment_point", "fault_inertia"}:
+        gone |= {("moment reference", "warning"), ("inertia", "error")}
+    return [x for x in findings if (x.check, x.severity) not in gone]
 
 
 def _read_all(campaign: Campaign) -> list[Summary]:

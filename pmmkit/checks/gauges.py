@@ -233,7 +233,8 @@ def _told(
         yield CheckFinding(
             check="gauges",
             severity=fault.severity,
-            message=f"{channel} {fault.words.format(100 * worst.facts[name])} ({worst.run.id}){many}.",
+            message=f"{channel} {fault.words.format(100 * worst.facts[name])} "
+            f"({worst.run.id}){many}.",
             runs=tuple(item.run.id for item in hit),
             remedy=fault.remedy,
             numbers={fault.fact: worst.facts[name], "runs": float(len(hit))},

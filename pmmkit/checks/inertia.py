@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 INSIDE: Final = 0.6
 REMOVED: Final = 0.4
 PLAUSIBLE: Final = (-1.0, 2.2)
+ADDED: Final = 0.15
+"""Doubt of the estimated added mass, over itself: a hull with little of it is no contradiction."""
 SHALLOW: Final = 3.0
 
 
@@ -171,7 +173,8 @@ def _noise(key: str, item: Summary) -> float:
 def _judge(
     verdict: _Verdict, forces: str, campaign: Campaign, inside: list[str], removed: list[str]
 ) -> CheckFinding | None:
-    question, share, spread = verdict.question, verdict.share, 2 * verdict.share_error
+    question, share = verdict.question, verdict.share
+    spread = 2 * verdict.share_error + ADDED * abs(verdict.added / verdict.own)
     unit = question.unit
     both = verdict.own + verdict.added
     ratio = (

@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -56,13 +56,11 @@ class Summary:
 
     def without(self, names: Collection[str]) -> Summary:
         """The run without some force channels, as if they had not been measured."""
-        return replace(
-            self,
-            **{
-                part: {key: x for key, x in getattr(self, part).items() if key not in names}
-                for part in ("means", "cos", "sin", "cycles", "harmonic_noise", "cycle_noise")
-            },
-        )
+        parts: dict[str, Any] = {
+            part: {key: x for key, x in getattr(self, part).items() if key not in names}
+            for part in ("means", "cos", "sin", "cycles", "harmonic_noise", "cycle_noise")
+        }
+        return replace(self, **parts)
 
     def c(self, name: str, order: int) -> float:
         """Harmonic in phase with the velocity; nan where it is not known."""

@@ -29,10 +29,10 @@ def untold(campaign: Campaign, summaries: Sequence[Summary]) -> tuple[str, ...]:
     """
     if campaign.kind != "captive" or not summaries:
         return ()
-    return tuple(_sentences(campaign, summaries))
+    return tuple(_sentences(summaries))
 
 
-def _sentences(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[str]:
+def _sentences(summaries: Sequence[Summary]) -> Iterator[str]:
     channels = [name for name in ("X", "Y", "N") if any(name in item.means for item in summaries)]
     if channels:
         yield (
@@ -59,6 +59,6 @@ def _sentences(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[str
         )
     if len({item.run.settings.omega for item in swung}) == 1:
         yield (
-            "Not told apart by these runs: a lag in seconds, a filter and a phase, as all oscillate "
-            "at one frequency. A run at another frequency tells them apart."
+            "Not told apart by these runs: a lag in seconds, a filter and a phase, as all "
+            "oscillate at one frequency. A run at another frequency tells them apart."
         )

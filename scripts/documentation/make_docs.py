@@ -79,6 +79,44 @@ CHECKS_TAIL = """
 A contradiction that you can explain goes into the campaign file as a `[[corrections]]` with its
 reason, or as the right statement (`forces = "balance"`, `rudder_positive = "port"`,
 `moment_reference_x = …`). [kvlcc2.md](kvlcc2.md) tells how that looks for a laboratory's data.
+
+## Overruling a check
+
+Any refusal or warning can be accepted, with the reason, for the runs that it names (for
+`runs = ["*"]` also where it names none). It becomes a remark, and the reason stands in the report:
+
+```toml
+[[corrections]]
+runs = ["SW_1.5_*"]
+action = "accept"
+check = "agreement"
+reason = "bilge keels were mounted for these runs only"
+```
+
+## How runs are held against one another
+
+The check `agreement` fits a polynomial of third order (with moduli) to the harmonics of all runs of
+a speed, with the derivatives that hulls of these particulars usually have as its prior. Runs that
+the others do not predict within the scatter that a good laboratory has (gain 0.7 %, zero 0.6 % of
+the channel's size, as much for what no such polynomial holds) are left out one by one; then each is
+asked what slip or fault would bring it to agree. If more than two are at odds, or the derivatives
+or the scatter are unlike a hull's, the same is asked of all runs together. What is asked:
+
+- units (kgf, lbf, lbf ft), signs, half of the hull, Y and N exchanged, forces or velocities along
+  and across the tank, the record of another run, half a cycle, amplitudes stated peak to peak,
+  drift to the other side: slips, refused where the evidence is overwhelming (20 to the base e);
+- gains, lags in seconds, phases and filters, of all forces or of one, clocks that start when they
+  like, amplitude, drift, the points of motion and of moments, the mass of the model, an amplifier
+  that bends: faults, named from 9 to the base e on; their words come from the entries of the
+  [catalogue of effects](effects.md).
+
+Causes that the runs cannot tell from the best are named beside it. A gain, unit or length that is
+off in all runs alike, and Izz, show in no comparison of runs: the notes of every table say so, and
+what would check them.
+
+`python -m scripts.studies.spoiled` puts 50 ways to spoil a campaign into the virtual tank, in one
+run and in all, and counts what is refused, named, or reduced in silence, and the alarms of clean
+campaigns.
 """
 
 

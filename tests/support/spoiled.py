@@ -479,8 +479,8 @@ WAYS: tuple[Way, ...] = (
         tests=("static_drift", "yaw_drift"),
     ),
     _whole("L 3 % off", r"length|\bL\b", _ship(L=1.03), scopes=("all",), told=False),
-    _samples("Y gain 5 %", rf"\bY\b.*({_GAIN})", factor("Y", 1.05)),
-    _samples("N gain 5 %", rf"\bN\b.*({_GAIN})", factor("N", 1.05)),
+    _samples("Y gain 5 %", rf"\bY\b.*({_GAIN})|gain.*\bY\b", factor("Y", 1.05)),
+    _samples("N gain 5 %", rf"\bN\b.*({_GAIN})|gain.*\bN\b", factor("N", 1.05)),
     Way(
         name="amplitude 5 % off",
         cause=r"amplitude|sway larger|larger than stated",

@@ -1,4 +1,4 @@
-"""Asking the suspects: how much better the runs agree if something was wrong with one, or with all."""
+"""How much better the runs agree if something was wrong with one of them, or with all."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.run import Run
+from pmmkit.checks.agreement.actions import as_set
 from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
 from pmmkit.checks.agreement.rows import Group
-from pmmkit.checks.agreement.suspects import Suspect, as_set
+from pmmkit.checks.agreement.suspects import Suspect
 from pmmkit.checks.summary import Summary
 from pmmkit.numerics import Array
 
@@ -168,20 +170,24 @@ def _records_of_others(found: Agreement, place: int) -> list[Suspect]:
     """That the record is that of another run of the group, by its settings."""
     own = found.group.summaries[place]
     return [
-        Suspect(
-            name="record of another run",
-            says=lambda _, run=other.run: (  # type: ignore[misc]
-                f"its file is the record of {run.id} ({', '.join(run.settings.words)}), or of a "
-                f"run with those settings: files or settings are exchanged"
-            ),
-            remedy="Look which file belongs to which run.",
-            move=lambda group, _, run=other.run: as_set(group, run),  # type: ignore[misc]
-            scope="one",
-            slip=True,
-        )
+        _record_of(other.run)
         for other in found.group.summaries
         if other is not own and _may_be(own, other)
     ]
+
+
+def _record_of(run: Run) -> Suspect:
+    return Suspect(
+        name="record of another run",
+        says=lambda _: (
+            f"its file is the record of {run.id} ({', '.join(run.settings.words)}), or of a run "
+            f"with those settings: files or settings are exchanged"
+        ),
+        remedy="Look which file belongs to which run.",
+        move=lambda group, _: as_set(group, run),
+        scope="one",
+        slip=True,
+    )
 
 
 def _may_be(one: Summary, other: Summary) -> bool:

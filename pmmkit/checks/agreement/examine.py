@@ -33,7 +33,7 @@ ODD: Final = 5.0
 """Squared misfit beyond chance from which a run is asked what is wrong; from which it is told of
 without a cause, `FAR`."""
 UNEXPLAINED: Final = 0.03
-FAR: Final = 25.0
+FAR: Final = 18.0
 """A run that no cause explains is told of if it misses by this share of a channel's usual size."""
 SCATTER: Final = 1.2
 """Scatter between runs beyond the usual (variance) from which a common cause is sought."""

@@ -125,7 +125,7 @@ def agreement(group: Group) -> Agreement:
     run that is at fault. The scatter beyond the usual is that of the middle run.
     """
     white = whitened(group, group.design(group.histories()))
-    prior = np.linalg.inv(group.usual.covariance)
+    prior: Array = np.linalg.inv(group.usual.covariance)
     count = group.known.sum(axis=2)
     weight = np.stack([_kept(group, white, prior, count, c) for c in range(3)], axis=1)
     excess = np.ones(3)

@@ -327,11 +327,13 @@ def _heading(item: Summary) -> Array:
 
 
 def phases() -> Array:
+    """Phases of the displacement over a cycle, (32,) [rad]."""
     return np.arange(PHASES) * (2 * np.pi / PHASES)
 
 
 def _basis() -> Array:
-    return design_matrix(phases(), ORDER)
+    basis: Array = design_matrix(phases(), ORDER)
+    return basis
 
 
 @cache
