@@ -128,4 +128,5 @@ def test_the_true_description_has_no_error(accepted):
     assert {item.check for item in accepted if item.severity == "warning"} <= {
         "moment reference",
         "sister runs",
+        "agreement",
     }

@@ -12,6 +12,8 @@ from pmmkit.checks.agreement.rows import FORM, GAIN, Group
 from pmmkit.numerics import Array
 
 ROUNDS: Final = 3
+SLOW: Final = 2.5
+"""Factor on the variance that single cycles state: they do not see noise slower than they are."""
 MENDED: Final = 1.3
 """Squared misfit over the number of rows up to which a channel has nothing to mend."""
 PRICE: Final = 3.0
@@ -55,7 +57,7 @@ def _whiteners(group: Group) -> Array:
     known = group.known
     rows = np.nan_to_num(group.rows)
     level = group.level[None, :, None]
-    variance = group.noise**2 + (FORM * level) ** 2
+    variance = SLOW * group.noise**2 + (FORM * level) ** 2
     variance[..., 0] += group.zero[None, :] ** 2
     size = np.abs(rows)
     floor = np.maximum(size, 0.1 * level)
@@ -125,7 +127,7 @@ def agreement(group: Group) -> Agreement:
     run that is at fault. The scatter beyond the usual is that of the middle run.
     """
     white = whitened(group, group.design(group.histories()))
-    prior: Array = np.linalg.inv(group.usual.covariance)
+    prior = np.linalg.inv(group.usual.covariance).astype(np.float64)
     count = group.known.sum(axis=2)
     weight = np.stack([_kept(group, white, prior, count, c) for c in range(3)], axis=1)
     excess = np.ones(3)

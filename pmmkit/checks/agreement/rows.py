@@ -323,12 +323,13 @@ def _heading(item: Summary) -> Array:
     run = item.run
     if not run.dynamic or run.kind_of_test.motion.tank is None:
         return np.full(PHASES, run.settings.drift)
-    return np.broadcast_to(run.kind_of_test.in_tank(run.settings, phases()).psi, (PHASES,))
+    psi = run.kind_of_test.in_tank(run.settings, phases()).psi
+    return np.array(np.broadcast_to(psi, (PHASES,)))
 
 
 def phases() -> Array:
     """Phases of the displacement over a cycle, (32,) [rad]."""
-    return np.arange(PHASES) * (2 * np.pi / PHASES)
+    return np.asarray(np.arange(PHASES) * (2 * np.pi / PHASES), np.float64)
 
 
 def _basis() -> Array:
