@@ -89,7 +89,8 @@ def examine(
     Raises
     ------
     DataError
-        If runs cannot be read, with the problems of all of them.
+        If runs cannot be read, with the problems of all of them, or if the campaign file accepts
+        what no check says.
 
     Examples
     --------
@@ -99,6 +100,7 @@ def examine(
     ...     print(finding.severity, finding.check, round(*finding.numbers.values(), 2))
     error particulars 0.01
     """
+    _known_checks(campaign)
     if summaries is None:
         summaries = _read_all(campaign)
     gauges_first = [x for check in RECORDS for x in check.examine(campaign, summaries)]
@@ -106,6 +108,23 @@ def examine(
     rest = [x for check in CHECKS if check not in RECORDS for x in check.examine(campaign, sound)]
     found = [accepted(campaign, x) for x in settled([*gauges_first, *rest])]
     return loudest_first(found)
+
+
+def _known_checks(campaign: Campaign) -> None:
+    """Raise where the campaign file accepts a check that there is not."""
+    names = [check.name for check in CHECKS]
+    asked = {
+        str(item.values.get("check"))
+        for run in campaign.runs
+        for item in run.corrections
+        if item.action == "accept"
+    }
+    wrong = sorted(asked - set(names))
+    if wrong:
+        raise CampaignError(
+            f"A correction accepts the check {wrong[0]!r}, which there is not. The checks are "
+            f"{', '.join(names)}."
+        )
 
 
 def without_channels(

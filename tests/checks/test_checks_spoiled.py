@@ -20,6 +20,7 @@ from pmmkit.checks.agreement.usual import MAIN, SPREAD
 from pmmkit.checks.gauges import change_facts, hold_facts
 from pmmkit.checks.untold import untold
 from pmmkit.effects.catalogue import catalogue
+from pmmkit.errors import DataError
 from pmmkit.reduction import reduce_campaign
 from tests.support import spoiled
 
@@ -113,6 +114,9 @@ def test_what_the_campaign_file_accepts_is_a_remark_with_its_reason():
     other = replace(taken, values={"check": "copies"})
     stays = campaign.with_(runs=tuple(run.with_(corrections=(other,)) for run in campaign.runs))
     assert any(item.severity == "error" for item in examine(stays))
+    unknown = replace(taken, values={"check": "agrement"})
+    with pytest.raises(DataError, match="The checks are inertia"):
+        examine(campaign.with_(runs=(campaign.runs[0].with_(corrections=(unknown,)),)))
 
 
 def test_the_runs_find_the_derivatives_behind_them():

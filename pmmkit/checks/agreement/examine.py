@@ -29,7 +29,7 @@ RIVAL: Final = 2.5
 """Causes whose evidence comes as near as this are named beside it."""
 EXPLAINED: Final = 4.0
 """Squared misfit over its expected value that a cause may leave."""
-ODD: Final = 5.0
+ODD: Final = 8.0
 """Squared misfit beyond chance from which a run is asked what is wrong; from which it is told of
 without a cause, `FAR`."""
 UNEXPLAINED: Final = 0.03
@@ -70,7 +70,8 @@ def examine_agreement(campaign: Campaign, summaries: Sequence[Summary]) -> Itera
     deep = depth is None or depth >= SHALLOW * campaign.ship.d
     few = len(odd) <= FEW
     common: list[Answer] = []
-    if deep and (odd or any(_doubtful(item) for item in found)):
+    solved = few and all(_explain(answers) for _, _, answers in single)
+    if deep and (not solved or any(_doubtful(item) for item in found)):
         common = _common(found, odd if few else [])
         if not common and few and odd and not any(_explain(answers) for _, _, answers in single):
             common = [x for x in _common(found, []) if x.gain > 2 * NAMED]
