@@ -147,7 +147,7 @@ def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
     goes where all runs have one slip.
     """
     causes = {item.cause for item in findings if item.cause}
-    slips = {x.cause for x in findings if x.check == "agreement" and x.severity == "error"}
+    slips = {x.cause for x in findings if x.severity == "error" and x.cause and len(x.runs) > 1}
     gone = set()
     if causes and "fault_moment_point" not in causes:
         gone.add(("moment reference", "warning"))

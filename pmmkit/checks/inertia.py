@@ -174,7 +174,8 @@ def _judge(
     verdict: _Verdict, forces: str, campaign: Campaign, inside: list[str], removed: list[str]
 ) -> CheckFinding | None:
     question, share = verdict.question, verdict.share
-    spread = 2 * verdict.share_error + ADDED * abs(verdict.added / verdict.own)
+    noise = 2 * verdict.share_error
+    spread = noise + ADDED * abs(verdict.added / verdict.own)
     unit = question.unit
     both = verdict.own + verdict.added
     ratio = (
@@ -190,7 +191,7 @@ def _judge(
         "if_removed": verdict.added,
         "share_of_inertia": share,
     }
-    if not PLAUSIBLE[0] - spread < share < PLAUSIBLE[1] + spread:
+    if not PLAUSIBLE[0] - noise < share < PLAUSIBLE[1] + noise:
         near = round_factor(verdict.slope / (both if forces == "balance" else verdict.added))
         sign = (
             " The sign is against physics: the force and the displacement, or the channels called "

@@ -14,6 +14,7 @@ from pmmkit.checks.agreement.actions import as_set
 from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
 from pmmkit.checks.agreement.rows import Group
 from pmmkit.checks.agreement.suspects import Suspect
+from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.summary import Summary
 from pmmkit.numerics import Array
 
@@ -23,6 +24,8 @@ TAILS: Final = ((1.0, 0.9), (2.0, 0.08), (4.0, 0.02))
 """A run may scatter more than its sisters: so many times, with such a chance."""
 OCCAM: Final = 2.0
 """Logarithm of what a suspect pays for its freedom, beside its grid."""
+STRANGE: Final = 4.0
+"""A cause that only the size of derivatives tells must leave none so many deviations from usual."""
 REFINED: Final = 5
 """Suspects that are looked at more closely."""
 SAME_PERIOD: Final = 0.02
@@ -119,7 +122,11 @@ def of_all(
                     mean = np.append(mean, 0.0)
                     covariance = np.pad(covariance, (0, 1))
                     covariance[-1, -1] = 1.0
-            own, misfit = evidence(found, design, mean, covariance, kept[place], scatter)
+            own, misfit, value_of = evidence(found, design, mean, covariance, kept[place], scatter)
+            if suspect.by_size:
+                at = [group.usual.names.index(name) for name in MAIN]
+                strange = float(np.abs(value_of[at] - group.usual.mean[at]).max())
+                misfit = math.inf if strange > STRANGE else misfit
             gains.append(own - nothing[place])
             left.append(misfit)
         return sum(gains) / (len(gains) if suspect.by_size else 1), max(left)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.checks.agreement.asking import Answer, of_all, of_one
+from pmmkit.checks.agreement.asking import STRANGE, Answer, of_all, of_one
 from pmmkit.checks.agreement.posterior import Agreement, agreement
 from pmmkit.checks.agreement.rows import CHANNELS, groups_of
 from pmmkit.checks.agreement.suspects import SUSPECTS, Suspect
@@ -38,7 +38,6 @@ FAR: Final = 18.0
 SCATTER: Final = 1.2
 """Scatter between runs beyond the usual (variance) from which a common cause is sought."""
 UNUSUAL: Final = 1.3
-STRANGE: Final = 4.0
 """Standard deviations by which a derivative is unlike those of hulls: a cause is sought; told."""
 LOPSIDED: Final = 0.5
 """Asymmetry of the mass matrix, over the usual, from which a cause is sought."""

@@ -248,12 +248,13 @@ def evidence(
     covariance: Array,
     kept: Array,
     scatter: Array | None = None,
-) -> tuple[float, float]:
+) -> tuple[float, float, Array]:
     """Logarithm of the evidence of all runs under a design (n, 3, 7, p) and a prior.
 
     Scatter beyond the usual may shrink where an explanation removes its cause. `kept` (n,) says
     which runs count; `scatter` (n, 3, 7) is an error that each run and channel draws anew. The
-    second number is the squared misfit over the number of rows where scatter is the usual.
+    second number is the squared misfit over the number of rows where scatter is the usual; then
+    come the values of the parameters.
     """
     whitener = found.white.whitener[kept]
     rows, own = found.white.rows[kept], whitener @ design[kept]
@@ -261,7 +262,7 @@ def evidence(
     prior = np.linalg.inv(covariance)
     base = float(np.linalg.slogdet(prior)[1])
     moved = None if scatter is None else np.einsum("nckl,ncl->nck", whitener, scatter[kept])
-    logs, left = [], []
+    logs, left, values = [], [], []
     for power in SHRINKS if np.any(found.excess > 1.0) else (0.0,):
         scale = found.excess**power
         strength, spread = 1 / scale, 0.0
@@ -280,6 +281,7 @@ def evidence(
         value = np.linalg.solve(precision, right)
         rest = square + float(mean @ prior @ mean) - float(right @ value)
         left.append(rest / max(int(count.sum()), 1))
+        values.append(value)
         log_det = float(np.linalg.slogdet(precision)[1])
         logs.append(-0.5 * (rest + log_det - base + spread) - 0.5 * float(count @ np.log(scale)))
-    return float(np.logaddexp.reduce(logs)) - math.log(len(logs)), left[0]
+    return float(np.logaddexp.reduce(logs)) - math.log(len(logs)), left[0], values[0]
