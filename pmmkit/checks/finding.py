@@ -41,8 +41,8 @@ class CheckFinding:
     channels : tuple of str
         The channels that are at fault, where it is they.
     cause : str
-        What is thought to be wrong: a fault of the catalogue of effects, or a slip, by name;
-        empty where the check names none.
+        What is thought to be wrong: the word by which the catalogue has the fault, or the name of
+        a slip; empty where the check names none.
     """
 
     check: str

@@ -186,6 +186,8 @@ class Effect:
         Of kind fault: whether each run and channel draws a size of its own.
     check : str
         A run, or a check at the bench, that shows it.
+    known_as : str
+        Of kind fault: the word by which the checks of captive tests suspect it.
     excites : tuple of str
         What tests must hold to show it at all, words of `effects.seen.EXCITES`.
     not_captive, not_free_running : str
@@ -218,6 +220,7 @@ class Effect:
     columns: Callable[[Observed, float], Mapping[str, Sequence[Array]]] | None = None
     each_run: bool = False
     check: str = ""
+    known_as: str = ""
     excites: tuple[str, ...] = ()
     not_captive: str = ""
     not_free_running: str = ""

@@ -143,7 +143,8 @@ def test_the_known_inertia_of_a_balance_is_found_in_the_readings():
 
 def test_every_suspect_of_the_catalogue_is_a_fault_there():
     names = {suspect.effect for suspect in SUSPECTS if suspect.effect}
-    assert names <= {name for name, entry in catalogue().items() if entry.faulty}
+    assert names == {entry.known_as for entry in catalogue().values() if entry.known_as}
+    assert all(entry.faulty for entry in catalogue().values() if entry.known_as)
     assert set(MAIN) <= set(SPREAD)
     assert {"gauges", "agreement"} <= {check.name for check in CHECKS}
 

@@ -264,8 +264,9 @@ def _rivals(answers: Sequence[Answer]) -> tuple[Answer, list[Answer]]:
 
 
 def _remedy(suspect: Suspect, other: str) -> str:
-    known = catalogue().get(suspect.effect)
-    shows = f" What would show it: {known.check}." if known is not None else ""
+    word = suspect.effect
+    known = [entry for entry in catalogue().values() if word and entry.known_as == word]
+    shows = f" What would show it: {known[0].check}." if known else ""
     return f"{suspect.remedy}{f' Or {other}.' if other else ''}{shows}"
 
 

@@ -89,7 +89,7 @@ class Suspect:
         Whether of all runs it shows in the size of derivatives alone, which tells it at one speed
         as well as at many.
     effect : str
-        Entry of the catalogue, where there is one.
+        Word by which the catalogue has it (`Effect.known_as`), where it does.
     column : callable, optional
         From a group, expected forces (n, 32, 3) and a value to a force of unknown size that is
         shown beside them, harmonics (n, 3, 7) over its standard deviation.
@@ -169,7 +169,7 @@ def _of_channel(c: str) -> Iterator[Suspect]:
         grid=(0.3, 0.5, 0.7, *SHARES, 1.5, 2.0),
         continuous=True,
         scope="one",
-        effect="fault_gauge_gain",
+        effect="gain",
         channels=(c,),
     )
     yield Suspect(
@@ -180,7 +180,7 @@ def _of_channel(c: str) -> Iterator[Suspect]:
         grid=_both(LAGS),
         continuous=True,
         applies=_dynamic,
-        effect="fault_time_lag",
+        effect="lag",
         channels=(c,),
     )
     yield Suspect(
@@ -221,7 +221,7 @@ def _amplitude_of(swing: str, applies: Callable[[Run], bool]) -> Suspect:
         continuous=True,
         applies=lambda run: _nominal(run) and applies(run),
         scope="all",
-        effect="fault_pmm_amplitude",
+        effect="amplitude",
     )
 
 
@@ -238,7 +238,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=(0.05, 0.15, 0.4),
         applies=_dynamic,
         scope="all",
-        effect="fault_time_lag",
+        effect="lag",
     ),
     Suspect(
         name="half of the hull",
@@ -301,7 +301,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=_both(DEGREES),
         continuous=True,
         applies=_dynamic,
-        effect="fault_time_lag",
+        effect="lag",
     ),
     Suspect(
         name="lag",
@@ -313,7 +313,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=_both(LAGS),
         continuous=True,
         applies=_dynamic,
-        effect="fault_time_lag",
+        effect="lag",
     ),
     Suspect(
         name="filter",
@@ -326,7 +326,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=LAGS,
         continuous=True,
         applies=_dynamic,
-        effect="fault_filter_lag",
+        effect="filter",
     ),
     Suspect(
         name="amplitude",
@@ -336,7 +336,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=SHARES,
         continuous=True,
         applies=_nominal,
-        effect="fault_pmm_amplitude",
+        effect="amplitude",
     ),
     _amplitude_of("sway", lambda run: run.kind_of_test.pure == "v"),
     _amplitude_of("yaw", lambda run: run.kind_of_test.yaws),
@@ -358,7 +358,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         move=drift,
         grid=_both(ANGLES),
         continuous=True,
-        effect="fault_misalignment",
+        effect="drift",
     ),
     Suspect(
         name="drift as set",
@@ -372,7 +372,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         continuous=True,
         applies=lambda run: run.kind_of_test.drifts,
         scope="all",
-        effect="fault_misalignment",
+        effect="drift",
     ),
     Suspect(
         name="motion point",
@@ -385,7 +385,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         grid=_both(POINTS),
         continuous=True,
         applies=lambda run: run.kind_of_test.yaws or run.kind_of_test.circles,
-        effect="fault_motion_point",
+        effect="motion point",
     ),
     Suspect(
         name="moment point",
@@ -397,7 +397,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         show=moments_about,
         grid=_both(POINTS),
         continuous=True,
-        effect="fault_moment_point",
+        effect="moment point",
         channels=("N",),
     ),
     Suspect(
@@ -415,7 +415,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
         ),
         remedy="Weigh what hangs below the balance (balance_mass), or oscillate the dry model.",
         scope="all",
-        effect="fault_inertia",
+        effect="inertia",
         free=("mass",),
         by_size=True,
     ),

@@ -68,6 +68,7 @@ EFFECTS: Final = (
         "The model stands turned on the carriage.",
         turned,
         (size("turned", "deg", 0.26, "angle of the model, bow to starboard"),),
+        known_as="drift",
         check="turn the model by 180° and repeat static drift",
     ),
     fault(

@@ -127,6 +127,7 @@ EFFECTS: Final = (
         "The side force gauge shows too much.",
         gain,
         (size("share", "-", 0.03, "of the side force"),),
+        known_as="gain",
         check="weights; oscillate the dry model",
     ),
     fault(
@@ -135,6 +136,7 @@ EFFECTS: Final = (
         "Moments about another point than stated.",
         point,
         (size("x over L", "-", 0.01, "the point forward of the one stated"),),
+        known_as="moment point",
         check="a weight at a known lever",
         moves=point_of_the_model,
     ),
@@ -144,6 +146,7 @@ EFFECTS: Final = (
         "Part of the model's inertia left in the forces.",
         inertia,
         (size("mass share", "-", 0.02, "of the mass"),),
+        known_as="inertia",
         check="oscillate the dry model; weigh it",
         moves=inertia_of_the_model,
     ),

@@ -112,6 +112,7 @@ EFFECTS: Final = (
         "Sway larger than stated.",
         amplitude,
         (size("share", "-", 0.03, "of the sway"),),
+        known_as="amplitude",
         check="measure the motion",
     ),
     fault(
@@ -190,6 +191,7 @@ EFFECTS: Final = (
         "Motions that belong to another point than stated.",
         motion_point,
         (size("x over L", "-", 0.01, "the point forward of the one stated"),),
+        known_as="motion point",
         check="measure where the rig holds the model",
     ),
     fault(
