@@ -313,6 +313,7 @@ def at_odds(found: Influences, *, weighed: bool = False) -> tuple[CheckFinding, 
                 "reduce with odd runs weighed down."
             ),
             numbers={"departure": one.departure, "chance": one.chance},
+            channels=(one.channel,),
         )
         for one in found.odd
     )
