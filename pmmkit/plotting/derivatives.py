@@ -135,6 +135,7 @@ def influence_map(
         figure = style.canvas(0.16 * len(runs) + 1.6)
         axis = figure.subplots()
         picture = axis.imshow(share, cmap="RdBu_r", vmin=-2.0, vmax=2.0, aspect="auto")
+        axis.grid(visible=False)
         axis.set_xticks(range(len(names)), names, rotation=90, fontsize="x-small")
         told = [f"{run}  at odds" if run in odd else run for run in runs]
         axis.set_yticks(range(len(runs)), told, fontsize="x-small")
@@ -146,9 +147,9 @@ def influence_map(
                 ha="center",
                 va="center",
                 fontsize="xx-small",
-                color="white" if abs(value) > 1.4 else "black",
+                color="white",
             )
-        bar = figure.colorbar(picture, ax=axis, extend="both")
+        bar = figure.colorbar(picture, ax=axis, extend="both", shrink=0.5, aspect=30)
         bar.set_label("Change by the run / half of the 95 % interval [-]")
         axis.set_title("What each run does to each derivative")
     return figure

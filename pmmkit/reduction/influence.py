@@ -65,6 +65,14 @@ class Influence:
     departure: float
     chance: float
 
+    def __repr__(self) -> str:
+        at = "" if np.isnan(self.Fn) else f" at Fn {self.Fn:.3f}"
+        most = float(np.nanmax(np.abs(self.share), initial=0.0))
+        return (
+            f"<Influence of {self.run} in {self.channel}{at}: departs {self.departure:.2g} times, "
+            f"moves a derivative by {most:.2g} half intervals>"
+        )
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Influences:
