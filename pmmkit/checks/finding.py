@@ -131,6 +131,11 @@ def refuse(findings: Iterable[CheckFinding]) -> None:
 def loudest_first(findings: Iterable[CheckFinding]) -> tuple[CheckFinding, ...]:
     """Errors first, then warnings, then what is worth knowing.
 
+    Parameters
+    ----------
+    findings : iterable of CheckFinding
+        In any order; those of one severity keep it.
+
     Examples
     --------
     >>> quiet = CheckFinding(check="sides", severity="info", message="a little")

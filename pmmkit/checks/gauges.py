@@ -193,7 +193,7 @@ _FAULTS: Final = (
 )
 
 
-def examine_gauges(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+def examine_gauges(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
     """Force channels that stand still, step or creep within a record.
 
     A constant is told where the motion oscillates, or where the channel varies in other runs
@@ -201,6 +201,8 @@ def examine_gauges(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
     of the usual size of the channel at that speed and nine standard errors.
     """
     histories = [item for item in summaries if item.run.kind == "history"]
+    # A solver that has converged in a steady run holds its value, to the digits that it prints.
+    solver = bool(campaign.cfd or campaign.numerical)
     for channel in CHANNELS:
         varies = any(
             item.facts.get(f"{channel}_constant") == 0.0
@@ -213,10 +215,23 @@ def examine_gauges(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterato
                 for item in histories
                 if item.facts.get(f"{channel}_{fault.fact}", 0.0) > _least(fault.fact)
                 and (fault.fact != "constant" or item.run.dynamic or varies)
+                and not (fault.fact == "constant" and _rightly_zero(channel, item))
+                and not (solver and not item.run.dynamic)
             ]
             yield from _told(channel, fault, hit, len(histories))
         yield from _changes(channel, histories)
         yield from _quiet(channel, histories)
+
+
+def _rightly_zero(channel: str, item: Summary) -> bool:
+    """No side force, yaw or roll moment of a hull straight ahead, as a solver without noise has it.
+
+    What is constant there at another value is at odds with the other runs.
+    """
+    settings = item.run.settings
+    ahead = not (item.run.dynamic or settings.drift or settings.rudder or settings.heel)
+    turns = settings.yaw_rate or settings.radius
+    return channel != "X" and ahead and not turns
 
 
 def _least(fact: str) -> float:

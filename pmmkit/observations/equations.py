@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.inertia import Rig, inertia_inside
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.conventions import Convention
+from pmmkit.conventions import Convention, bare, parse_derivative
 from pmmkit.effects.hull import regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
@@ -19,6 +20,8 @@ from pmmkit.observations.stated import altered, nominal_path
 
 ASKED = 0.1
 """Share of a recorded regressor that the motion asked for must make; the rest is noise of it."""
+IMPOSED = frozenset({"u", "v", "r", "udot", "vdot", "rdot"})
+"""What a carriage imposes on a model."""
 ROUNDING = 1e-12
 """Harmonics of a regressor below this share of its largest sample are rounding."""
 
@@ -228,7 +231,7 @@ def excited_alone(
         having = [place for place, item in enumerate(rows) if channel in item.design]
         recorded = sum(np.nansum(rows[place].design[channel] ** 2, axis=0) for place in having)
         asked = sum(np.nansum(told[place][channel] ** 2, axis=0) for place in having)
-        idle[channel] = asked < ASKED**2 * recorded
+        idle[channel] = _imposed(names[channel]) & (asked < ASKED**2 * recorded)
     return tuple(
         replace(
             item,
@@ -240,6 +243,14 @@ def excited_alone(
         if any(np.any(idle[channel]) for channel in item.design)
         else item
         for item in rows
+    )
+
+
+def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:
+    """Which derivatives have nothing but imposed motion in them; heel and thrust come as they do."""
+    return np.array(
+        [{bare(factor) for factor in parse_derivative(name).factors} <= IMPOSED for name in names],
+        dtype=bool,
     )
 
 

@@ -202,9 +202,8 @@ class RunScatter:
 
     Examples
     --------
-    >>> usual = RunScatter.usual(["X", "Y"])
-    >>> usual
-    <RunScatter X: offset 0.55 %, gain 0.73 %, drift 0.055°; Y: offset 0.55 %, gain 0.73 %, ...>
+    >>> RunScatter.usual(["Y"])
+    <RunScatter Y: offset 0.6 %, gain 0.8 %, drift 0.048°>
     """
 
     nodes: Array

@@ -10,8 +10,10 @@ import numpy as np
 
 from pmmkit.checks import CheckFinding
 from pmmkit.numerics import Array
+from pmmkit.observations.noise import whitener
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.fit import fit
 from pmmkit.reduction.solve import Solution
 
 APART: Final = 1e-3
@@ -79,7 +81,7 @@ def _of_rows(item: ChannelFit) -> _Zero | None:
     if item.freedom < 2:
         return None
     rows, design, zero = _white(item)
-    solved = item.fit.gain @ np.stack([rows, zero], axis=1)
+    solved = fit(item.fit.names, design, rows).gain @ np.stack([rows, zero], axis=1)
     misfit, own = rows - design @ solved[:, 0], zero - design @ solved[:, 1]
     power = float(own @ own)
     if power <= APART * float(zero @ zero):
@@ -122,13 +124,21 @@ def _of_speeds(fits: list[ChannelFit], solution: Solution) -> _Zero | None:
 
 def _shift(item: ChannelFit) -> float:
     """Change of Xuu with a constant force of 1 N."""
-    _, _, zero = _white(item)
-    return float(item.fit.gain[item.fit.names.index("Xuu")] @ zero)
+    rows, design, zero = _white(item)
+    gain = fit(item.fit.names, design, rows).gain
+    return float(gain[item.fit.names.index("Xuu")] @ zero)
 
 
 def _white(item: ChannelFit) -> tuple[Array, Array, Array]:
-    """Rows, design and a constant force of 1 N, in units of the noise."""
-    pairs = list(zip(item.whiteners, item.blocks, strict=True))
+    """Rows, design and a constant force of 1 N, in units of the noise that the records state.
+
+    Scatter between runs stays out: it takes a zero of all runs for an offset of each.
+    """
+    scale = item.scale if math.isfinite(item.scale) else 1.0
+    pairs = [
+        (whitener(noise / scale), block)
+        for noise, block in zip(item.noise, item.blocks, strict=True)
+    ]
     columns = list(item.chosen)
     return (
         np.concatenate([white @ block.rows for white, block in pairs]),

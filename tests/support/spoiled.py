@@ -15,9 +15,8 @@ import xarray as xr
 
 from pmmkit.campaigns.motion.kinematics import nominal_motion
 from pmmkit.campaigns.run import Campaign, Run
-
-from .hidden_effects import hidden_campaign
-from .hidden_effects.hull import TRUTH, one_pole
+from tests.support.hidden_effects import hidden_campaign
+from tests.support.hidden_effects.hull import TRUTH, one_pole
 
 Change = Callable[[Run, xr.Dataset], Mapping[str, np.ndarray]]
 Scope = Literal["one", "all"]

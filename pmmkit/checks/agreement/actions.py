@@ -27,6 +27,7 @@ Column = Callable[[Group, Array, float], Array]
 
 
 def scaled(*channels: str) -> Show:
+    """Forces of some channels times the value."""
     at = [CHANNELS.index(name) for name in channels]
 
     def show(group: Group, shown: Array, value: float) -> Array:
@@ -56,14 +57,17 @@ def filtered(factor: Callable[[Array, float], Array], *channels: str) -> Show:
 
 
 def late(rate: Array, seconds: float) -> Array:
+    """Factor of harmonics that come later by so many seconds."""
     return np.asarray(np.exp(-1j * rate * seconds))
 
 
 def turned(number: Array, degrees: float) -> Array:
+    """Factor of harmonics of a record that begins at another phase."""
     return np.asarray(np.exp(-1j * number * math.radians(degrees)))
 
 
 def one_pole(rate: Array, seconds: float) -> Array:
+    """Factor of harmonics behind a filter of one pole with so many seconds."""
     return np.asarray(1 / (1 + 1j * rate * seconds))
 
 
@@ -77,6 +81,7 @@ def exchanged(group: Group, shown: Array, value: float) -> Array:
 
 
 def in_tank(group: Group, shown: Array, value: float) -> Array:
+    """Forces along and across the tank."""
     del value
     cosine, sine = np.cos(group.heading)[..., None], np.sin(group.heading)[..., None]
     out = shown.copy()
@@ -115,12 +120,14 @@ def own_clock(group: Group, expected: Array, seconds: float) -> Array:
 
 
 def other_side(group: Group, value: float) -> State:
+    """The motion to the other side."""
     del value
     m = group.motion
     return m.with_(v=-m.v, r=-m.r, vdot=-m.vdot, rdot=-m.rdot, delta=-m.delta)
 
 
 def drift(group: Group, degrees: float) -> State:
+    """The motion of a hull that stands at so many more degrees of drift."""
     m, c, s = group.motion, math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
     return m.with_(
         u=c * m.u + s * m.v,
@@ -173,6 +180,8 @@ def as_set(group: Group, run: Run) -> State:
 
 
 def amplitude(group: Group, factor: float) -> State:
+    """The motion at another amplitude."""
+
     def other(settings: Settings) -> Settings:
         sway, yaw = settings.amplitude, settings.yaw_amplitude
         return replace(

@@ -16,6 +16,7 @@ from pmmkit.checks.agreement.usual import MAIN
 from pmmkit.checks.finding import Check, CheckFinding, figure, name_runs
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -286,8 +287,8 @@ def _strange(found: Sequence[Agreement]) -> Iterator[CheckFinding]:
             check="agreement",
             severity="warning",
             message=f"{name}' comes to about {figure(value)} at {figure(item.group.speed)} m/s; "
-            f"hulls of these particulars have {figure(mean)} ± {figure(size, 2)} (library ships "
-            f"and Clarke, Gedling and Hine 1983).",
+            f"hulls of these particulars have {figure(mean)} ± {figure(WIDE * size, 2)} "
+            f"(library ships and Clarke, Gedling and Hine 1983).",
             runs=(),
             remedy="Look at the units, signs and axes of this channel, at the inertia and at what "
             f"the runs were set to: {name_runs([x.run.id for x in item.group.summaries])}.",
