@@ -247,7 +247,7 @@ def excited_alone(
 
 
 def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:
-    """Which derivatives have nothing but imposed motion in them; heel and thrust come as they do."""
+    """Which derivatives hold imposed motion alone; heel and thrust come as they do."""
     return np.array(
         [{bare(factor) for factor in parse_derivative(name).factors} <= IMPOSED for name in names],
         dtype=bool,

@@ -130,7 +130,8 @@ def test_information_is_that_of_the_diagnosis_and_adds_up(given):
     every = [item for item in captive_candidates() if not item.each_run]
     system = build(views, base(), every)
     scale = {c.name: c.scale for c in system.channels}
-    rows = rows_of(views, system.base, every, floor=0.005, scatter=system.scatter, scale=scale)
+    forms = [form for item in every for form in item.forms]
+    rows = rows_of(views, system.base, forms, floor=0.005, scatter=system.scatter, scale=scale)
     blocks = [block for name in given for block in best_blocks(system, name, 2)]
     rows = rows.condition_on(
         {name: [b.value for b in blocks if b.candidate.name == name] for name in given}
