@@ -14,7 +14,7 @@ from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Scatter
-from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity, has_nominal, sensitivity
 from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
 from pmmkit.reduction.estimate import Block, ChannelFit, Width
 from pmmkit.tables.table import CONFIDENCE
@@ -66,12 +66,25 @@ def between_runs(rows: Sequence[Rows], campaign: Campaign, convention: Conventio
     rig = rig_of(campaign)
     return BetweenRuns(
         drift=tuple(
-            sensitivity(item, ONE_DEGREE, campaign, rig, item.names, convention) for item in rows
+            sensitivity(item, ONE_DEGREE, campaign, rig, item.names, convention)
+            if has_nominal(item.result.run)
+            else _unmoved(item)
+            for item in rows
         ),
         readings=tuple(
             {channel: np.nan_to_num(x) for channel, x in item.result.measured.items()}
             for item in rows
         ),
+    )
+
+
+def _unmoved(rows: Rows) -> Sensitivity:
+    """No change with drift, of a run whose settings do not say its motion."""
+    return Sensitivity(
+        source=ONE_DEGREE,
+        force={channel: np.zeros_like(x) for channel, x in rows.force.items()},
+        design={channel: np.zeros_like(x) for channel, x in rows.design.items()},
+        names=rows.names,
     )
 
 
