@@ -6,6 +6,7 @@ import io
 import json
 import math
 import re
+import unicodedata
 import zipfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -77,12 +78,19 @@ def write_excel(table: DerivativeTable, path: str | Path) -> None:
         _repack(raw, part)
 
 
+def _foreign_to_xml(letter: str) -> bool:
+    """Control characters but tab and line feed, surrogates, and the two that are no characters."""
+    return letter in "\ufffe\uffff" or (
+        unicodedata.category(letter) in ("Cc", "Cs") and letter not in "\t\n"
+    )
+
+
 def _check_texts(table: DerivativeTable, file: str) -> None:
     """Refuse what no cell of a workbook holds."""
     wrong = [
         str(text)
         for text in np.unique(table.method)
-        if len(text) > _CELL or not all(x.isprintable() or x in "\t\n" for x in str(text))
+        if len(text) > _CELL or any(_foreign_to_xml(x) for x in str(text))
     ]
     if wrong:
         raise TableError(
