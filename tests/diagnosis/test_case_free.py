@@ -19,7 +19,7 @@ outdoors_together = pytest.mark.xdist_group("outdoors")
 """One worker for the tests that share a diagnosis."""
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def outdoors(shared_data):
     """Segments of six zigzags and a random record; those of the turns and another."""
     calm = pk.load_model("esso-osaka-3m")
@@ -35,7 +35,7 @@ def asked(calm, used, few, **settings):
     return diagnose_free(calm, used, candidates=some, **how | settings)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def found(outdoors):
     """What a diagnosis says that weighs the wind against four rivals, alone and in pairs."""
     calm, used, kept = outdoors
