@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Final, Literal
 
 ABSENT: Final = "–"
@@ -118,3 +119,35 @@ def counted(count: int, what: str) -> str:
     ('1 run', '3 runs')
     """
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words in a row, the last two joined by *and*.
+
+    Parameters
+    ----------
+    words : sequence of str
+        One at least.
+
+    Examples
+    --------
+    >>> listed(["Yv"]), listed(["Yv", "Yr", "Nv"])
+    ('Yv', 'Yv, Yr and Nv')
+    """
+    return f"{', '.join(words[:-1])} and {words[-1]}" if len(words) > 1 else words[0]
+
+
+def at_froude(Fn: float) -> str:
+    """Where a sentence speaks of one Froude number; nothing for all speeds (NaN).
+
+    Parameters
+    ----------
+    Fn : float
+        Froude number.
+
+    Examples
+    --------
+    >>> at_froude(0.2172), at_froude(math.nan)
+    (' at Fn 0.217', '')
+    """
+    return "" if math.isnan(Fn) else f" at Fn {Fn:.3f}"

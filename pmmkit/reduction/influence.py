@@ -11,6 +11,7 @@ import numpy as np
 from pmmkit.checks import CheckFinding
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.presentation import at_froude
 from pmmkit.reduction.between_runs import drawn, size_of
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import ChannelFit
@@ -66,11 +67,10 @@ class Influence:
     chance: float
 
     def __repr__(self) -> str:
-        at = "" if np.isnan(self.Fn) else f" at Fn {self.Fn:.3f}"
         most = float(np.nanmax(np.abs(self.share), initial=0.0))
         return (
-            f"<Influence of {self.run} in {self.channel}{at}: departs {self.departure:.2g} times, "
-            f"moves a derivative by {most:.2g} half intervals>"
+            f"<Influence of {self.run} in {self.channel}{at_froude(self.Fn)}: departs "
+            f"{self.departure:.2g} times, moves a derivative by {most:.2g} half intervals>"
         )
 
 
@@ -383,7 +383,7 @@ def _of_fit(
     sizes = [len(block.rows) for block in item.blocks]
     edges = np.cumsum([0, *sizes])
     width = np.array([half[group, name] for name in item.fit.names])
-    parts, misfits = [], []
+    parts, misfits, total = [], [], 0.0
     for number, (block, white) in enumerate(zip(item.blocks, item.whiteners, strict=True)):
         gain = item.fit.gain[:, edges[number] : edges[number + 1]]
         hat = white @ block.design[:, item.chosen] @ gain
@@ -392,9 +392,7 @@ def _of_fit(
         alone = np.linalg.pinv(inner, rcond=1e-6) @ rest
         parts.append((gain @ alone, _lost(inner)))
         misfits.append(float(rest @ alone))
-    total = float(
-        sum(np.sum((w @ r) ** 2) for w, r in zip(item.whiteners, item.residual, strict=True))
-    )
+        total += float(np.sum(rest**2))
     spread = item.width.dof[np.isfinite(item.width.dof)]
     known = float(np.median(spread)) if len(spread) else np.inf
     found = []

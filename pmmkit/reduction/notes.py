@@ -10,6 +10,7 @@ import numpy as np
 
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.observations.equations import Rows
+from pmmkit.presentation import at_froude, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.solve import Solution
 
@@ -137,12 +138,12 @@ def _not_excited(solution: Solution) -> Iterator[str]:
             if not item.fit.determined[column] and name not in tied:
                 missing.setdefault((tests_for(name), name), []).append(group)
     alike: dict[tuple[str, tuple[int, ...]], list[str]] = {}
-    for (test, name), listed in missing.items():
-        alike.setdefault((test, tuple(listed)), []).append(name)
+    for (test, name), lacking in missing.items():
+        alike.setdefault((test, tuple(lacking)), []).append(name)
     for (test, groups), names in alike.items():
         where = _speeds(solution, groups)
         verb, has = ("is", "has") if len(names) == 1 else ("are", "have")
-        yield f"{_list(names)}{where} {verb} not excited by these runs and {has} no value: " + (
+        yield f"{listed(names)}{where} {verb} not excited by these runs and {has} no value: " + (
             f"that takes {test}."
         )
 
@@ -151,15 +152,15 @@ def _speeds(solution: Solution, groups: Sequence[int]) -> str:
     if len(groups) == len(solution.Fn) > 1:
         return " at all Froude numbers"
     numbers = [f"{solution.Fn[group]:.3f}" for group in groups]
-    return "" if math.isnan(solution.Fn[groups[0]]) else f" at Fn {_list(numbers)}"
+    return "" if math.isnan(solution.Fn[groups[0]]) else f" at Fn {listed(numbers)}"
 
 
 def _sentences(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
-        where = _where(solution, group)
+        where = at_froude(solution.Fn[group])
         for names in item.fit.tied:
             yield (
-                f"{_list(names)}{where}: only a combination is determined, so none has a value. "
+                f"{listed(names)}{where}: only a combination is determined, so none has a value. "
                 f"Leave one out, or add {tests_for(names[-1])} at another amplitude."
             )
         yield from _together(item, where)
@@ -175,15 +176,6 @@ def _sentences(solution: Solution) -> Iterator[str]:
                 f"{item.channel}{where}: as many coefficients as rows and no stated noise, "
                 f"so no uncertainty can be given."
             )
-
-
-def _where(solution: Solution, group: int) -> str:
-    froude = solution.Fn[group]
-    return "" if math.isnan(froude) else f" at Fn {froude:.3f}"
-
-
-def _list(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}" if len(names) > 1 else names[0]
 
 
 def _together(item: ChannelFit, where: str) -> Iterator[str]:

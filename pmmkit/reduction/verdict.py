@@ -10,6 +10,7 @@ from typing import Final, Literal
 import numpy as np
 
 from pmmkit.checks import CheckFinding
+from pmmkit.presentation import at_froude, listed
 from pmmkit.reduction.influence import Influences
 from pmmkit.reduction.solve import Solution
 from pmmkit.tables import DerivativeTable
@@ -104,9 +105,9 @@ def _lost(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
         if item.excessive and item.left > LOST:
             yield (
-                f"{item.channel}{_at(solution.Fn[group])}: the fit leaves {100 * item.left:.0f} % "
-                f"of the force, {math.sqrt(item.scale):.0f} times the noise. "
-                f"Its intervals are none."
+                f"{item.channel}{at_froude(solution.Fn[group])}: the fit leaves "
+                f"{100 * item.left:.0f} % of the force, {math.sqrt(item.scale):.0f} times the "
+                f"noise. Its intervals are none."
             )
 
 
@@ -114,7 +115,7 @@ def _misfit(solution: Solution) -> Iterator[str]:
     for group, item in solution.fits:
         if item.excessive and item.left <= LOST:
             yield (
-                f"{item.channel}{_at(solution.Fn[group])}: the misfit is "
+                f"{item.channel}{at_froude(solution.Fn[group])}: the misfit is "
                 f"{math.sqrt(item.scale):.1f} times the noise ({100 * item.left:.1f} % of the "
                 f"force), and scatter between runs does not explain it. The structure lacks "
                 f"something: diagnose names it. Intervals are wider, but do not hold its bias."
@@ -154,8 +155,8 @@ def _alone(found: Influences) -> Iterator[str]:
     if grave:
         one, name, share = grave[0]
         yield (
-            f"Run {one.run} alone moves {name}{_at(one.Fn)} by {abs(share):.1f} times half of its "
-            f"interval: repeat it before anything hangs on that."
+            f"Run {one.run} alone moves {name}{at_froude(one.Fn)} by {abs(share):.1f} times half "
+            f"of its interval: repeat it before anything hangs on that."
         )
 
 
@@ -167,13 +168,7 @@ def _signs(table: DerivativeTable) -> Iterator[str]:
             yield f"{name} is positive, which no hull has: check signs, units and inertia."
 
 
-def _at(Fn: float) -> str:
-    return "" if math.isnan(Fn) else f" at Fn {Fn:.3f}"
-
-
 def _list(names: Sequence[str]) -> str:
-    told = list(names[:TOLD])
-    more = len(names) - len(told)
-    if more:
-        return f"{', '.join(told)} and {more} more"
-    return f"{', '.join(told[:-1])} and {told[-1]}" if len(told) > 1 else told[0]
+    """The first names, and how many more there are."""
+    more = len(names) - TOLD
+    return f"{', '.join(names[:TOLD])} and {more} more" if more > 0 else listed(names)

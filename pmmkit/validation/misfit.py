@@ -13,6 +13,7 @@ import numpy as np
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.numerics import Array, rms
+from pmmkit.presentation import listed
 from pmmkit.validation.captive import CaptiveRun
 
 Sign = Literal["too large", "too small", "too high", "too low", "off"]
@@ -123,7 +124,7 @@ class Standout:
             return "all speeds"
         if len(self.speeds) > MOST_LISTED:
             return f"{len(self.speeds)} of {len(self.tested)} speeds"
-        return f"{_listed([f'{speed:.3g}' for speed in self.speeds])} m/s"
+        return f"{listed([f'{speed:.3g}' for speed in self.speeds])} m/s"
 
     @property
     def size(self) -> str:
@@ -142,9 +143,9 @@ class Standout:
         grows = [f"{name}{POWERS[power]}" for name, power in self.growth.items() if power > 0]
         falls = [f"{name}{POWERS[-power]}" for name, power in self.growth.items() if power < 0]
         if grows:
-            text += f"; grows with {_listed(grows)}"
+            text += f"; grows with {listed(grows)}"
         if falls:
-            text += f"; falls with {_listed(falls)}"
+            text += f"; falls with {listed(falls)}"
         return text
 
     def __str__(self) -> str:
@@ -204,10 +205,6 @@ def _sentence(own: Sequence[Standout]) -> str:
     common = kind_of(first.test).title if one_test else order_words(first.harmonic)
     head = [first.channel, common, *([first.where] if alike else [])]
     return f"{', '.join(head)}: {', '.join(parts)}"
-
-
-def _listed(words: Sequence[str]) -> str:
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
 
 def _times(ratio: float) -> str:
