@@ -32,8 +32,8 @@ DOUBLINGS: Final[Mapping[str, tuple[int, int]]] = MappingProxyType(
 further down than up: runs of a solver may agree to rounding."""
 NEGLIGIBLE: Final = 1e-4
 """Share of the greatest weight below which a node does not count."""
-CHUNK: Final = 2**22
-"""Numbers that one step over the nodes may hold."""
+CHUNK: Final = 2**17
+"""Numbers that one step over the nodes holds: a megabyte stays in the processor's cache."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -88,8 +88,8 @@ class Restricted:
         Each run takes its own share off the sums of all (Woodbury).
         """
         scaled = sizes[:, None, :, None] * self.own * sizes[:, None, None, :]
-        root = np.linalg.cholesky(np.eye(sizes.shape[1]) + scaled)
-        taken = np.linalg.solve(root, sizes[:, None, :, None] * self.across)
+        root = _cholesky(np.eye(sizes.shape[1]) + scaled)
+        taken = _forward(root, sizes[:, None, :, None] * self.across)
         flat = taken.reshape(len(sizes), -1, taken.shape[-1])
         gram = self.whole - np.swapaxes(flat, 1, 2) @ flat
         diagonal = np.arange(self.model, self.model + self.floor)
@@ -111,6 +111,30 @@ class Restricted:
         logs = logs + np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=1)
         found: Array = -logs - 0.5 * np.maximum(gram[:, -1, -1] - explained, 0.0)
         return found
+
+
+def _cholesky(matrices: Array) -> Array:
+    """Lower Cholesky factors of very many very small matrices (…, k, k).
+
+    Row by row over all at once: a call of LAPACK for each takes longer than its few products.
+    """
+    root = np.zeros_like(matrices)
+    for i in range(matrices.shape[-1]):
+        for j in range(i + 1):
+            rest = matrices[..., i, j] - np.sum(root[..., i, :j] * root[..., j, :j], axis=-1)
+            root[..., i, j] = np.sqrt(rest) if i == j else rest / root[..., j, j]
+    return root
+
+
+def _forward(root: Array, right: Array) -> Array:
+    """Solution of root x = right for very many small lower factors, arrays (…, k, k), (…, k, q)."""
+    found = np.empty_like(right)
+    for i in range(root.shape[-1]):
+        rest = right[..., i, :]
+        for j in range(i):
+            rest = rest - root[..., i, j, None] * found[..., j, :]
+        found[..., i, :] = rest / root[..., i, i, None]
+    return found
 
 
 def restricted(

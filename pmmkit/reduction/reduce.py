@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -63,10 +64,6 @@ class Reduction(Described):
         The method of the table, a key of `estimates`.
     estimates : dict of str to Estimate
         By each method, the global regression first.
-    families : dict of str to DerivativeTable
-        The same from each family of tests alone.
-    single_runs : dict of str to DerivativeTable
-        The same from each oscillating run alone.
     runs : tuple of RunResult
         Mean or harmonics of each run.
     findings : tuple of CheckFinding
@@ -96,8 +93,6 @@ class Reduction(Described):
     table: DerivativeTable
     method: str
     estimates: dict[str, Estimate]
-    families: dict[str, DerivativeTable]
-    single_runs: dict[str, DerivativeTable]
     runs: tuple[RunResult, ...]
     findings: tuple[CheckFinding, ...]
     offsets: tuple[Offset, ...]
@@ -112,10 +107,40 @@ class Reduction(Described):
     solution: Solution
     influences: Influences
 
-    @property
+    @cached_property
+    def families(self) -> dict[str, DerivativeTable]:
+        """The derivatives from each family of tests alone, by its title."""
+        return by_family(*self._fitted)
+
+    @cached_property
+    def single_runs(self) -> dict[str, DerivativeTable]:
+        """The derivatives from each oscillating run alone, by its id."""
+        return by_run(*self._fitted)
+
+    @cached_property
     def verdict(self) -> Verdict:
         """Whether the table can be used, and what stands against it."""
         return verdict(self.table, self.families, self.solution, self.influences, self.findings)
+
+    @property
+    def _fitted(
+        self,
+    ) -> tuple[
+        tuple[Rows, ...],
+        tuple[tuple[Sensitivity, ...], ...],
+        Columns,
+        Solution,
+        Campaign,
+        Convention,
+    ]:
+        return (
+            self.rows,
+            self.sensitivities,
+            self.columns,
+            self.solution,
+            self.campaign,
+            self.convention,
+        )
 
     def runs_to_pandas(self) -> pd.DataFrame:
         """A row per run: settings, window, cycles, harmonics [N, N m], sinkage, trim …"""
@@ -325,8 +350,6 @@ def reduce_campaign(
         table=table,
         method=main,
         estimates=found,
-        families=by_family(rows, sensitivities, columns, solution, campaign, convention),
-        single_runs=by_run(rows, sensitivities, columns, solution, campaign, convention),
         runs=results,
         findings=loudest_first(
             (*surge_zero(solution), *findings, *at_odds(odd, weighed=odd_runs == "weigh"))
