@@ -15,9 +15,20 @@ settings.load_profile("ci" if os.environ.get("CI") else "local")
 ROOT = Path(__file__).parents[1]
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Slow tests come first, so that no worker is left with one when the others are done."""
+    """Slow tests come first, so that no worker is left with one when the others are done; those
+    that share a fixture of their module go to one worker, which makes it once."""
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    for item in items:
+        known = getattr(item, "_fixtureinfo", None)
+        made = known.name2fixturedefs.values() if known else ()
+        if any(own[-1].scope != "function" and own[-1].baseid == _file(item) for own in made):
+            item.add_marker(pytest.mark.xdist_group(_file(item)))
+
+
+def _file(item: pytest.Item) -> str:
+    return item.nodeid.split("::")[0]
 
 
 @pytest.fixture(scope="session")

@@ -131,15 +131,22 @@ def repeat_scatter(
     return (square - expected) / freedom, freedom
 
 
-def whitener(covariance: Array) -> Array:
-    """W with ``W C Wᵀ = 1`` for one covariance, by Cholesky of the correlation.
+def whiteners(covariances: Sequence[Array]) -> list[Array]:
+    """W with ``W C Wᵀ = 1`` for each covariance, by Cholesky of the correlation.
 
     Examples
     --------
-    >>> whitener(np.diag([4.0, 25.0]))
-    array([[0.5, 0. ],
-           [0. , 0.2]])
+    >>> whiteners([np.diag([4.0, 25.0])])
+    [array([[0.5, 0. ],
+           [0. , 0.2]])]
     """
-    scale = np.sqrt(np.diagonal(covariance))
-    factor = np.linalg.cholesky(covariance / np.outer(scale, scale))
-    return np.linalg.inv(factor) / scale
+    found: list[Array] = [np.zeros((0, 0))] * len(covariances)
+    sizes = [len(covariance) for covariance in covariances]
+    for size in dict.fromkeys(sizes):
+        places = [place for place, own in enumerate(sizes) if own == size]
+        alike = np.stack([covariances[place] for place in places])
+        scale = np.sqrt(np.diagonal(alike, axis1=1, axis2=2))[:, None, :]
+        factor = np.linalg.cholesky(alike / scale / np.swapaxes(scale, 1, 2))
+        for place, white in zip(places, np.linalg.inv(factor) / scale, strict=True):
+            found[place] = white
+    return found

@@ -13,7 +13,7 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Scatter
 from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whitener
+from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whiteners
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
@@ -365,10 +365,12 @@ def _with_repeat_scatter(
 
 
 def _whiteners(noise: Sequence[Array], scatter: Sequence[Array | None]) -> list[Array]:
-    return [
-        whitener(covariance if part is None else covariance + part @ part.T)
-        for covariance, part in zip(noise, scatter, strict=True)
-    ]
+    return whiteners(
+        [
+            covariance if part is None else covariance + part @ part.T
+            for covariance, part in zip(noise, scatter, strict=True)
+        ]
+    )
 
 
 def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.checks import CheckFinding
 from pmmkit.numerics import Array
-from pmmkit.observations.noise import whitener
+from pmmkit.observations.noise import whiteners
 from pmmkit.presentation import WIDE, plus_minus
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.fit import fit
@@ -135,10 +135,8 @@ def _white(item: ChannelFit) -> tuple[Array, Array, Array]:
     Scatter between runs stays out: it takes a zero of all runs for an offset of each.
     """
     scale = item.scale if math.isfinite(item.scale) else 1.0
-    pairs = [
-        (whitener(noise / scale), block)
-        for noise, block in zip(item.noise, item.blocks, strict=True)
-    ]
+    white = whiteners([noise / scale for noise in item.noise])
+    pairs = list(zip(white, item.blocks, strict=True))
     columns = list(item.chosen)
     return (
         np.concatenate([white @ block.rows for white, block in pairs]),

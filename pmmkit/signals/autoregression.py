@@ -71,7 +71,7 @@ def levinson(autocovariance: Array, limit: float) -> Array:
     for p in range(1, size):
         top = np.einsum("ci,ci->c", coefficients[:, :p], autocovariance[:, p:0:-1])
         k = np.clip(np.divide(-top, power, out=np.zeros(c), where=power > 0), -limit, limit)
-        coefficients = coefficients + k[:, None] * np.roll(coefficients[:, ::-1], p + 1, axis=-1)
+        coefficients[:, 1 : p + 1] += k[:, None] * coefficients[:, p - 1 :: -1]
         power = power * (1.0 - k * k)
         reflection[:, p - 1] = k
     return reflection
@@ -83,9 +83,8 @@ def coefficients(reflection: Array) -> Array:
     filters = np.zeros((p + 1, c, p + 1))
     filters[:, :, 0] = 1.0
     for i in range(1, p + 1):
-        shorter = filters[i - 1]
-        turned = np.roll(shorter[:, ::-1], i + 1, axis=-1)
-        filters[i] = shorter + reflection[:, i - 1, None] * turned
+        filters[i] = filters[i - 1]
+        filters[i, :, 1 : i + 1] += reflection[:, i - 1, None] * filters[i - 1, :, i - 1 :: -1]
     return filters
 
 

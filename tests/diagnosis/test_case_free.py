@@ -15,10 +15,6 @@ from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model
 FEW = ("wind", "yaw_sway_coupling", "rudder_slipstream", "asymmetry", "wake_in_drift")
 
 
-outdoors_together = pytest.mark.xdist_group("outdoors")
-"""One worker for the tests that share a diagnosis."""
-
-
 @pytest.fixture(scope="session")
 def outdoors(shared_data):
     """Segments of six zigzags and a random record; those of the turns and another."""
@@ -43,7 +39,6 @@ def found(outdoors):
 
 
 @pytest.mark.slow
-@outdoors_together
 def test_the_wind_is_named_and_left_out_records_are_predicted_better(found):
     """A quarter in position and 35 % in yaw rate were asked for; its rivals here are four."""
     assert found.best == ("wind",)
@@ -53,7 +48,6 @@ def test_the_wind_is_named_and_left_out_records_are_predicted_better(found):
 
 
 @pytest.mark.slow
-@outdoors_together
 def test_the_wind_of_another_record_does_not_help(outdoors, found):
     """With their own wind it is named, against four rivals; with another's, not even alone."""
     calm, used, _ = outdoors
@@ -63,7 +57,6 @@ def test_the_wind_of_another_record_does_not_help(outdoors, found):
 
 
 @pytest.mark.slow
-@outdoors_together
 def test_the_answer_does_not_hang_on_the_last_digit(outdoors, found):
     """Another processor rounds differently; a fit that has not settled then ends elsewhere."""
     calm, used, _ = outdoors

@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.numerics import Array, projector, rms
 from pmmkit.observations.equations import Sensitivity
 from pmmkit.observations.histories import History
-from pmmkit.observations.noise import FLOOR, whitener
+from pmmkit.observations.noise import FLOOR, whiteners
 from pmmkit.reduction.estimate import Block, ChannelFit, Width, join
 from pmmkit.reduction.fit import fit
 from pmmkit.reduction.solve import Solution
@@ -147,11 +147,9 @@ def over_time(
         _block(channel, block, noise, private, histories[members[block.run]], names, calm)
         for block, noise, private in zip(base.blocks, base.noise, base.private, strict=True)
     ]
-    whiteners = tuple(
-        whitener(noise if own is None else noise + own @ own.T) for _, noise, own in parts
-    )
+    roots = whiteners([noise if own is None else noise + own @ own.T for _, noise, own in parts])
     blocks = tuple(block for block, _, _ in parts)
-    pairs = list(zip(whiteners, blocks, strict=True))
+    pairs = list(zip(roots, blocks, strict=True))
     return OverTime(
         base=base,
         names=tuple(names),
@@ -164,7 +162,7 @@ def over_time(
             else history.basis[:, block.keep] @ columns
             for block, columns in zip(base.blocks, base.width.columns, strict=True)
         ),
-        whiteners=whiteners,
+        whiteners=tuple(roots),
         design=tuple(white @ block.design for white, block in pairs),
         rows=tuple(white @ block.rows for white, block in pairs),
     )
