@@ -17,7 +17,7 @@ from pmmkit.errors import MissingPartError, ModelError, Problem, TableError
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
-from pmmkit.tables.table import DerivativeTable
+from pmmkit.tables.table import DerivativeTable, student
 
 Missing = Literal["refuse", "zero", "library"]
 NEEDED: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
@@ -299,12 +299,19 @@ def _value(table: DerivativeTable, name: str) -> Value:
 
 
 def _covariance(table: DerivativeTable, names: tuple[str, ...]) -> np.ndarray | None:
+    """Covariance of the normal law whose intervals are those of the table.
+
+    The table's are Student's: ships drawn with its standard uncertainties alone would spread too
+    little where few degrees of freedom stand behind them (JCGM 101:2008, 6.4.9).
+    """
     columns = [table.index(name) for name in names]
     block = table.covariance[:, columns][:, :, :, columns]
     size = len(table.Fn) * len(names)
     flat = block.reshape(size, size)
     if not np.any(np.isfinite(np.diagonal(flat))):
         return None
+    wide = (student(table.dof) / student(np.inf))[:, columns].ravel()
+    flat = flat * np.outer(wide, wide)
     return (flat + flat.T) / 2
 
 

@@ -90,7 +90,8 @@ class Model(Described):
         Froude numbers of values given as tuples, ascending.
     covariance : array, optional
         Covariance of `covariance_names` at all Froude numbers, (k n, k n) with the names running
-        fastest; k is 1 where the model has no Froude numbers. NaN where it is not known.
+        fastest; k is 1 where the model has no Froude numbers. NaN where it is not known. Of a
+        normal law: where few degrees of freedom stand behind a table, its intervals are kept.
     covariance_names : tuple of str
         Derivatives in the covariance.
     title, scale : str

@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.conventions import CHANNELS, Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
@@ -31,6 +31,20 @@ FORCES: Final[Mapping[str, str]] = {
     "N": "Yaw moment N",
     "K": "Roll moment K",
 }
+
+
+def student(dof: ArrayLike, confidence: float = CONFIDENCE) -> Array:
+    """Half of a confidence interval over the standard uncertainty, by degrees of freedom.
+
+    Examples
+    --------
+    >>> student([4.0, np.inf]).round(3)
+    array([2.776, 1.96 ])
+    """
+    from scipy.special import stdtrit
+
+    many = np.where(np.isinf(dof), 1e9, dof)
+    return np.asarray(stdtrit(many, (1 + confidence) / 2), np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -118,9 +132,7 @@ class DerivativeTable(Described):
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
         """Lower and upper ends of the confidence intervals, arrays (k, n)."""
-        from scipy.special import stdtrit
-
-        half = stdtrit(np.where(np.isinf(self.dof), 1e9, self.dof), (1 + confidence) / 2) * self.std
+        half = student(self.dof, confidence) * self.std
         return self.value - half, self.value + half
 
     def index(self, name: str) -> int:

@@ -355,6 +355,22 @@ def test_a_table_about_another_point_is_refused():
         to_model(shifted, "s175")
 
 
+def test_few_degrees_of_freedom_widen_the_ships_that_are_drawn():
+    """JCGM 101:2008, 6.4.9: with 4 degrees of freedom 95 % lie within 2.776 u, not 1.960 u."""
+    table = s175_table()
+    n = len(table.names)
+    known = table.with_(
+        covariance=1e-8 * np.eye(n).reshape(1, n, 1, n),
+        dof=np.where(np.arange(n) < 3, 4.0, np.inf)[None],
+    )
+    model = to_model(known, "s175-3dof")
+    low, high = known.interval()
+    drawn = 1.959964 * np.sqrt(np.diagonal(model.covariance))
+    half = [(high - low)[0, known.index(name)] / 2 for name in model.covariance_names]
+    assert drawn == pytest.approx(half, rel=1e-6)
+    assert max(half) / min(half) == pytest.approx(2.776445 / 1.959964, rel=1e-6)
+
+
 def test_the_covariance_of_the_table_goes_along():
     table = s175_table(Fn=GRID, std={"Yv": [1e-5, 2e-5, 3e-5]})
     model = to_model(table, "s175-3dof")
