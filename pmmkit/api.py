@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from pmmkit.bibliography import ITSELF, bibtex
+from pmmkit.campaigns.open_water import open_water
 from pmmkit.effects.catalogue import effect_of
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.rudder import RUDDER_MMG
+from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
-from pmmkit.models.build import NEEDED
+from pmmkit.models.build import NEEDED, Missing
+from pmmkit.models.particulars import parts_from_particulars, straight_polynomial
 from pmmkit.reduction import Reduction, reduce_campaign
+from pmmkit.reduction.parts import parts_of
 from pmmkit.structures import Structure, structures
 from pmmkit.tables import DerivativeTable
 
@@ -99,10 +106,10 @@ def citation(thing: Model | DerivativeTable | str | Path) -> str:
 
 
 def ship_as_tested(campaign: Campaign) -> Model:
-    """The tested model with the propeller and the rudder that its campaign file describes.
+    """The tested model with propeller and rudder as its campaign file states them.
 
-    A part enters if the sections ``[propeller]`` and ``[rudder]`` hold every number that the
-    effect of the catalogue needs; what is absent is said in the notes.
+    What ``[propeller]`` and ``[rudder]`` do not hold is estimated from the particulars, each value
+    with its source and its uncertainty; an open-water table gives KT.
 
     Parameters
     ----------
@@ -114,90 +121,101 @@ def ship_as_tested(campaign: Campaign) -> Model:
     Model
         Without a hull: `to_model` takes it as the parts of a table.
     """
-    parts, notes = {}, []
-    for effect, section, given in (
-        ("propeller", "propeller", campaign.propeller),
-        ("rudder_mmg", "rudder", campaign.rudder),
-    ):
-        part, lacking = _part(effect, given)
-        if part is not None:
-            parts[effect] = part
-        else:
-            notes.append(
-                f"No {section}: [{section}] of the campaign file lacks {', '.join(lacking)}."
-                if given
-                else f"No {section}: the campaign file has no [{section}]."
-            )
+    curve = open_water(campaign)
+    told = dict(campaign.propeller)
+    if curve is not None:
+        told |= straight_polynomial(*curve)
+    screw, blade = parts_from_particulars(campaign.ship, told, campaign.rudder)
+    parts = {part.effect: part for part in (screw, blade)}
     return Model(
         name=campaign.ship.name,
         ship=campaign.ship,
         water=campaign.water,
         parts=MappingProxyType(parts),
-        notes=tuple(notes),
+        notes=tuple(
+            f"Estimated from the particulars, because the campaign file does not state it: "
+            f"{', '.join(f'{name}.{own}' for own in part.std)}."
+            for name, part in parts.items()
+            if part.std
+        ),
         scale=f"L = {campaign.ship.L:.4g} m, the scale of the tests",
     )
 
 
-def _part(effect: str, given: Mapping[str, Any]) -> tuple[Part | None, list[str]]:
-    """A part from free particulars, or the names of the parameters that are not there."""
-    known = effect_of(effect)
-    options = {
-        name: str(given[name]) if name in given else words[0]
-        for name, words in known.options.items()
-    }
-    values = {
-        parameter.name: float(given[parameter.name])
-        for parameter in known.parameters
-        if isinstance(given.get(parameter.name), (int, float))
-    }
-    lacking = [
-        parameter.name
-        for parameter in known.parameters
-        if parameter.name not in values
-        and parameter.default is None
-        and (parameter.form is None or options[parameter.form[0]] in parameter.form[1:])
-    ]
-    if lacking:
-        return None, lacking
-    return (
-        Part(
-            effect=effect,
-            values=MappingProxyType(values),
-            options=MappingProxyType(options),
-            source="measured: the campaign file",
-        ),
-        [],
-    )
-
-
-def model_of(reduction: Reduction, parts: str | Path | Model | None = None) -> Model:
-    """A model from a reduction: its hull, and parts of a library ship or of the campaign file.
+def model_of(
+    reduction: Reduction, parts: str | Path | Model | None = None, *, missing: Missing = "estimate"
+) -> Model:
+    """A model from a reduction: its hull, and propeller and rudder by what is known of them.
 
     Parameters
     ----------
     reduction : Reduction
         As `reduce_campaign` gives it.
     parts : str, path or Model, optional
-        As for `to_model`; by default what the campaign file says of the tested model
-        (`ship_as_tested`), and the hull alone where it says nothing.
+        Library name or model file of the same ship that lends propeller and rudder. By default
+        they are what these tests show (`parts_of`), else what the campaign file states and
+        estimates from the particulars (`ship_as_tested`).
+    missing : {"estimate", "refuse", "zero", "library"}
+        What stands for derivatives that the tests do not give, as for `to_model`.
 
     Returns
     -------
     Model
-        At the scale of the parts, for the Froude numbers at which sway and yaw were tested.
+        At the scale of the parts, for the Froude numbers at which sway and yaw were tested. Each
+        value says where it comes from, estimates with their uncertainty.
 
     Raises
     ------
     MissingPartError
-        If the table lacks a derivative that every simulation needs.
+        If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
-    donor = ship_as_tested(reduction.campaign) if parts is None else parts
+    donor = _measured_parts(reduction) if parts is None else parts
     table, left = _tested_in_full(reduction.table)
-    model = to_model(table, donor)
+    model = to_model(table, donor, missing=missing)
     if parts is None and isinstance(donor, Model):
         model = model.with_(title=f"{donor.name}, from its tests")
         left = [*donor.notes, *left]
     return model.with_(notes=(*left, *model.notes))
+
+
+def _measured_parts(reduction: Reduction) -> Model:
+    """Propeller and rudder by the tests where they show them, else as stated or estimated."""
+    stated = ship_as_tested(reduction.campaign)
+    blade = stated.parts[RUDDER_MMG.name]
+    try:
+        found = parts_of(
+            reduction,
+            area=_one(blade, "area"),
+            height=_one(stated.parts[PROPELLER.name], "D") / _one(blade, "eta"),
+            lift_slope=_one(blade, "lift_slope"),
+            lR=_one(blade, "lR"),
+            rate_deg_s=_one(blade, "rate_deg_s"),
+            assumed=blade.source_of("lR"),
+        )
+    except MissingPartError:
+        return stated
+    measured = {
+        part.effect: replace(
+            part,
+            std=MappingProxyType(
+                {
+                    **{
+                        name: x
+                        for name, x in stated.parts[part.effect].std.items()
+                        if part.source_of(name) != part.source
+                    },
+                    **{name: x for name, x in found.std.items() if name in part.values},
+                }
+            ),
+        )
+        for part in (found.propeller, found.rudder)
+    }
+    return stated.with_(parts=MappingProxyType(measured), notes=found.notes)
+
+
+def _one(part: Part, name: str) -> float:
+    value = part.values[name]
+    return value[0] if isinstance(value, tuple) else value
 
 
 def _tested_in_full(table: DerivativeTable) -> tuple[DerivativeTable, list[str]]:

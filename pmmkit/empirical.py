@@ -424,6 +424,76 @@ def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[s
     }
 
 
+RUDDER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
+    _shares(
+        area=0.2, lift_slope=0.1, epsilon=0.1, kappa=0.3, gamma_positive=0.3, gamma_negative=0.3,
+        lR=0.2, tR=0.3, aH=0.25, xH=0.05,
+    )
+)  # fmt: skip
+"""How far rudders of the library lie from `rudder_values` and `rudder_area`."""
+PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
+    _shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
+)
+"""How far propellers of the library lie from `propeller_values`."""
+LENT: Final = 0.5
+"""Share of those errors that is left where a similar ship lends the value."""
+
+
+def propeller_diameter(ship: Ship) -> float:
+    """A usual propeller, 0.6 of the draught [m]; the library's have 0.42 to 0.77."""
+    return 0.6 * ship.d
+
+
+def propeller_values(ship: Ship, *, D: float) -> dict[str, float]:
+    """Propeller of a merchant ship from particulars.
+
+    Parameters
+    ----------
+    ship : Ship
+        Block.
+    D : float
+        Diameter [m].
+
+    Returns
+    -------
+    dict
+        Values of the effect ``propeller``: thrust deduction 0.2, a straight open-water curve, the
+        wake of Taylor. The revolutions follow from the resistance, so that the curve enters the
+        turn through the loading alone.
+    """
+    return {
+        "D": D,
+        "t": 0.2,
+        "kt0": 0.33,
+        "kt1": -0.3,
+        "kt2": -0.13,
+        "wp": wake_fraction(ship),
+        "xp": -0.48,
+    }
+
+
+def rudder_area(ship: Ship) -> float:
+    """The least area of a rudder behind the propeller by Det Norske Veritas [m²].
+
+    L d/100 (1 + 25 (B/L)²), of the rules of 1975 as textbooks quote them; the library's rudders
+    have 0.92 to 1.45 of it.
+    """
+    return ship.L * ship.d / 100.0 * (1.0 + 25.0 * (ship.B / ship.L) ** 2)
+
+
+def steering_rate(ship: Ship, full_length: float | None = None) -> float:
+    """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s].
+
+    Parameters
+    ----------
+    ship : Ship
+        The ship or a model of it, which steers faster by the root of its scale.
+    full_length : float, optional
+        Length of the ship [m]; that of `ship` by default.
+    """
+    return 2.32 * math.sqrt((full_length or ship.L) / ship.L)
+
+
 def wake_fraction(ship: Ship) -> float:
     """Wake fraction of a single-screw ship, 0.5 CB - 0.05 (Taylor)."""
     return 0.5 * ship.block - 0.05

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 import numpy as np
 
@@ -14,12 +14,16 @@ from pmmkit.effects.added_mass import INERTIA, dimensional
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import MissingPartError, ModelError, Problem, TableError
+from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
 from pmmkit.tables.table import DerivativeTable, student
 
-Missing = Literal["refuse", "zero", "library"]
+Missing = Literal["refuse", "zero", "library", "estimate"]
+HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
+"""What no estimate stands for: without them nothing of the hull was measured."""
+ESTIMATED: Final = "empirical: particulars, Yoshimura and Masumoto 2012; Clarke 1983; Zhou 1983"
 NEEDED: Final = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 """Without these a ship cannot be simulated at all."""
 EXPECTED: Final = ("Xvv", "Xrr", "Xvr", "Xudot", "Yrdot", "Nvdot")
@@ -47,10 +51,11 @@ def to_model(
     parts : str, path or Model
         Library name or model file: particulars, mass and inertia, propeller, rudder, roll, and
         so the scale of the model.
-    missing : {"refuse", "zero", "library"}
-        What to do where the table has no value (absent or NaN): refuse, take zero, or take the
-        acceleration derivatives of `parts` (of those alone; the rest is refused). Xuu, Yv, Yr, Nv
-        and Nr are refused always, Yvdot and Nrdot never taken as zero.
+    missing : {"refuse", "zero", "library", "estimate"}
+        What to do where the table has no value (absent or NaN): refuse; take zero; take the
+        acceleration derivatives of `parts` (of those alone; the rest is refused); or take the
+        value of other Froude numbers, else an estimate from the particulars with its uncertainty,
+        else zero. Yv, Yr, Nv and Nr are refused always, Xuu, Yvdot and Nrdot never taken as zero.
     name : str, optional
         Name of the model; by default that of the table's ship.
 
@@ -68,7 +73,7 @@ def to_model(
         If the table's ship is another one than that of `parts`, or its derivatives refer to
         another point than midship.
     TableError
-        If `missing` is none of the three words.
+        If `missing` is none of these words.
 
     Examples
     --------
@@ -81,27 +86,33 @@ def to_model(
     >>> to_model(table, "s175").values("hull_polynomial")["Nvvr"]
     -0.0424
     """
-    if missing not in ("refuse", "zero", "library"):
-        raise TableError(f"missing = {missing!r} is not known: refuse, zero, library.")
+    if missing not in get_args(Missing):
+        raise TableError(f"missing = {missing!r} is not known: {', '.join(get_args(Missing))}.")
     donor = parts if isinstance(parts, Model) else load_model(parts)
     _check_similar(table, donor)
+    if missing == "estimate":
+        table = _held(table)
     taken, left, notes = _choose(table, donor)
-    borrowed, zeroed = _fill(table, donor, taken, left, missing)
+    borrowed, guessed, zeroed = _fill(table, donor, taken, left, missing)
     taken = [item for item in taken if item not in left]
     rows = () if table.pooled else tuple(float(x) for x in table.Fn)
     values: dict[str, Value] = {item: _value(table, item) for item in taken}
     values |= dict.fromkeys(zeroed, 0.0)
+    values |= {item: value for item, (value, _) in guessed.items()}
     hull = {item: value for item, value in values.items() if not _accelerates(item)}
     mass = {item: value for item, value in values.items() if _accelerates(item)} | borrowed
     origin = f"measured: {table.ship.name}"
     assumed = dict.fromkeys(zeroed, "assumed: zero")
     lent = dict.fromkeys(borrowed, f"library: {donor.name}")
+    lent |= dict.fromkeys(guessed, ESTIMATED)
+    doubt = {item: std for item, (_, std) in guessed.items()}
     own = {
         HULL: Part(
             effect=HULL,
             values=MappingProxyType(hull),
             source=origin,
-            sources=MappingProxyType({k: v for k, v in assumed.items() if k in hull}),
+            sources=MappingProxyType({k: v for k, v in (assumed | lent).items() if k in hull}),
+            std=MappingProxyType({k: x for k, x in doubt.items() if k in hull}),
         ),
         INERTIA: Part(
             effect=INERTIA,
@@ -109,6 +120,7 @@ def to_model(
             source=origin,
             references=donor.parts[INERTIA].references if borrowed else (),
             sources=MappingProxyType({k: v for k, v in (assumed | lent).items() if k in mass}),
+            std=MappingProxyType({k: x for k, x in doubt.items() if k in mass}),
         ),
     }
     rolls = donor.rolls and any(needs_roll(item) for item in taken)
@@ -120,6 +132,8 @@ def to_model(
     names = tuple(item for item in taken)
     if zeroed:
         notes.append(f"Taken as zero because the table has no value: {', '.join(zeroed)}.")
+    if guessed:
+        notes.append(f"Estimated from the ship's particulars: {', '.join(guessed)}.")
     if borrowed:
         notes.append(f"Taken from {donor.name}: {', '.join(borrowed)}.")
     return Model(
@@ -202,21 +216,26 @@ def _choose(table: DerivativeTable, donor: Model) -> tuple[list[str], list[str],
 
 def _fill(
     table: DerivativeTable, donor: Model, taken: list[str], empty: list[str], missing: Missing
-) -> tuple[dict[str, Value], list[str]]:
-    """Values borrowed from the library, and names taken as zero."""
+) -> tuple[dict[str, Value], dict[str, tuple[Value, float]], list[str]]:
+    """Values borrowed from the library, estimates with their errors, and names taken as zero."""
     needed = [item for item in NEEDED if item != "Xuu" or table.convention.surge != "delta-u"]
     absent = [item for item in (*needed, *EXPECTED) if item not in taken]
     if table.convention.surge == "delta-u":
         absent = [item for item in absent if item in needed]
     borrowed: dict[str, Value] = {}
+    guessed: dict[str, tuple[Value, float]] = {}
     zeroed, refused = [], []
+    guess = estimated_table(table) if missing == "estimate" and (absent or empty) else None
     for item in (*absent, *empty):
         if missing == "library" and _accelerates(item):
             value = _borrow(item, table, donor)
             if value is not None:
                 borrowed[item] = value
                 continue
-        if missing == "zero" and item not in NEEDED:
+        if guess is not None and item not in HULL_TERMS and item in guess:
+            guessed[item] = _value(guess, item), float(np.mean(guess.std[:, guess.index(item)]))
+            continue
+        if missing in ("zero", "estimate") and item not in NEEDED:
             zeroed.append(item)
             continue
         refused.append(item)
@@ -226,7 +245,17 @@ def _fill(
             for item in refused
         ]
         raise MissingPartError([*found, _way_out(refused, table)], title=_NOT_ENOUGH)
-    return borrowed, zeroed
+    return borrowed, guessed, zeroed
+
+
+def _held(table: DerivativeTable) -> DerivativeTable:
+    """Values where some Froude numbers have none: between those that have, and held beyond."""
+    value = table.value.copy()
+    for column in value.T:
+        there = np.isfinite(column)
+        if there.any() and not there.all():
+            column[~there] = np.interp(table.Fn[~there], table.Fn[there], column[there])
+    return table.with_(value=value)
 
 
 def _lack(name: str, table: DerivativeTable) -> str:

@@ -111,7 +111,10 @@ def without_values(model: Model, places: Iterable[str]) -> Model:
     gone = frozenset(places)
     parts = {
         effect: replace(
-            part, values=_left(part.values, effect, gone), sources=_left(part.sources, effect, gone)
+            part,
+            values=_left(part.values, effect, gone),
+            sources=_left(part.sources, effect, gone),
+            std=_left(part.std, effect, gone),
         )
         for effect, part in model.parts.items()
         if effect not in gone

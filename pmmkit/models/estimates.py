@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 
 from pmmkit.bibliography import cite
-from pmmkit.conventions import force_unit
+from pmmkit.conventions import Convention, force_unit
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import (
     METHODS,
+    PROPELLER_ERRORS,
+    RUDDER_ERRORS,
     RUDDER_SOURCES,
     Estimate,
+    StandardError,
     estimate,
     friction_coefficient,
+    propeller_values,
     rudder_values,
-    wake_fraction,
     wetted_surface,
 )
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Step
 from pmmkit.ship import Ship, Water, viscosity
+from pmmkit.tables import DerivativeTable, from_values
+from pmmkit.tables.convert import converted, to_system
 
+RESISTANCE_ERROR: Final = 0.25
+"""Share by which a resistance from friction, form factor 1.2 and little more may be wrong."""
+FROUDE: Final = 0.2
+"""For the resistance of a table over all speeds."""
 SURGE: Final = "yoshimura-masumoto"
 """The method whose surge terms stand in all models."""
 
@@ -93,23 +103,12 @@ def estimated_model(
     guess = estimate(ship, method)
     lent, doubt = _surge(guess, ship)
     values, std = {**lent, **guess.values}, {**doubt, **guess.std}
-    unit = force_unit(
-        "X", guess.convention.system, L=ship.L, d=ship.d, volume=ship.volume, rho=sea.rho, g=sea.g,
-        U=speed,
-    )  # fmt: skip
-    values["Xuu"] = -(resistance or _resistance(ship, sea, speed)) / unit
+    values["Xuu"], std["Xuu"] = resistance_derivative(
+        ship, sea, speed, guess.convention, resistance=resistance
+    )
     mass = {name: x for name, x in values.items() if name.endswith("dot")}
     hull = {name: x for name, x in values.items() if name not in mass}
-    w = wake_fraction(ship)
-    screw = {
-        "D": propeller_diameter,
-        "t": 0.2,
-        "kt0": 0.33,
-        "kt1": -0.3,
-        "kt2": -0.13,
-        "wp": w,
-        "xp": -0.48,
-    }
+    screw = propeller_values(ship, D=propeller_diameter)
     blade = rudder_values(ship, area=rudder_area, aspect=rudder_aspect, D=propeller_diameter)
     surge = METHODS[SURGE].sources
     hull_sources = [guess.sources[0], surge[0]]
@@ -141,6 +140,7 @@ def estimated_model(
             effect=PROPELLER.name,
             values=MappingProxyType(screw),
             source="empirical: typical propeller of a merchant ship, wake 0.5 CB - 0.05",
+            std=_errors(PROPELLER_ERRORS, screw, but="D"),
         ),
         Part(
             effect=RUDDER_MMG.name,
@@ -148,6 +148,7 @@ def estimated_model(
             values=MappingProxyType(blade | {"rate_deg_s": rate_deg_s}),
             source="empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
             references=RUDDER_SOURCES,
+            std=_errors(RUDDER_ERRORS, blade, but="area"),
         ),
     )
     return Model(
@@ -166,6 +167,106 @@ def estimated_model(
         ),
         steps=(Step(action="estimated", method=method),),
     )
+
+
+def _errors(
+    errors: Mapping[str, StandardError], values: Mapping[str, float], *, but: str
+) -> Mapping[str, float]:
+    """Standard uncertainties of estimates; what was stated has none."""
+    return MappingProxyType(
+        {name: error.of(values[name]) for name, error in errors.items() if name != but}
+    )
+
+
+def resistance_derivative(
+    ship: Ship,
+    water: Water,
+    speed: float,
+    convention: Convention,
+    *,
+    resistance: float | None = None,
+) -> tuple[float, float]:
+    """Xuu of a resistance, or by skin friction with its standard uncertainty.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        Length, draught, volume; density and viscosity.
+    speed : float
+        [m/s]
+    convention : Convention
+        Its non-dimensional system.
+    resistance : float, optional
+        [N] at that speed; by default an estimate.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> value, std = resistance_derivative(load_ship("kvlcc2"), Water(), 7.97, Convention())
+    >>> round(value, 5), round(std, 5)
+    (-0.00069, 0.00017)
+    """
+    unit = force_unit(
+        "X", convention.system, L=ship.L, d=ship.d, volume=ship.volume, rho=water.rho, g=water.g,
+        U=speed,
+    )  # fmt: skip
+    if resistance:
+        return -resistance / unit, 0.0
+    value = -_resistance(ship, water, speed) / unit
+    return value, RESISTANCE_ERROR * abs(value)
+
+
+def estimated_table(like: DerivativeTable) -> DerivativeTable:
+    """Derivatives from the particulars of a table's ship, in the meaning of that table.
+
+    Parameters
+    ----------
+    like : DerivativeTable
+        Ship, water, Froude numbers and convention; its Xuu is kept where it has one.
+
+    Returns
+    -------
+    DerivativeTable
+        Yoshimura and Masumoto's hull, added mass of Zhou and Clarke, resistance by friction, with
+        standard uncertainties. Without surge terms where the table expands them about a speed.
+
+    Examples
+    --------
+    >>> from pmmkit.models.hull import hull_table
+    >>> table = estimated_table(hull_table("s175-3dof"))
+    >>> round(table.at()["Xvr"], 4), round(table.at()["Nvvr"], 3)
+    (-0.0035, -0.031)
+    """
+    ship, water, target = like.ship, like.water, like.convention
+    guess, cross = estimate(ship, SURGE), estimate(ship, "clarke")
+    values, std = dict(guess.values), dict(guess.std)
+    over = ship.L / ship.d
+    for name in ("Yrdot", "Nvdot"):
+        values[name], std[name] = over * cross.values[name], over * cross.std[name]
+    froude = FROUDE if like.pooled else float(np.median(like.Fn))
+    speed = froude * np.sqrt(water.g * ship.L)
+    values["Xuu"], std["Xuu"] = resistance_derivative(ship, water, speed, guess.convention)
+    if "Xuu" in like and np.isfinite(like["Xuu"]).any():
+        known = float(np.nanmean(to_system(like.select(["Xuu"]), "prime-d")["Xuu"]))
+        values["Xuu"], std["Xuu"] = known, 0.0
+    about = target.U != guess.convention.U or target.surge == "delta-u"
+    if about:
+        values = {name: x for name, x in values.items() if name[0] != "X" or name == "Xudot"}
+    meant = guess.convention
+    if about:
+        meant = meant.with_(U=target.U, surge=target.surge)
+    rows = None if like.pooled else like.Fn.tolist()
+    count = 1 if rows is None else len(rows)
+    made = from_values(
+        {name: x if rows is None else [x] * count for name, x in values.items()},
+        std={name: x if rows is None else [x] * count for name, x in std.items() if name in values},
+        Fn=rows,
+        ship=ship,
+        water=water,
+        convention=meant,
+        method=f"empirical: {guess.source}",
+    )
+    return converted(made, target)
 
 
 def _surge(guess: Estimate, ship: Ship) -> tuple[dict[str, float], dict[str, float]]:

@@ -50,6 +50,9 @@ class Part:
         The same as keys of the bibliography, where it stands there.
     sources : mapping of str to str
         In words for single values, where it differs.
+    std : mapping of str to float
+        Standard uncertainties of single values, such as estimates, independent of each other and
+        of the model's covariance; the same share of the value at all Froude numbers.
     text : str
         The words of a user that the effect was made from; empty for one of the catalogue.
     """
@@ -60,6 +63,7 @@ class Part:
     source: str = ""
     references: tuple[str, ...] = ()
     sources: Mapping[str, str] = field(default_factory=_frozen)
+    std: Mapping[str, float] = field(default_factory=_frozen)
     text: str = ""
 
     @property
@@ -367,6 +371,12 @@ def _part_problems(part: Part, rows: int) -> list[str]:
     stray = [name for name in part.sources if name not in part.values]
     if stray:
         found.append(f"{part.effect} states a source of {', '.join(stray)} but no value.")
+    stray = [name for name in part.std if name not in part.values]
+    if stray:
+        found.append(f"{part.effect} states the uncertainty of {', '.join(stray)} but no value.")
+    wrong = [name for name, x in part.std.items() if not (math.isfinite(x) and x >= 0)]
+    if wrong:
+        found.append(f"{part.effect}: uncertainties of {', '.join(wrong)} must be 0 or more.")
     return found
 
 

@@ -73,6 +73,9 @@ def scaled(model: Model, length: float) -> Model:
                     for key, value in part.values.items()
                 }
             ),
+            std=MappingProxyType(
+                {key: x * ratio ** _scaling(part, key) for key, x in part.std.items()}
+            ),
         )
         for name, part in model.parts.items()
     }

@@ -40,7 +40,7 @@ _TOP: Final = (
     "closed",
     "end",
 )
-_PART: Final = ("source", "references", "text", "options", "values", "sources")
+_PART: Final = ("source", "references", "text", "options", "values", "sources", "std")
 
 
 def load_model(name_or_path: str | Path) -> Model:
@@ -135,6 +135,8 @@ def _part_data(part: Part) -> dict[str, Any]:
     data["values"] = {name: _plain(value) for name, value in part.values.items()}
     if part.sources:
         data["sources"] = dict(part.sources)
+    if part.std:
+        data["std"] = {name: float(x) for name, x in part.std.items()}
     if part.text:
         data["text"] = part.text
     return data
@@ -239,9 +241,14 @@ def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:
         read = reader.number(value, f"{place}.values.{name}")
         if read is not None:
             values[name] = read
+    std = {
+        name: reader.number(value, f"{place}.std.{name}")
+        for name, value in reader.section(data, "std", f"{place}.std").items()
+    }
     return Part(
         effect=effect,
         values=MappingProxyType(values),
+        std=MappingProxyType({k: x for k, x in std.items() if isinstance(x, float)}),
         options=reader.words(data, "options", f"{place}.options"),
         source=reader.text(data, "source", f"{place}."),
         text=reader.text(data, "text", f"{place}."),

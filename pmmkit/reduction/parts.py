@@ -18,6 +18,7 @@ from pmmkit.effects.rudder import normal_force, rudder_flow
 from pmmkit.effects.state import State
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Part
+from pmmkit.models.particulars import straight_polynomial
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
 
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
     from pmmkit.tables import DerivativeTable
 
-HIGHEST_J: Final = 0.8
-"""Advance ratios up to which the open-water curve is fitted."""
 FADES: Final = 2.0
 """C1 of the wake where the drift tests do not determine how fast it fades."""
 
@@ -165,8 +164,8 @@ def parts_of(
         raise MissingPartError(f"Propeller and rudder cannot be found without {'; '.join(lacks)}.")
     assert curve is not None
     assert reduction.propulsion is not None
-    inside = curve[0] <= HIGHEST_J
-    kt2, kt1, kt0 = np.polyfit(curve[0][inside], curve[1][inside], 2).tolist()
+    thrust = straight_polynomial(*curve)
+    kt0, kt1, kt2 = thrust["kt0"], thrust["kt1"], thrust["kt2"]
 
     def inflow(p: _Point) -> float:
         """Water speed at the propeller by thrust identity [m/s]."""

@@ -181,7 +181,7 @@ class Spread:
     Parameters
     ----------
     names : tuple of str
-        Derivatives.
+        Derivatives, and values of other parts as ``rudder_mmg.aH``.
     mean : array (m,)
         Their values.
     root : array (m, q)
@@ -200,6 +200,21 @@ class Spread:
         """Covariance (m, m)."""
         product: Array = self.root @ self.root.T
         return product
+
+    def beside(self, other: Spread) -> Spread:
+        """Both, independent of each other."""
+        m, n = self.root.shape[1], other.root.shape[1]
+        return Spread(
+            names=(*self.names, *other.names),
+            mean=np.concatenate([self.mean, other.mean]),
+            root=np.block(
+                [
+                    [self.root, np.zeros((len(self.names), n))],
+                    [np.zeros((len(other.names), m)), other.root],
+                ]
+            ),
+            origin=f"{self.origin}; {other.origin}",
+        )
 
     def draw(self, seed: int, first: int, count: int) -> Array:
         """Values (count, m) of the ships from number `first` on; the same whatever the chunks."""
@@ -257,11 +272,14 @@ def spread_of(
             root=np.diag(spread * np.abs(mean)),
             origin=f"{100 * spread:g} % of each derivative, independent",
         )
+    alone = _independent(model, values)
     if model.covariance is None:
-        raise ModelError(
-            f"Model {model.name!r} carries no covariance: give spread, the relative standard "
-            f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
-        )
+        if alone is None:
+            raise ModelError(
+                f"Model {model.name!r} carries no covariance: give spread, the relative standard "
+                f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
+            )
+        return alone
     froude = model.ship.froude(speed, model.water.g)
     weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
     size = len(model.covariance_names)
@@ -274,12 +292,34 @@ def spread_of(
     eigenvalues, vectors = np.linalg.eigh(chosen / np.outer(scale, scale))
     root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
     unknown = size - len(names)
-    return Spread(
+    tested = Spread(
         names=names,
         mean=np.array([given[name] for name in names]),
         root=root,
         origin="the covariance of the model"
         + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
+    )
+    return tested if alone is None else tested.beside(alone)
+
+
+def _independent(model: Model, values: Mapping[str, Mapping[str, Any]]) -> Spread | None:
+    """Values with an uncertainty of their own, such as estimates from particulars."""
+    named, means, stds = [], [], []
+    for effect, part in model.parts.items():
+        for name, std in part.std.items():
+            first = part.values[name]
+            stated = first[0] if isinstance(first, tuple) else first
+            mean = float(values[effect][name])
+            named.append(name if effect in DERIVATIVE_PARTS else f"{effect}.{name}")
+            means.append(mean)
+            stds.append(std * abs(mean / stated) if stated else std)
+    if not named:
+        return None
+    return Spread(
+        names=tuple(named),
+        mean=np.array(means),
+        root=np.diag(stds),
+        origin=f"{len(named)} estimates with the spread that they have among ships",
     )
 
 
@@ -325,9 +365,10 @@ class Batch:
         """Metrics (n,) by name, and the status of each ship, for values (n, len(names))."""
         given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
         for column, name in enumerate(names):
-            for effect in DERIVATIVE_PARTS:
-                if name in given.get(effect, {}):
-                    given[effect][name] = values[:, column]
+            effect, dot, own = name.rpartition(".")
+            for home in (effect,) if dot else DERIVATIVE_PARTS:
+                if own in given.get(home, {}):
+                    given[home][own] = values[:, column]
                     break
         structure, k = packed(self.model, given, self.speed, self.conditions)
         settings = settings_for(

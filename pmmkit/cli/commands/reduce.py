@@ -25,7 +25,15 @@ MOST: Final = 8
 """Differences between methods that are printed."""
 ROUNDS: Final = 3
 """Rounds of naming and adding in a demo."""
-PARTS: Final = ("propeller", "rudder_mmg")
+
+
+class Missing(StrEnum):
+    """What stands in the model for derivatives that the tests do not give."""
+
+    estimate = "estimate"
+    zero = "zero"
+    library = "library"
+    refuse = "refuse"
 
 
 class OddRuns(StrEnum):
@@ -92,8 +100,19 @@ def reduce(
         ),
     ] = Fourier.least_squares,
     parts: Annotated[
-        str | None, typer.Option(help="Library ship or model file that gives propeller and rudder.")
+        str | None,
+        typer.Option(
+            help="Library ship or model file of this ship that lends propeller and rudder; if "
+            "absent they are what the tests show, the campaign file states, or an estimate."
+        ),
     ] = None,
+    missing: Annotated[
+        Missing,
+        typer.Option(
+            help="Derivatives that the tests do not give: an estimate from the particulars with "
+            "its uncertainty, zero, added mass of the library ship, or no model."
+        ),
+    ] = Missing.estimate,
     reference: Annotated[
         str | None, typer.Option(help="Library ship, model file or table to compare with.")
     ] = None,
@@ -128,6 +147,7 @@ def reduce(
         fourier=fourier.value,
         data=data,
         parts=parts,
+        missing=missing.value,
         reference=reference,
         odd_runs=odd_runs.value,
         jobs=jobs,
@@ -157,6 +177,7 @@ def reduced(
     fourier: Literal["least-squares", "trapezoid"] = "least-squares",
     data: Path | None = None,
     parts: str | None = None,
+    missing: Literal["estimate", "zero", "library", "refuse"] = "estimate",
     reference: str | None = None,
     reference_name: str = "",
     asked: str | None = None,
@@ -179,6 +200,8 @@ def reduced(
         As for `reduce_campaign`.
     parts : str, optional
         Library ship or model file whose propeller and rudder the model gets.
+    missing : {"estimate", "zero", "library", "refuse"}
+        What stands for derivatives that the tests do not give.
     reference : str, optional
         Library ship, model file or derivative table to compare with.
     reference_name : str
@@ -224,7 +247,7 @@ def reduced(
             memory=memory,
             resume=kept,
         )
-    model, why = _model(found, donor)
+    model, why = _model(found, donor, missing)
     turns, why_not = _turns(found, model, beside)
     why += why_not
     loop = None
@@ -279,22 +302,18 @@ def _missing(loop: Loop | None) -> list[str]:
     ]
 
 
-def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[str]]:
-    """The model, and in words what it lacks."""
+def _model(
+    found: Reduction, donor: Model | None, missing: Literal["estimate", "zero", "library", "refuse"]
+) -> tuple[Model | None, list[str]]:
+    """The model and in words what of it these tests do not show, or why there is none."""
     from pmmkit.api import model_of
     from pmmkit.errors import MissingPartError, ModelError
 
     try:
-        model = model_of(found, donor)
+        model = model_of(found, donor, missing=missing)
     except (MissingPartError, ModelError) as error:
         return None, [f"No model.toml: {error}"]
-    lacks = [name for name in PARTS if name not in model.parts]
-    if not lacks:
-        return model, []
-    return model, [
-        f"model.toml holds the hull without {' and '.join(lacks)}: {' '.join(model.notes[:2])} "
-        f"With --parts a library ship (pmmkit ships) or a model file gives them."
-    ]
+    return model, [note for note in model.notes if note not in found.table.notes]
 
 
 def _turns(
@@ -304,7 +323,7 @@ def _turns(
     from pmmkit.errors import SimulationError
     from pmmkit.report import turns_of
 
-    if model is None or any(name not in model.parts for name in PARTS):
+    if model is None:
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:

@@ -1,0 +1,161 @@
+"""Propeller and rudder from what is stated of them, and from the ship's particulars where not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.rudder import RUDDER_MMG
+from pmmkit.empirical import (
+    PROPELLER_ERRORS,
+    RUDDER_ERRORS,
+    RUDDER_SOURCES,
+    StandardError,
+    propeller_diameter,
+    propeller_values,
+    rudder_area,
+    rudder_values,
+    steering_rate,
+)
+from pmmkit.models.model import Part
+from pmmkit.numerics import Array
+from pmmkit.ship import Ship
+
+STATED: Final = "measured: the campaign file"
+HIGHEST_J: Final = 0.8
+"""Advance ratios up to which the open-water curve is fitted."""
+ASPECT: Final = 1.6
+"""Height squared over area of a usual rudder."""
+AREAS: Final = ("area", "area_movable", "area_lateral")
+"""Words for the rudder's area [m²], the first that is there counts."""
+
+
+def parts_from_particulars(
+    ship: Ship, propeller: Mapping[str, Any], rudder: Mapping[str, Any]
+) -> tuple[Part, Part]:
+    """Propeller and rudder: values as stated, the rest estimated from the ship's particulars.
+
+    Parameters
+    ----------
+    ship : Ship
+        The ship or model.
+    propeller, rudder : mapping
+        What is stated, by the names of the effects ``propeller`` and ``rudder_mmg``; also the
+        ``height`` of the rudder [m], and the ``full_length`` of the ship [m], from which the rate
+        of its steering gear follows. Other entries do not count.
+
+    Returns
+    -------
+    Part, Part
+        Each value with its source, estimates with their standard uncertainty.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> screw, blade = parts_from_particulars(load_ship("kvlcc2"), {"D": 9.86}, {"area": 112.5})
+    >>> screw.source_of("D"), screw.source_of("t"), round(screw.std["t"], 3)
+    ('measured: the campaign file', 'empirical: usual for a merchant ship', 0.03)
+    """
+    diameter = _number(propeller, "D") or propeller_diameter(ship)
+    screw = _completed(
+        PROPELLER,
+        propeller,
+        propeller_values(ship, D=diameter),
+        PROPELLER_ERRORS,
+        "empirical: usual for a merchant ship",
+    )
+    stated = [area for name in AREAS if (area := _number(rudder, name))]
+    area = stated[0] if stated else rudder_area(ship)
+    height = _number(rudder, "height")
+    aspect = height**2 / area if height else ASPECT
+    blade = _completed(
+        RUDDER_MMG,
+        {**rudder, "area": area} if stated else rudder,
+        rudder_values(ship, area=area, aspect=aspect, D=diameter)
+        | {"rate_deg_s": steering_rate(ship, _number(rudder, "full_length"))},
+        RUDDER_ERRORS,
+        "empirical: Fujii; Quadvlieg 2013; Yoshimura and Masumoto 2012",
+        RUDDER_SOURCES,
+    )
+    return screw, blade
+
+
+def straight_polynomial(J: Array, KT: Array, KQ: Array) -> dict[str, float]:
+    """Open-water curves as the polynomials of the effect ``propeller``, up to J = 0.8.
+
+    Parameters
+    ----------
+    J, KT, KQ : array (n,)
+        Advance ratio and coefficients.
+    """
+    inside = J <= HIGHEST_J
+    found: dict[str, float] = {}
+    for name, values in (("kt", KT), ("kq", KQ)):
+        fitted = np.polyfit(J[inside], values[inside], 2)[::-1]
+        found |= {f"{name}{power}": float(x) for power, x in enumerate(fitted)}
+    return found
+
+
+def _completed(
+    effect: Effect,
+    given: Mapping[str, Any],
+    guess: Mapping[str, float],
+    errors: Mapping[str, StandardError],
+    source: str,
+    references: tuple[str, ...] = (),
+) -> Part:
+    """A part whose values are those stated, and the guess where nothing is."""
+    options = _options(effect, given, guess)
+    needed = [item for item in effect.parameters if _belongs(item, options)]
+    stated = {item.name: x for item in needed if (x := _number(given, item.name)) is not None}
+    lacking = {
+        item.name for item in needed if item.default is None or not stated or item.name in errors
+    }
+    guessed = {name: guess[name] for name in guess if name in lacking and name not in stated}
+    return Part(
+        effect=effect.name,
+        options=MappingProxyType(options),
+        values=MappingProxyType({**stated, **guessed}),
+        source=STATED if stated else source,
+        sources=MappingProxyType(dict.fromkeys(guessed, source) if stated else {}),
+        references=references if guessed else (),
+        std=MappingProxyType(
+            {name: errors[name].of(x) for name, x in guessed.items() if name in errors}
+        ),
+    )
+
+
+def _options(
+    effect: Effect, given: Mapping[str, Any], guess: Mapping[str, float]
+) -> dict[str, str]:
+    """The form that is stated; else the first for which everything is stated or guessed."""
+    found: dict[str, str] = {}
+    for name, words in effect.options.items():
+        if name in given:
+            found[name] = str(given[name])
+            continue
+        whole = [
+            word
+            for word in words
+            if all(
+                item.default is not None or item.name in guess or item.name in given
+                for item in effect.parameters
+                if item.form is not None and item.form[0] == name and word in item.form[1:]
+            )
+        ]
+        found[name] = whole[0] if whole else words[0]
+    return found
+
+
+def _belongs(item: Parameter, options: Mapping[str, str]) -> bool:
+    return item.form is None or options[item.form[0]] in item.form[1:]
+
+
+def _number(given: Mapping[str, Any], name: str) -> float | None:
+    value = given.get(name)
+    return float(value) if isinstance(value, int | float) else None
