@@ -18,7 +18,7 @@ from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED, Missing
-from pmmkit.models.particulars import parts_from_particulars, straight_polynomial
+from pmmkit.models.particulars import SECTIONS, STATED, parts_from_particulars, straight_polynomial
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.parts import parts_of
 from pmmkit.structures import Structure, structures
@@ -132,13 +132,19 @@ def ship_as_tested(campaign: Campaign) -> Model:
         ship=campaign.ship,
         water=campaign.water,
         parts=MappingProxyType(parts),
-        notes=tuple(
-            f"Estimated from the particulars, because the campaign file does not state it: "
-            f"{', '.join(f'{name}.{own}' for own in part.std)}."
-            for name, part in parts.items()
-            if part.std
-        ),
+        notes=tuple(filter(None, map(_guessed, (screw, blade)))),
         scale=f"L = {campaign.ship.L:.4g} m, the scale of the tests",
+    )
+
+
+def _guessed(part: Part) -> str:
+    """What of a part was not stated, in words."""
+    guessed = [name for name in part.values if part.source_of(name) != STATED]
+    return (
+        f"Not stated in [{SECTIONS[part.effect]}] of the campaign file, so estimated from the "
+        f"particulars: {', '.join(guessed)}."
+        if guessed
+        else ""
     )
 
 

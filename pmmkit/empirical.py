@@ -435,8 +435,9 @@ PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     _shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
 )
 """How far propellers of the library lie from `propeller_values`."""
-LENT: Final = 0.5
-"""Share of those errors that is left where a similar ship lends the value."""
+USUAL_LENGTH: Final = 200.0
+LONGEST_MODEL: Final = 20.0
+"""A hull below this length [m] is a model, by default of a ship of the usual length [m]."""
 
 
 def propeller_diameter(ship: Ship) -> float:
@@ -489,9 +490,10 @@ def steering_rate(ship: Ship, full_length: float | None = None) -> float:
     ship : Ship
         The ship or a model of it, which steers faster by the root of its scale.
     full_length : float, optional
-        Length of the ship [m]; that of `ship` by default.
+        Length of the ship [m]; by default that of `ship`, or 200 m where it is a model in a tank.
     """
-    return 2.32 * math.sqrt((full_length or ship.L) / ship.L)
+    usual = USUAL_LENGTH if ship.L < LONGEST_MODEL else ship.L
+    return 2.32 * math.sqrt((full_length or usual) / ship.L)
 
 
 def wake_fraction(ship: Ship) -> float:

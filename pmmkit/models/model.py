@@ -20,7 +20,16 @@ from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
 from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
 from pmmkit.models.step import Step, Value
-from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, plus_minus
+from pmmkit.presentation import (
+    WIDE,
+    Described,
+    Grid,
+    Group,
+    Section,
+    counted,
+    plus_minus,
+    with_uncertainty,
+)
 from pmmkit.ship import Ship, Water
 
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
@@ -184,7 +193,9 @@ class Model(Described):
         rows = []
         for name, part in self.parts.items():
             rows.append([name, str(len(part.values)), part.source or "no source is stated"])
-            rows += [[f"  {value}", "", source] for value, source in part.sources.items()]
+            for source in dict.fromkeys(part.sources.values()):
+                own = [value for value, said in part.sources.items() if said == source]
+                rows.append([f"  {', '.join(own)}", str(len(own)), source])
         return Grid(head=["part", "values", "source"], groups=[Group(rows=rows)], texts=(2,))
 
     def _derivatives(self) -> Grid:
@@ -194,12 +205,14 @@ class Model(Described):
         for part in self._hull():
             for name, value in part.values.items():
                 values = value if isinstance(value, tuple) else (value,) * max(len(self.Fn), 1)
-                halves = [WIDE * x for x in std.get(name, (math.nan,) * len(values))]
+                alone = part.std.get(name, math.nan)
+                halves = [WIDE * x for x in std.get(name, (alone,) * len(values))]
                 kind = part.source_of(name).partition(":")[0] or "unknown"
                 rows.append([name, *map(plus_minus, values, halves), kind])
         speeds = [f"Fn {Fn:.3f}" for Fn in self.Fn] or ["value"]
         head = ["", *speeds, "origin"]
-        caption = "Value ± half of the 95 % interval" if std else "No uncertainty is known"
+        known = std or any(part.std for part in self._hull())
+        caption = "Value ± half of the 95 % interval" if known else "No uncertainty is known"
         return Grid(head=head, groups=[Group(rows=rows)], caption=caption, texts=(len(head) - 1,))
 
     @property
@@ -311,7 +324,11 @@ def _values(part: Part) -> str:
     for name, value in part.values.items():
         parameter = known.parameter(name)
         unit = parameter.unit if parameter and parameter.unit != "-" else ""
-        ends = [f"{x:.4g}" for x in (value if isinstance(value, tuple) else (value,))]
+        half = WIDE * part.std.get(name, math.nan)
+        ends = [
+            with_uncertainty(x, half, "plus-minus") if half > 0 else f"{x:.4g}"
+            for x in (value if isinstance(value, tuple) else (value,))
+        ]
         told.append(f"{name} = {' … '.join(dict.fromkeys((ends[0], ends[-1])))} {unit}".rstrip())
     told += [f"{name}: {word}" for name, word in part.options.items()]
     return f"{part.effect}: {', '.join(told)}"
