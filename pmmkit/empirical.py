@@ -435,6 +435,8 @@ PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     _shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
 )
 """How far propellers of the library lie from `propeller_values`."""
+LENT: Final = 0.5
+"""Share of those errors that is left where a similar ship lends the value."""
 USUAL_LENGTH: Final = 200.0
 LONGEST_MODEL: Final = 20.0
 """A hull below this length [m] is a model, by default of a ship of the usual length [m]."""

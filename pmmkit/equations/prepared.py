@@ -429,15 +429,28 @@ def feels_depth(model: Model) -> bool:
     return any("depth" in part.known.needs for part in model.parts.values())
 
 
-def _check_parts(model: Model) -> None:
+def missing_parts(model: Model) -> list[str]:
+    """Parts without which a model cannot be simulated; alternatives in one, by *or*.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> missing_parts(load_model("kvlcc2"))
+    []
+    """
     missing = [name for name in (HULL, INERTIA) if name not in model.parts]
     if not parts_of(model, "propulsion") and model.convention.surge != "delta-u":
         missing.append(" or ".join(in_role("propulsion")))
     if not parts_of(model, "steering"):
         missing.append(" or ".join(in_role("steering")))
+    return list(dict.fromkeys(missing))
+
+
+def _check_parts(model: Model) -> None:
+    missing = missing_parts(model)
     if missing:
         raise MissingPartError(
             f"Model {model.name!r} cannot be simulated: it has no part "
-            f"{', '.join(dict.fromkeys(missing))}. Take parts from a library ship "
+            f"{', '.join(missing)}. Take parts from a library ship "
             f'(to_model(table, parts="…")) or write them into the model file.'
         )

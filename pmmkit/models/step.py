@@ -24,6 +24,8 @@ Action = Literal[
     "fitted",
     "identified",
     "terms_selected",
+    "stated",
+    "part_replaced",
 ]
 
 
@@ -62,7 +64,8 @@ class Step:
     action : str
         What was done: ``built`` from a table, ``estimated``, ``scaled``, ``friction_corrected``,
         ``wake_corrected``, ``effect_added``, ``effect_removed``, ``fault_corrected`` (in the data,
-        by the fit), ``fitted``, ``identified``, ``terms_selected``; ``noted`` is a text alone.
+        by the fit), ``fitted``, ``identified``, ``terms_selected``, values ``stated`` by hand,
+        ``part_replaced``; ``noted`` is a text alone.
     effect : str
         Name of the effect or fault.
     coefficients : mapping of str to float or tuple of float
@@ -256,6 +259,15 @@ def _wake(step: Step) -> str:
     return f"Wake by ITTC 1978: wp {model} of the model, {ship} of the ship."
 
 
+def _because(step: Step) -> str:
+    return f", because {step.note}" if step.note else ""
+
+
+def _stated(step: Step) -> str:
+    said = ", ".join(f"{name} = {_listed(x, '.5g', ' | ')}" for name, x in step.numbers.items())
+    return f"Stated: {said}{_because(step)}."
+
+
 SENTENCES: Final[Mapping[Action, Callable[[Step], str]]] = MappingProxyType(
     {
         "noted": lambda step: step.note,
@@ -272,6 +284,10 @@ SENTENCES: Final[Mapping[Action, Callable[[Step], str]]] = MappingProxyType(
         "terms_selected": lambda step: (
             f"Sparse regression: {', '.join(step.names)} fitted; left out: "
             f"{', '.join(step.left_out) or 'none'}."
+        ),
+        "stated": _stated,
+        "part_replaced": lambda step: (
+            f"Part {step.effect} taken from {step.parts}{_because(step)}."
         ),
     }
 )

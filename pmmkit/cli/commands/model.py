@@ -1,0 +1,135 @@
+"""``pmmkit model``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from pmmkit.cli.options import stem
+from pmmkit.cli.output import Outcome
+
+if TYPE_CHECKING:
+    from pmmkit.models import Model
+
+
+class Action(Enum):
+    """What is done with the model."""
+
+    show = "show"
+    set = "set"
+    replace = "replace"
+
+
+def model(
+    action: Annotated[
+        Action,
+        typer.Argument(help="show part by part; set values; replace a part by another ship's."),
+    ],
+    model: Annotated[
+        str, typer.Argument(help="Library ship (pmmkit ships) or model file (.toml).")
+    ],
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(help="set: rudder.area=0.055 Nvvr=-0.04; replace: propeller or rudder."),
+    ] = None,
+    lender: Annotated[
+        str | None, typer.Option("--from", help="replace: library ship or model file.")
+    ] = None,
+    because: Annotated[
+        str, typer.Option(help="The reason, which the model keeps: 'the yard's drawing'.")
+    ] = "",
+    out: Annotated[
+        Path | None,
+        typer.Option(help="New model file; the name with -changed beside it if absent."),
+    ] = None,
+) -> Outcome:
+    """Show a model part by part with its sources, change values, or take a part of another ship.
+
+    Examples: pmmkit model show model.toml · pmmkit model set model.toml rudder.area=0.055
+    --because 'as built' · pmmkit model replace model.toml propeller --from kvlcc2
+    """
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model, save_model
+    from pmmkit.models.revise import with_part_of, with_stated
+
+    loaded = load_model(model)
+    words = list(what or ())
+    if action is Action.show:
+        if words or lender:
+            raise typer.BadParameter("show takes a model alone; set and replace change it.")
+        return _shown(loaded, [])
+    if action is Action.set:
+        made = with_stated(loaded, _values(words), because or "stated on the command line")
+    else:
+        if len(words) != 1 or lender is None:
+            raise typer.BadParameter(
+                "Write the part and who lends it: pmmkit model replace model.toml propeller "
+                "--from kvlcc2."
+            )
+        made = with_part_of(loaded, words[0], load_model(lender), because)
+    path = out or Path(f"{stem(model)}-changed.toml")
+    write_results(path.parent, [(path.name, partial(save_model, made))])
+    done = made.history[len(loaded.history) :]
+    return _shown(made, [*done, f"Model: {path.resolve()}"], str(path))
+
+
+def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
+    """The model's page, and what it lacks for a simulation."""
+    from pmmkit.equations.prepared import missing_parts
+
+    lacks = missing_parts(model)
+    said = (
+        f"It cannot be simulated without {', '.join(lacks)}: take them from a library ship with "
+        f"pmmkit model replace."
+        if lacks
+        else "It has all that a simulation needs."
+    )
+    return Outcome(
+        content={
+            "model": path,
+            "name": model.name,
+            "parts": {
+                name: {
+                    "source": part.source,
+                    "values": {
+                        own: {
+                            "value": value,
+                            "source": part.source_of(own),
+                            "std": part.std.get(own) or _first(model.std, own),
+                        }
+                        for own, value in part.values.items()
+                    },
+                    "options": dict(part.options),
+                }
+                for name, part in model.parts.items()
+            },
+            "lacks": lacks,
+            "steps": list(model.history),
+        },
+        lines=[str(model), "", said, *(["", *done] if done else [])],
+    )
+
+
+def _first(std: Mapping[str, tuple[float, ...]], name: str) -> float | None:
+    return std[name][0] if name in std else None
+
+
+def _values(words: list[str]) -> dict[str, float]:
+    """Values from ``place=number``."""
+    found = {}
+    for word in words:
+        place, equals, text = word.partition("=")
+        try:
+            found[place.strip()] = float(text)
+        except ValueError:
+            raise typer.BadParameter(f"{word!r}: write rudder.area=0.055 or Nvvr=-0.04.") from None
+        if not equals:
+            raise typer.BadParameter(f"{word!r}: write rudder.area=0.055 or Nvvr=-0.04.")
+    if not found:
+        raise typer.BadParameter("Write what is set: pmmkit model set a.toml rudder.area=0.055.")
+    return found

@@ -1,0 +1,240 @@
+"""A value or a part of a model changed by hand, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from pmmkit.channels import did_you_mean
+from pmmkit.conventions import canonical
+from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.rudder import RUDDER_MMG
+from pmmkit.empirical import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
+from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.models.changes import before_of
+from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part
+from pmmkit.models.roles import drives, steers
+from pmmkit.models.scale import scaled
+from pmmkit.models.step import Step, Value
+
+ERRORS: Final = MappingProxyType({PROPELLER.name: PROPELLER_ERRORS, RUDDER_MMG.name: RUDDER_ERRORS})
+
+
+def with_stated(model: Model, values: Mapping[str, float], because: str) -> Model:
+    """A model with values that somebody states, the same at all Froude numbers.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    values : mapping of str to float
+        By place: a part and its value (``rudder_mmg.area``, or ``rudder.area`` and
+        ``propeller.D`` for whatever steers and drives), or a derivative (``Nvvr``).
+    because : str
+        The reason, which the model keeps.
+
+    Returns
+    -------
+    Model
+        What is stated has no uncertainty any more.
+
+    Raises
+    ------
+    UnknownNameError
+        If the model has no such part or value.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> larger = with_stated(load_model("kvlcc2"), {"rudder.area": 120.0}, "the yard's drawing")
+    >>> larger.values("rudder_mmg")["area"], larger.steps[-1].note
+    (120.0, "the yard's drawing")
+    """
+    parts = dict(model.parts)
+    stated: dict[str, Value] = {}
+    for place, value in values.items():
+        effect, name = place_of(model, place)
+        part = parts[effect]
+        size = len(model.Fn) if isinstance(part.values.get(name), tuple) else 0
+        whole: Value = (float(value),) * size if size else float(value)
+        stated[f"{effect}.{name}"] = whole
+        parts[effect] = replace(
+            part,
+            values=MappingProxyType({**part.values, name: whole}),
+            sources=MappingProxyType({**part.sources, name: f"stated: {because}"}),
+            std=MappingProxyType({k: x for k, x in part.std.items() if k != name}),
+        )
+    sure = {place.partition(".")[2] for place in stated if place.split(".")[0] in DERIVATIVE_PARTS}
+    made = replace(_certain(model, sure), parts=MappingProxyType(parts))
+    step = Step(
+        action="stated",
+        numbers=MappingProxyType(stated),
+        note=because,
+        before=before_of(model, made, tuple(stated)),
+    )
+    return made.stepped(step)
+
+
+def place_of(model: Model, words: str) -> tuple[str, str]:
+    """Part and value that words mean, as ``rudder.area`` or ``Yv``.
+
+    Raises
+    ------
+    UnknownNameError
+        If the model has no such part or value.
+    """
+    said, dot, name = words.rpartition(".")
+    if dot:
+        return _known(model, part_of(model, said), name)
+    for effect in DERIVATIVE_PARTS:
+        if effect in model.parts and _spelled(name) in model.parts[effect].values:
+            return effect, _spelled(name)
+    everywhere = [f"{effect}.{own}" for effect, part in model.parts.items() for own in part.values]
+    raise UnknownNameError(
+        f"Model {model.name!r} has no value {words!r}{did_you_mean(words, everywhere) or '.'} "
+        f"Values of parts are written as rudder.area; pmmkit model show lists all."
+    )
+
+
+def part_of(model: Model, words: str) -> str:
+    """The part that words mean: its name, or ``rudder`` and ``propeller`` for what it does.
+
+    Raises
+    ------
+    UnknownNameError
+        If the model has none, or several.
+    """
+    if words in model.parts:
+        return words
+    does = {"rudder": steers, "propeller": drives}.get(words)
+    found = [name for name, part in model.parts.items() if does is not None and does(part.known)]
+    if len(found) != 1:
+        raise UnknownNameError(
+            f"Model {model.name!r} has no part {words!r}; it has {', '.join(model.parts)}."
+        )
+    return found[0]
+
+
+def _known(model: Model, effect: str, name: str) -> tuple[str, str]:
+    part = model.parts[effect]
+    parameters = [item.name for item in part.known.parameters]
+    own = name if name in parameters else _spelled(name)
+    if own in part.values or own in parameters or part.known.accepts(own):
+        return effect, own
+    known = [*part.values, *(item for item in parameters if item not in part.values)]
+    raise UnknownNameError(
+        f"{effect} has no value {name!r}{did_you_mean(name, known) or '.'} It has "
+        f"{', '.join(known)}."
+    )
+
+
+def _spelled(name: str) -> str:
+    try:
+        return canonical(name)
+    except UnknownNameError:
+        return name
+
+
+def _certain(model: Model, names: set[str]) -> Model:
+    """A model whose covariance does not know some derivatives."""
+    kept = [i for i, name in enumerate(model.covariance_names) if name not in names]
+    if model.covariance is None or len(kept) == len(model.covariance_names):
+        return model
+    count, rows = len(model.covariance_names), max(len(model.Fn), 1)
+    at = [row * count + i for row in range(rows) for i in kept]
+    return replace(
+        model,
+        covariance=model.covariance[np.ix_(at, at)] if kept else None,
+        covariance_names=tuple(model.covariance_names[i] for i in kept),
+    )
+
+
+def with_part_of(model: Model, words: str, donor: Model, because: str = "") -> Model:
+    """A model with a part of another one, scaled to its length by Froude's law.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    words : str
+        The part: its name, or ``propeller`` or ``rudder`` for whatever drives or steers; what
+        does the same in the model goes.
+    donor : Model
+        The model that lends it.
+    because : str
+        The reason, which the model keeps.
+
+    Returns
+    -------
+    Model
+        The part as `lent`. The slipstream reaches as much of the rudder as the diameter of the
+        propeller says.
+
+    Raises
+    ------
+    UnknownNameError
+        If the donor has no such part.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> other = with_part_of(load_model("kcs"), "propeller", load_model("kvlcc2"))
+    >>> other.part("propeller").source
+    'library: kvlcc2'
+    """
+    name = part_of(donor, words)
+    part = lent(scaled(donor, model.ship.L).parts[name], donor.name)
+    same = [
+        own
+        for own, there in model.parts.items()
+        if own == name
+        or (drives(there.known) and drives(part.known))
+        or (steers(there.known) and steers(part.known))
+    ]
+    if any(own in DERIVATIVE_PARTS for own in (*same, name)):
+        raise ModelError("The hull comes from tests: reduce them, or take the other model whole.")
+    parts = {own: there for own, there in model.parts.items() if own not in same} | {name: part}
+    made = replace(model, parts=MappingProxyType(parts))
+    step = Step(action="part_replaced", effect=name, parts=donor.name, note=because)
+    return _in_the_slipstream(model, made).stepped(step)
+
+
+def _in_the_slipstream(old: Model, new: Model) -> Model:
+    """The rudder with as much of its height in the slipstream as a new diameter reaches."""
+    if not all(x in m.parts for m in (old, new) for x in (PROPELLER.name, RUDDER_MMG.name)):
+        return new
+    before, after = (m.parts[PROPELLER.name].values["D"] for m in (old, new))
+    eta = new.parts[RUDDER_MMG.name].values.get("eta")
+    kept = old.parts[RUDDER_MMG.name] == new.parts[RUDDER_MMG.name]
+    if not (isinstance(eta, float) and isinstance(before, float) and isinstance(after, float)):
+        return new
+    return new.with_values(RUDDER_MMG.name, eta=eta * after / before) if kept else new
+
+
+def lent(part: Part, source: str) -> Part:
+    """A part of a similar ship: with part of the uncertainty that an estimate would have.
+
+    Parameters
+    ----------
+    part : Part
+        Of the other ship.
+    source : str
+        Its name.
+    """
+    errors = ERRORS.get(part.effect, {})
+    return replace(
+        part,
+        source=f"library: {source}",
+        sources=MappingProxyType({}),
+        std=MappingProxyType(
+            {
+                name: LENT * errors[name].of(value)
+                for name, value in part.values.items()
+                if name in errors and isinstance(value, float)
+            }
+        ),
+    )
