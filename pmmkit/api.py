@@ -18,7 +18,9 @@ from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED, Missing
+from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.particulars import SECTIONS, STATED, parts_from_particulars, straight_polynomial
+from pmmkit.models.revise import lent
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.parts import parts_of
 from pmmkit.structures import Structure, structures
@@ -181,6 +183,13 @@ def model_of(
     if parts is None and isinstance(donor, Model):
         model = model.with_(title=f"{donor.name}, from its tests")
         left = [*donor.notes, *left]
+    else:
+        others = {
+            name: part if part.std else lent(part)
+            for name, part in model.parts.items()
+            if name not in DERIVATIVE_PARTS
+        }
+        model = model.with_(parts=MappingProxyType({**model.parts, **others}))
     return model.with_(notes=(*left, *model.notes))
 
 

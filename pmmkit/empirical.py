@@ -259,8 +259,9 @@ class Method:
         return self.errors.get(name, UNSEEN)
 
 
-def _shares(**shares: float) -> dict[str, StandardError]:
-    return {name: StandardError(share) for name, share in shares.items()}
+def shares(**of: float) -> dict[str, StandardError]:
+    """Standard errors as shares of the values, by name."""
+    return {name: StandardError(share) for name, share in of.items()}
 
 
 def _numbers(**numbers: float) -> dict[str, StandardError]:
@@ -269,10 +270,10 @@ def _numbers(**numbers: float) -> dict[str, StandardError]:
 
 UNSEEN: Final = StandardError(0.5, source="assumed: no ship of the library has it")
 _CLARKE: Final = "clarke_gedling_hine_1983"
-_CLARKE_MASS: Final = _shares(Yvdot=0.15, Yrdot=0.3, Nvdot=0.3, Nrdot=0.15)
+_CLARKE_MASS: Final = shares(Yvdot=0.15, Yrdot=0.3, Nvdot=0.3, Nrdot=0.15)
 _ZHOU: Final = "zhou_1983"
-_ZHOU_MASS: Final = _shares(Xudot=0.45, Yvdot=0.05, Nrdot=0.1)
-_SLENDER: Final = _shares(Yv=0.2, Yr=0.15, Nv=0.2, Nr=0.1)
+_ZHOU_MASS: Final = shares(Xudot=0.45, Yvdot=0.05, Nrdot=0.1)
+_SLENDER: Final = shares(Yv=0.2, Yr=0.15, Nv=0.2, Nr=0.1)
 """Linear terms of Kijima et al., which Yoshimura and Masumoto took over."""
 _UNREAD: Final = ", as public programs quote it; the paper was not at hand"
 METHODS: Final[Mapping[str, Method]] = MappingProxyType(
@@ -282,7 +283,7 @@ METHODS: Final[Mapping[str, Method]] = MappingProxyType(
             clarke_accelerations,
             _PRIME,
             ("wagner_smitt_1971", _CLARKE),
-            _CLARKE_MASS | _shares(Yv=0.05, Yr=0.15, Nv=0.2, Nr=0.4),
+            _CLARKE_MASS | shares(Yv=0.05, Yr=0.15, Nv=0.2, Nr=0.4),
             " (π form)",
         ),
         "norrbin": Method(
@@ -290,28 +291,28 @@ METHODS: Final[Mapping[str, Method]] = MappingProxyType(
             clarke_accelerations,
             _PRIME,
             ("norrbin_1971", _CLARKE),
-            _CLARKE_MASS | _shares(Yv=0.15, Yr=0.3, Nv=0.2, Nr=0.25),
+            _CLARKE_MASS | shares(Yv=0.15, Yr=0.3, Nv=0.2, Nr=0.25),
         ),
         "inoue": Method(
             inoue,
             clarke_accelerations,
             _PRIME,
             ("inoue_hirano_kijima_1981", _CLARKE),
-            _CLARKE_MASS | _shares(Yv=0.2, Yr=0.45, Nv=0.2, Nr=0.15),
+            _CLARKE_MASS | shares(Yv=0.2, Yr=0.45, Nv=0.2, Nr=0.15),
         ),
         "clarke": Method(
             clarke,
             clarke_accelerations,
             _PRIME,
             (_CLARKE, _CLARKE),
-            _CLARKE_MASS | _shares(Yv=0.15, Yr=0.3, Nv=0.2, Nr=0.1),
+            _CLARKE_MASS | shares(Yv=0.15, Yr=0.3, Nv=0.2, Nr=0.1),
         ),
         "kijima": Method(
             kijima,
             zhou_added_mass,
             _BETA,
             ("kijima_1990", _ZHOU),
-            _ZHOU_MASS | _SLENDER | _shares(Yvrr=0.15) | _numbers(Yvvr=0.6, Nvvr=0.28, Nvrr=0.1),
+            _ZHOU_MASS | _SLENDER | shares(Yvrr=0.15) | _numbers(Yvvr=0.6, Nvvr=0.28, Nvrr=0.1),
             _UNREAD,
         ),
         "yoshimura-masumoto": Method(
@@ -321,7 +322,7 @@ METHODS: Final[Mapping[str, Method]] = MappingProxyType(
             ("yoshimura_masumoto_2012", _ZHOU),
             _ZHOU_MASS
             | _SLENDER
-            | _shares(Xvr=0.15, Yvvv=0.2, Yvrr=0.1, Nvvr=0.35, Nrrr=0.3)
+            | shares(Xvr=0.15, Yvvv=0.2, Yvrr=0.1, Nvvr=0.5, Nrrr=0.3)
             | _numbers(Xvv=0.03, Xrr=0.012, Xvvvv=0.6, Yvvr=1.0, Yrrr=0.07, Nvvv=0.19, Nvrr=0.1),
             _UNREAD,
             (("CB", 0.51, 0.65), ("L/B", 2.6, 7.1), ("d/B", 0.25, 0.46)),
@@ -422,80 +423,6 @@ def rudder_values(ship: Ship, *, area: float, aspect: float, D: float) -> dict[s
         "kappa": 0.55 - 0.8 * c,
         "epsilon": 2.26 - 1.82 * (1.0 - wake_fraction(ship)),
     }
-
-
-RUDDER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
-    _shares(
-        area=0.2, lift_slope=0.1, epsilon=0.1, kappa=0.3, gamma_positive=0.3, gamma_negative=0.3,
-        lR=0.2, tR=0.3, aH=0.25, xH=0.05,
-    )
-)  # fmt: skip
-"""How far rudders of the library lie from `rudder_values` and `rudder_area`."""
-PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
-    _shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
-)
-"""How far propellers of the library lie from `propeller_values`."""
-LENT: Final = 0.5
-"""Share of those errors that is left where a similar ship lends the value."""
-USUAL_LENGTH: Final = 200.0
-LONGEST_MODEL: Final = 20.0
-"""A hull below this length [m] is a model, by default of a ship of the usual length [m]."""
-
-
-def propeller_diameter(ship: Ship) -> float:
-    """A usual propeller, 0.6 of the draught [m]; the library's have 0.42 to 0.77."""
-    return 0.6 * ship.d
-
-
-def propeller_values(ship: Ship, *, D: float) -> dict[str, float]:
-    """Propeller of a merchant ship from particulars.
-
-    Parameters
-    ----------
-    ship : Ship
-        Block.
-    D : float
-        Diameter [m].
-
-    Returns
-    -------
-    dict
-        Values of the effect ``propeller``: thrust deduction 0.2, a straight open-water curve, the
-        wake of Taylor. The revolutions follow from the resistance, so that the curve enters the
-        turn through the loading alone.
-    """
-    return {
-        "D": D,
-        "t": 0.2,
-        "kt0": 0.33,
-        "kt1": -0.3,
-        "kt2": -0.13,
-        "wp": wake_fraction(ship),
-        "xp": -0.48,
-    }
-
-
-def rudder_area(ship: Ship) -> float:
-    """The least area of a rudder behind the propeller by Det Norske Veritas [m²].
-
-    L d/100 (1 + 25 (B/L)²), of the rules of 1975 as textbooks quote them; the library's rudders
-    have 0.92 to 1.45 of it.
-    """
-    return ship.L * ship.d / 100.0 * (1.0 + 25.0 * (ship.B / ship.L) ** 2)
-
-
-def steering_rate(ship: Ship, full_length: float | None = None) -> float:
-    """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s].
-
-    Parameters
-    ----------
-    ship : Ship
-        The ship or a model of it, which steers faster by the root of its scale.
-    full_length : float, optional
-        Length of the ship [m]; by default that of `ship`, or 200 m where it is a model in a tank.
-    """
-    usual = USUAL_LENGTH if ship.L < LONGEST_MODEL else ship.L
-    return 2.32 * math.sqrt((full_length or usual) / ship.L)
 
 
 def wake_fraction(ship: Ship) -> float:

@@ -16,18 +16,16 @@ from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import (
     METHODS,
-    PROPELLER_ERRORS,
-    RUDDER_ERRORS,
     RUDDER_SOURCES,
     Estimate,
     StandardError,
     estimate,
     friction_coefficient,
-    propeller_values,
     rudder_values,
     wetted_surface,
 )
 from pmmkit.models.model import Model, Part
+from pmmkit.models.particulars import PROPELLER_ERRORS, RUDDER_ERRORS, propeller_values
 from pmmkit.models.step import Step
 from pmmkit.ship import Ship, Water, viscosity
 from pmmkit.tables import DerivativeTable, from_values

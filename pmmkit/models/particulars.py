@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any, Final
@@ -11,17 +12,7 @@ import numpy as np
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
-from pmmkit.empirical import (
-    PROPELLER_ERRORS,
-    RUDDER_ERRORS,
-    RUDDER_SOURCES,
-    StandardError,
-    propeller_diameter,
-    propeller_values,
-    rudder_area,
-    rudder_values,
-    steering_rate,
-)
+from pmmkit.empirical import RUDDER_SOURCES, StandardError, rudder_values, shares, wake_fraction
 from pmmkit.models.model import Part
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship
@@ -37,6 +28,78 @@ ASPECT: Final = 1.6
 """Height squared over area of a usual rudder."""
 AREAS: Final = ("area", "area_movable", "area_lateral")
 """Words for the rudder's area [m²], the first that is there counts."""
+RUDDER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
+    shares(
+        area=0.2, lift_slope=0.1, epsilon=0.1, kappa=0.3, gamma_positive=0.4, gamma_negative=0.4,
+        lR=0.3, tR=0.3, aH=0.25, xH=0.05,
+    )
+)  # fmt: skip
+"""How far rudders of the library lie from `rudder_values` and `rudder_area`."""
+PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
+    shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
+)
+"""How far propellers of the library lie from `propeller_values`."""
+LENT: Final = 0.5
+"""Share of those errors that is left where a similar ship lends the value."""
+USUAL_LENGTH: Final = 200.0
+LONGEST_MODEL: Final = 20.0
+"""A hull below this length [m] is a model, by default of a ship of the usual length [m]."""
+
+
+def propeller_diameter(ship: Ship) -> float:
+    """A usual propeller, 0.6 of the draught [m]; the library's have 0.42 to 0.77."""
+    return 0.6 * ship.d
+
+
+def propeller_values(ship: Ship, *, D: float) -> dict[str, float]:
+    """Propeller of a merchant ship from particulars.
+
+    Parameters
+    ----------
+    ship : Ship
+        Block.
+    D : float
+        Diameter [m].
+
+    Returns
+    -------
+    dict
+        Values of the effect ``propeller``: thrust deduction 0.2, a straight open-water curve, the
+        wake of Taylor. The revolutions follow from the resistance, so that the curve enters the
+        turn through the loading alone.
+    """
+    return {
+        "D": D,
+        "t": 0.2,
+        "kt0": 0.33,
+        "kt1": -0.3,
+        "kt2": -0.13,
+        "wp": wake_fraction(ship),
+        "xp": -0.48,
+    }
+
+
+def rudder_area(ship: Ship) -> float:
+    """The least area of a rudder behind the propeller by Det Norske Veritas [m²].
+
+    L d/100 (1 + 25 (B/L)²), of the rules of 1975 as textbooks quote them; the library's rudders
+    have 0.92 to 1.45 of it.
+    """
+    return ship.L * ship.d / 100.0 * (1.0 + 25.0 * (ship.B / ship.L) ** 2)
+
+
+def steering_rate(ship: Ship, full_length: float | None = None) -> float:
+    """Rate of a steering gear that just satisfies SOLAS, 2.32 deg/s on the ship [deg/s].
+
+    Parameters
+    ----------
+    ship : Ship
+        The ship or a model of it, which steers faster by the root of its scale.
+    full_length : float, optional
+        Length of the ship [m]; by default that of `ship`, or 200 m where it is a model in a tank.
+    """
+    usual = USUAL_LENGTH if ship.L < LONGEST_MODEL else ship.L
+    return 2.32 * math.sqrt((full_length or usual) / ship.L)
 
 
 def parts_from_particulars(
@@ -140,7 +203,7 @@ def _options(
     """The form that is stated; else the first for which everything is stated or guessed."""
     found: dict[str, str] = {}
     for name, words in effect.options.items():
-        if name in given:
+        if given.get(name) in words:
             found[name] = str(given[name])
             continue
         whole = [

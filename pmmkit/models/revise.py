@@ -13,10 +13,10 @@ from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
-from pmmkit.empirical import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models.changes import before_of
 from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part
+from pmmkit.models.particulars import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
 from pmmkit.models.roles import drives, steers
 from pmmkit.models.scale import scaled
 from pmmkit.models.step import Step, Value
@@ -215,7 +215,7 @@ def _in_the_slipstream(old: Model, new: Model) -> Model:
     return new.with_values(RUDDER_MMG.name, eta=eta * after / before) if kept else new
 
 
-def lent(part: Part, source: str) -> Part:
+def lent(part: Part, source: str = "") -> Part:
     """A part of a similar ship: with part of the uncertainty that an estimate would have.
 
     Parameters
@@ -223,13 +223,13 @@ def lent(part: Part, source: str) -> Part:
     part : Part
         Of the other ship.
     source : str
-        Its name.
+        Its name, where it is not said in the part.
     """
     errors = ERRORS.get(part.effect, {})
     return replace(
         part,
-        source=f"library: {source}",
-        sources=MappingProxyType({}),
+        source=f"library: {source}" if source else part.source,
+        sources=MappingProxyType({}) if source else part.sources,
         std=MappingProxyType(
             {
                 name: LENT * errors[name].of(value)
