@@ -22,7 +22,7 @@ from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.particulars import SECTIONS, STATED, parts_from_particulars, straight_polynomial
 from pmmkit.models.revise import lent
 from pmmkit.reduction import Reduction, reduce_campaign
-from pmmkit.reduction.parts import parts_of
+from pmmkit.reduction.parts import Parts, hull_alone, parts_of
 from pmmkit.structures import Structure, structures
 from pmmkit.tables import DerivativeTable
 
@@ -177,28 +177,33 @@ def model_of(
     MissingPartError
         If the table lacks Yv, Yr, Nv or Nr, or what `missing` does not fill.
     """
-    donor = _measured_parts(reduction) if parts is None else parts
     table, left = _tested_in_full(reduction.table)
-    model = to_model(table, donor, missing=missing)
-    if parts is None and isinstance(donor, Model):
-        model = model.with_(title=f"{donor.name}, from its tests")
-        left = [*donor.notes, *left]
-    else:
+    if parts is not None:
+        model = to_model(table, parts, missing=missing)
         others = {
             name: part if part.std else lent(part)
             for name, part in model.parts.items()
             if name not in DERIVATIVE_PARTS
         }
-        model = model.with_(parts=MappingProxyType({**model.parts, **others}))
-    return model.with_(notes=(*left, *model.notes))
+        return model.with_(
+            parts=MappingProxyType({**model.parts, **others}), notes=(*left, *model.notes)
+        )
+    donor = ship_as_tested(reduction.campaign)
+    found = _parts_by_tests(reduction, donor)
+    if found is not None:
+        donor = _with_tests(donor, found)
+        table = _without_rudder(reduction, table, found)
+    model = to_model(table, donor, missing=missing)
+    return model.with_(
+        title=f"{donor.name}, from its tests", notes=(*donor.notes, *left, *model.notes)
+    )
 
 
-def _measured_parts(reduction: Reduction) -> Model:
-    """Propeller and rudder by the tests where they show them, else as stated or estimated."""
-    stated = ship_as_tested(reduction.campaign)
+def _parts_by_tests(reduction: Reduction, stated: Model) -> Parts | None:
+    """Propeller and rudder where static tests with their gauges show them."""
     blade = stated.parts[RUDDER_MMG.name]
     try:
-        found = parts_of(
+        return parts_of(
             reduction,
             area=_one(blade, "area"),
             height=_one(stated.parts[PROPELLER.name], "D") / _one(blade, "eta"),
@@ -208,24 +213,31 @@ def _measured_parts(reduction: Reduction) -> Model:
             assumed=blade.source_of("lR"),
         )
     except MissingPartError:
-        return stated
-    measured = {
-        part.effect: replace(
-            part,
-            std=MappingProxyType(
-                {
-                    **{
-                        name: x
-                        for name, x in stated.parts[part.effect].std.items()
-                        if part.source_of(name) != part.source
-                    },
-                    **{name: x for name, x in found.std.items() if name in part.values},
-                }
-            ),
-        )
-        for part in (found.propeller, found.rudder)
-    }
-    return stated.with_(parts=MappingProxyType(measured), notes=found.notes)
+        return None
+
+
+def _with_tests(stated: Model, found: Parts) -> Model:
+    """The tested model with parts by tests; what they assume keeps its doubt."""
+    parts = {}
+    for part in (found.propeller, found.rudder):
+        doubt = stated.parts[part.effect].std
+        assumed = {name: x for name, x in doubt.items() if part.source_of(name) != part.source}
+        tested = {name: x for name, x in found.std.items() if name in part.values}
+        parts[part.effect] = replace(part, std=MappingProxyType({**assumed, **tested}))
+    return stated.with_(parts=MappingProxyType(parts), notes=found.notes)
+
+
+def _without_rudder(reduction: Reduction, table: DerivativeTable, found: Parts) -> DerivativeTable:
+    """The hull without the rudder that was on it, where the propeller turned behind it."""
+    turning = [
+        (run.settings.speed, run.settings.propeller_rps)
+        for run in reduction.campaign
+        if run.settings.propeller_rps and not run.kind_of_test.straight_ahead
+    ]
+    if not turning:
+        return table
+    speed, revolutions = np.median(np.array(turning, float), axis=0).tolist()
+    return hull_alone(table, found, speed=speed, revolutions=revolutions)
 
 
 def _one(part: Part, name: str) -> float:
