@@ -33,8 +33,9 @@ from pmmkit.presentation import (
 from pmmkit.ship import Ship, Water
 
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
-FN_TOLERANCE: Final = 1e-3
-"""Share of a Froude number by which a speed may lie beside the range of the values."""
+FN_TOLERANCE: Final = 0.02
+"""Share of a Froude number by which a speed may lie beside the range of the values, as those of
+runs on one carriage setting do; they hold at its edge."""
 
 
 def _frozen() -> Mapping[str, Any]:
@@ -294,7 +295,7 @@ class Model(Described):
                 f"{self.Fn[0]:.4g} to {self.Fn[-1]:.4g} "
                 f"({self.ship.speed(self.Fn[0], self.water.g):.4g} to "
                 f"{self.ship.speed(self.Fn[-1], self.water.g):.4g} m/s) of model {self.name!r}. "
-                f"Choose a speed inside it, or allow it with extrapolate=True."
+                f"Choose a speed inside it, or allow extrapolation."
             )
         if len(self.Fn) == 1:
             return (1.0,)
