@@ -13,7 +13,9 @@ from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import RUDDER_SOURCES, StandardError, rudder_values, shares, wake_fraction
+from pmmkit.errors import DataError
 from pmmkit.models.model import Part
+from pmmkit.models.wageningen import open_water_curve
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
@@ -39,6 +41,8 @@ PROPELLER_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(
     shares(D=0.2, t=0.15, wp=0.25, kt0=0.2, kt1=0.2)
 )
 """How far propellers of the library lie from `propeller_values`."""
+SERIES_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(shares(kt0=0.07, kt1=0.07))
+"""How far a propeller of the same pitch and area may lie from the B series."""
 LENT: Final = 0.5
 """Share of those errors that is left where a similar ship lends the value."""
 USUAL_LENGTH: Final = 200.0
@@ -113,6 +117,7 @@ def parts_from_particulars(
         The ship or model.
     propeller, rudder : mapping
         What is stated, by the names of the effects ``propeller`` and ``rudder_mmg``; also the
+        geometry of the propeller (``P_over_D``, ``area_ratio``, ``blades``) for its curves, the
         ``height`` of the rudder [m], and the ``full_length`` of the ship [m], from which the rate
         of its steering gear follows. Other entries do not count.
 
@@ -129,12 +134,15 @@ def parts_from_particulars(
     ('measured: the campaign file', 'empirical: usual for a merchant ship', 0.03)
     """
     diameter = _number(propeller, "D") or propeller_diameter(ship)
+    curve = _series(propeller)
     screw = _completed(
         PROPELLER,
         propeller,
-        propeller_values(ship, D=diameter),
-        PROPELLER_ERRORS,
-        "empirical: usual for a merchant ship",
+        propeller_values(ship, D=diameter) | curve,
+        {**PROPELLER_ERRORS, **(SERIES_ERRORS if curve else {})},
+        "empirical: usual for a merchant ship"
+        + (", KT of the Wageningen B series" if curve else ""),
+        ("oosterveld_van_oossanen_1975",) if curve else (),
     )
     stated = [area for name in AREAS if (area := _number(rudder, name))]
     area = stated[0] if stated else rudder_area(ship)
@@ -150,6 +158,20 @@ def parts_from_particulars(
         RUDDER_SOURCES,
     )
     return screw, blade
+
+
+def _series(given: Mapping[str, Any]) -> dict[str, float]:
+    """The curves of the Wageningen B series, where the geometry is stated and no curve."""
+    pitch, area = _number(given, "P_over_D"), _number(given, "area_ratio")
+    if pitch is None or area is None or _number(given, "kt0") is not None:
+        return {}
+    J = np.linspace(0.0, HIGHEST_J, 17)
+    blades = int(_number(given, "blades") or 4)
+    try:
+        KT, KQ = open_water_curve(J, pitch=pitch, area_ratio=area, blades=blades)
+    except DataError:
+        return {}
+    return straight_polynomial(J, KT, KQ)
 
 
 def straight_polynomial(J: Array, KT: Array, KQ: Array) -> dict[str, float]:

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit.campaigns.open_water import open_water
 from pmmkit.models.build import HULL_TERMS
 from pmmkit.models.estimates import estimated_table
 from pmmkit.models.hull import hull_table
 from pmmkit.models.particulars import STATED, parts_from_particulars
+from pmmkit.models.wageningen import open_water_curve
 from pmmkit.tables import from_values
 
 MMG = ("kvlcc2-l7", "kcs", "esso-osaka-3m")
@@ -118,3 +120,34 @@ def test_values_of_other_froude_numbers_stand_where_one_has_none():
     )
     made = pk.to_model(several, "s175-3dof", missing="estimate")
     assert made.parts["hull_polynomial"].values["Xvr"] == (-0.003,) * 3
+
+
+def test_the_b_series_comes_near_a_tested_propeller_of_its_geometry(shared_data, datasets):
+    """HP801 of HMRI (P/D 0.721, AE/A0 0.431, 4 blades) is no B propeller: 7 % at low J."""
+    campaign = pk.open_campaign(datasets / "kvlcc2_hmri", data=shared_data)
+    J, KT, KQ = open_water(campaign)
+    low = J <= 0.4
+    thrust, torque = open_water_curve(J[low], pitch=0.721, area_ratio=0.431, blades=4)
+    assert thrust == pytest.approx(KT[low], rel=0.07)
+    assert torque == pytest.approx(KQ[low], rel=0.07)
+
+
+def test_the_best_efficiency_of_b_propellers_is_as_in_their_charts():
+    """B4-40 with P/D 0.8: about 0.65 near J = 0.65; and there is none with twenty blades."""
+    J = np.linspace(0.3, 0.8, 51)
+    KT, KQ = open_water_curve(J, pitch=0.8, area_ratio=0.4, blades=4)
+    eta = J * KT / (2 * np.pi * KQ)
+    assert eta.max() == pytest.approx(0.65, abs=0.02)
+    assert J[eta.argmax()] == pytest.approx(0.66, abs=0.05)
+    with pytest.raises(pk.PmmkitError, match="blades = 20"):
+        open_water_curve(J, pitch=0.8, area_ratio=0.4, blades=20)
+
+
+def test_the_geometry_of_a_propeller_gives_its_curve():
+    ship = pk.load_model("kvlcc2-l7").ship
+    screw, _ = parts_from_particulars(
+        ship, {"D": 0.2124, "P_over_D": 0.721, "area_ratio": 0.431, "blades": 4}, {}
+    )
+    assert screw.values["kt0"] == pytest.approx(0.292, abs=0.005)
+    assert "B series" in screw.source_of("kt0")
+    assert screw.std["kt0"] < 0.1 * screw.values["kt0"]
