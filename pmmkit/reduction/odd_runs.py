@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from pmmkit.checks import CheckFinding
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.reduction.between_runs import Drawn, drawn, size_of
+from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, size_of
 from pmmkit.reduction.derivatives import Columns
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.influence import Influence, influences
@@ -36,10 +36,6 @@ class _Judgement:
 
     departure: float
     chance: float
-
-
-_Judged = Mapping[tuple[float, str], _Judgement]
-"""By Froude number and channel."""
 
 
 def runs_at_odds(
@@ -75,13 +71,13 @@ def runs_at_odds(
             for run in _suspects(rest, aside)
         }
         worst = min(judged, key=lambda run: _least_chance(judged[run]), default="")
-        beyond = {key: x for key, x in judged.get(worst, {}).items() if x.chance < limit}
+        beyond = {name: x for name, x in judged.get(worst, {}).items() if x.chance < limit}
         if not beyond:
             break
         odd += [
             replace(one, departure=own.departure, chance=own.chance)
             for one in found
-            if one.run == worst and (own := beyond.get((one.Fn, one.channel)))
+            if one.run == worst and (own := beyond.get(one.channel))
         ]
         without = _without({worst, *aside}, solution, rows)
         rest = influences(
@@ -97,7 +93,7 @@ def _suspects(found: Sequence[Influence], aside: Collection[str]) -> list[str]:
     return [run for run in runs if run not in aside][:SUSPECTS]
 
 
-def _least_chance(judged: _Judged) -> float:
+def _least_chance(judged: Mapping[str, _Judgement]) -> float:
     return min((x.chance for x in judged.values()), default=1.0)
 
 
@@ -118,53 +114,54 @@ def _by_the_others(
     rows: Sequence[Rows],
     sensitivities: Sequence[Sequence[Sensitivity]],
     columns: Columns,
-) -> _Judged:
+) -> dict[str, _Judgement]:
     """A run in each channel, judged by values and scatter of the runs that are not aside."""
-    home = [
-        number
+    group, members = next(
+        (number, members)
         for number, members in enumerate(solution.groups)
         if any(rows[place].result.run.id == run for place in members)
-    ]
-    without = _without(aside, solution, rows)
-    others = solve(
-        rows,
-        sensitivities,
-        columns,
-        [without[number] for number in home],
-        solution.between.unknown(),
     )
+    own = [rows[place] for place in members]
+    changes = [sensitivities[place] for place in members]
+    between = solution.between.of(members)
+    without = _without(aside, solution, rows)
+    others = solve(rows, sensitivities, columns, [without[group]], solution.between.unknown())
+    judged = {
+        item.channel: _held_against(others, item, number, own, changes, between)
+        for place, item in solution.fits
+        if place == group and (number := _block_of(run, own, item)) is not None
+    }
+    return {channel: found for channel, found in judged.items() if found is not None}
+
+
+def _held_against(
+    others: Solution,
+    item: ChannelFit,
+    number: int,
+    rows: Sequence[Rows],
+    changes: Sequence[Sequence[Sensitivity]],
+    between: BetweenRuns,
+) -> _Judgement | None:
+    """One block of a fit against the values of other runs; None where they do not say enough."""
     scatter = others.between.scatter
-    found = {}
-    for group, item in solution.fits:
-        members = solution.groups[group]
-        own = [rows[place] for place in members]
-        number = _block_of(run, own, item)
-        if number is None or scatter is None or item.channel not in scatter.weights:
-            continue
-        prediction = _predicted(others, home.index(group), item.fit.names)
-        if prediction is None:
-            continue
-        block = item.blocks[number]
-        rest = block.rows - block.design[:, item.chosen] @ prediction.value
-        between = solution.between.of(members)
-        draw = drawn(
-            item.channel,
-            [block],
-            dict(zip(item.fit.names, prediction.value.tolist(), strict=True)),
-            [rest],
-            own,
-            [sensitivities[place] for place in members],
-            between,
-            size_of(item.blocks, item.channel, between),
-        )
-        nodes, weight = scatter.weighed(item.channel)
-        found[float(solution.Fn[group]), item.channel] = _judgement(
-            rest,
-            _allowed(item, number, prediction, draw, nodes),
-            weight,
-            float(item.noise_dof[number]),
-        )
-    return found
+    prediction = _predicted(others, item.fit.names)
+    if prediction is None or scatter is None or item.channel not in scatter.weights:
+        return None
+    block = item.blocks[number]
+    rest = block.rows - block.design[:, item.chosen] @ prediction.value
+    draw = drawn(
+        item.channel,
+        [block],
+        dict(zip(item.fit.names, prediction.value.tolist(), strict=True)),
+        [rest],
+        rows,
+        changes,
+        between,
+        size_of(item.blocks, item.channel, between),
+    )
+    nodes, weight = scatter.weighed(item.channel)
+    allowed = _allowed(item, number, prediction, draw, nodes)
+    return _judgement(rest, allowed, weight, float(item.noise_dof[number]))
 
 
 def _block_of(run: str, members: Sequence[Rows], item: ChannelFit) -> int | None:
@@ -198,10 +195,10 @@ class _Prediction:
     covariance: Array
 
 
-def _predicted(others: Solution, group: int, names: Sequence[str]) -> _Prediction | None:
+def _predicted(others: Solution, names: Sequence[str]) -> _Prediction | None:
     """What other runs say of coefficients; None where they leave one that they have open."""
-    place_of = {label: place for place, label in enumerate(others.joint.labels)}
-    known = [place_of.get((group, name)) for name in names]
+    place_of = {name: place for place, (_, name) in enumerate(others.joint.labels)}
+    known = [place_of.get(name) for name in names]
     places = [place for place in known if place is not None]
     value = np.array([0.0 if place is None else others.joint.value[place] for place in known])
     covariance = others.joint.covariance[np.ix_(places, places)]
