@@ -12,7 +12,7 @@ from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.channels import Channel, Scatter
 from pmmkit.observations.equations import Rows, Sensitivity, has_nominal, sensitivity
 from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
@@ -220,8 +220,6 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
     width of the mixture's 95 % interval about the value, with the ν of the scaled inverse
     chi-square distribution that has the mixture's mean and variance of the variance.
     """
-    from scipy.special import stdtrit
-
     sizes = scatter.sizes(item.channel)
     columns = tuple(own * sizes for own in drawn.own)
     nodes, weight = scatter.weighed(item.channel)
@@ -242,5 +240,5 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
             plain += np.sum((gain @ part) ** 2, axis=1)
         plain += np.einsum("pi,ij,pj->p", gain, noise, gain)
     factor = np.ones(len(there))
-    factor[there] = half / stdtrit(dof[there], (1 + CONFIDENCE) / 2) / np.sqrt(plain[there])
+    factor[there] = half / coverage_factor(dof[there], CONFIDENCE) / np.sqrt(plain[there])
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))

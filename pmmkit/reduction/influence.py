@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.equations import Rows
 from pmmkit.presentation import at_froude
 from pmmkit.reduction.estimate import ChannelFit
@@ -152,11 +152,8 @@ def influences(solution: Solution, rows: Sequence[Rows]) -> tuple[Influence, ...
 
 
 def _half_widths(solution: Solution) -> dict[tuple[int, str], float]:
-    from scipy.special import stdtrit
-
     joint = solution.joint
-    dof = np.where(np.isinf(joint.dof), 1e9, joint.dof)
-    half = stdtrit(dof, (1 + CONFIDENCE) / 2) * np.sqrt(np.diagonal(joint.covariance))
+    half = coverage_factor(joint.dof, CONFIDENCE) * np.sqrt(np.diagonal(joint.covariance))
     return dict(zip(joint.labels, half.tolist(), strict=True))
 
 

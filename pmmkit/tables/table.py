@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import CHANNELS, Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
@@ -118,9 +118,7 @@ class DerivativeTable(Described):
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
         """Lower and upper ends of the confidence intervals, arrays (k, n)."""
-        from scipy.special import stdtrit
-
-        half = stdtrit(np.where(np.isinf(self.dof), 1e9, self.dof), (1 + confidence) / 2) * self.std
+        half = coverage_factor(self.dof, confidence) * self.std
         return self.value - half, self.value + half
 
     def index(self, name: str) -> int:
