@@ -25,7 +25,6 @@ MOST: Final = 8
 """Differences between methods that are printed."""
 ROUNDS: Final = 3
 """Rounds of naming and adding in a demo."""
-PARTS: Final = ("propeller", "rudder_mmg")
 
 
 class OddRuns(StrEnum):
@@ -288,13 +287,21 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
         model = model_of(found, donor)
     except (MissingPartError, ModelError) as error:
         return None, [f"No model.toml: {error}"]
-    lacks = [name for name in PARTS if name not in model.parts]
+    lacks = _lacking(model)
     if not lacks:
         return model, []
     return model, [
         f"model.toml holds the hull without {' and '.join(lacks)}: {' '.join(model.notes[:2])} "
         f"With --parts a library ship (pmmkit ships) or a model file gives them."
     ]
+
+
+def _lacking(model: Model) -> list[str]:
+    """What a turning circle needs besides the hull, and the model has no part for."""
+    from pmmkit.models.roles import parts_of
+
+    named = {"propulsion": parts_of(model, "propulsion"), "steering": parts_of(model, "steering")}
+    return [role for role, parts in named.items() if not parts]
 
 
 def _turns(
@@ -304,7 +311,7 @@ def _turns(
     from pmmkit.errors import SimulationError
     from pmmkit.report import turns_of
 
-    if model is None or any(name not in model.parts for name in PARTS):
+    if model is None or _lacking(model):
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
