@@ -282,12 +282,13 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
     """The model, and in words what it lacks."""
     from pmmkit.api import model_of
     from pmmkit.errors import MissingPartError, ModelError
+    from pmmkit.models.roles import lacking
 
     try:
         model = model_of(found, donor)
     except (MissingPartError, ModelError) as error:
         return None, [f"No model.toml: {error}"]
-    lacks = _lacking(model)
+    lacks = lacking(model)
     if not lacks:
         return model, []
     return model, [
@@ -296,22 +297,15 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
     ]
 
 
-def _lacking(model: Model) -> list[str]:
-    """What a turning circle needs besides the hull, and the model has no part for."""
-    from pmmkit.models.roles import parts_of
-
-    named = {"propulsion": parts_of(model, "propulsion"), "steering": parts_of(model, "steering")}
-    return [role for role, parts in named.items() if not parts]
-
-
 def _turns(
     found: Reduction, model: Model | None, beside: Reference | None
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
     from pmmkit.errors import SimulationError
+    from pmmkit.models.roles import lacking
     from pmmkit.report import turns_of
 
-    if model is None or _lacking(model):
+    if model is None or lacking(model):
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
