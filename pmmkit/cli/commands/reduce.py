@@ -25,7 +25,6 @@ MOST: Final = 8
 """Differences between methods that are printed."""
 ROUNDS: Final = 3
 """Rounds of naming and adding in a demo."""
-PARTS: Final = ("propeller", "rudder_mmg")
 
 
 class OddRuns(StrEnum):
@@ -283,12 +282,13 @@ def _model(found: Reduction, donor: Model | None) -> tuple[Model | None, list[st
     """The model, and in words what it lacks."""
     from pmmkit.api import model_of
     from pmmkit.errors import MissingPartError, ModelError
+    from pmmkit.models.roles import lacking
 
     try:
         model = model_of(found, donor)
     except (MissingPartError, ModelError) as error:
         return None, [f"No model.toml: {error}"]
-    lacks = [name for name in PARTS if name not in model.parts]
+    lacks = lacking(model)
     if not lacks:
         return model, []
     return model, [
@@ -302,9 +302,10 @@ def _turns(
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
     from pmmkit.errors import SimulationError
+    from pmmkit.models.roles import lacking
     from pmmkit.report import turns_of
 
-    if model is None or any(name not in model.parts for name in PARTS):
+    if model is None or lacking(model):
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:
