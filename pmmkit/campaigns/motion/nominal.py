@@ -102,8 +102,8 @@ def require_settings(run: Run) -> None:
     check_settings(run, run.kind_of_test.needs)
 
 
-def is_set(run: Run) -> bool:
-    """Whether the settings of a run give its motion, which may be recorded instead."""
+def has_nominal(run: Run) -> bool:
+    """Whether the settings of a run say its motion, whatever its record says."""
     kind = run.kind_of_test
     return not kind.free_running and not _wrong_settings(run, kind.needs)
 
