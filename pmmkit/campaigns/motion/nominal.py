@@ -103,7 +103,16 @@ def require_settings(run: Run) -> None:
 
 
 def has_nominal(run: Run) -> bool:
-    """Whether the settings of a run say its motion, whatever its record says."""
+    """Whether the settings of a run say its motion, whatever its record says.
+
+    Examples
+    --------
+    >>> from pmmkit.campaigns.settings import Settings
+    >>> run = Run(id="CM", test="circular_motion", kind="history", loader=None,
+    ...           settings=Settings(speed=1.5, radius=20.0))
+    >>> has_nominal(run), has_nominal(run.with_(settings=Settings(speed=1.5)))
+    (True, False)
+    """
     kind = run.kind_of_test
     return not kind.free_running and not _wrong_settings(run, kind.needs)
 
