@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.inertia import Rig, inertia_inside
+from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention, bare, parse_derivative
@@ -277,11 +278,6 @@ def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:
         [{bare(factor) for factor in parse_derivative(name).factors} <= IMPOSED for name in names],
         dtype=bool,
     )
-
-
-def has_nominal(run: Run) -> bool:
-    """Whether the settings of a run say its motion, whatever its record says."""
-    return all(getattr(run.settings, name) is not None for name in run.kind_of_test.needs)
 
 
 def _nominal(

@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 
 from pmmkit.campaigns.motion.inertia import rig_of
+from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.channels import Channel, Scatter
-from pmmkit.observations.equations import Rows, Sensitivity, has_nominal, sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
 from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
 from pmmkit.reduction.estimate import Block, ChannelFit, Width
 from pmmkit.tables.table import CONFIDENCE
