@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
-from typing import Final
+from typing import Final, Literal
 
 from pmmkit.errors import UnknownNameError
 
@@ -14,6 +14,11 @@ HARD_OVER: Final = 35.0
 """Rudder of the turning circle of the standard, where the ship permits as much [deg]."""
 IN_LENGTHS: Final = "_L"
 """Ending of the name of a length that is given in ship lengths."""
+Place = Literal["turn", "comparison", "trial"]
+"""Where some metrics stand, of all that there are: the turning circle of a reduction's report, a
+model beside measured manoeuvres, a sea trial."""
+COUNTED: Final = 3
+"""How many are told of a metric that is counted."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,6 +80,8 @@ class Metric:
         and a symmetric ship has the same to either side.
     criteria : tuple of Criterion
         What the IMO asks of it.
+    told : tuple of {"turn", "comparison", "trial"}
+        Where it is told; files and JSON have all.
 
     Examples
     --------
@@ -90,6 +97,7 @@ class Metric:
     rolls: bool = False
     starboard: bool = False
     criteria: tuple[Criterion, ...] = ()
+    told: tuple[Place, ...] = ()
 
     @property
     def length(self) -> bool:
@@ -187,6 +195,7 @@ def _metric(
     *criteria: Criterion,
     rolls: bool = False,
     starboard: bool = False,
+    told: tuple[Place, ...] = (),
 ) -> Metric:
     return Metric(
         name=name,
@@ -196,31 +205,52 @@ def _metric(
         criteria=criteria,
         rolls=rolls,
         starboard=starboard,
+        told=told,
     )
 
 
+_OF_A_TURN: Final[tuple[Place, ...]] = ("turn", "comparison", "trial")
 METRICS: Final = (
-    _metric("advance", "x090", "advance", "m", *_turning("advance", 4.5)),
-    _metric("transfer", "y090", "transfer", "m"),
+    _metric("advance", "x090", "advance", "m", *_turning("advance", 4.5), told=_OF_A_TURN),
+    _metric("transfer", "y090", "transfer", "m", told=_OF_A_TURN),
     _metric(
-        "tactical_diameter", "y0180", "tactical diameter", "m", *_turning("tactical_diameter", 5.0)
+        "tactical_diameter",
+        "y0180",
+        "tactical diameter",
+        "m",
+        *_turning("tactical_diameter", 5.0),
+        told=_OF_A_TURN,
     ),
-    _metric("steady_diameter", "DC", "steady diameter", "m"),
-    _metric("time_90", "t90", "time to 90° of heading", "s"),
-    _metric("time_180", "t180", "time to 180° of heading", "s"),
-    _metric("steady_drift_deg", "βC", "steady drift angle", "deg"),
-    _metric("speed_ratio", "UC/U0", "steady speed over approach", "-"),
-    _metric("speed_loss", "1 - UC/U0", "loss of speed over approach", "-"),
-    _metric("steady_yaw_rate_deg_s", "rC", "steady yaw rate", "deg/s"),
-    _metric("heel_max_deg", "φmax", "largest heel", "deg", rolls=True),
+    _metric("steady_diameter", "DC", "steady diameter", "m", told=_OF_A_TURN),
+    _metric("time_90", "t90", "time to 90° of heading", "s", told=("trial",)),
+    _metric("time_180", "t180", "time to 180° of heading", "s", told=("trial",)),
+    _metric("steady_drift_deg", "βC", "steady drift angle", "deg", told=("turn", "comparison")),
+    _metric("speed_ratio", "UC/U0", "steady speed over approach", "-", told=("turn", "comparison")),
+    _metric("speed_loss", "1 - UC/U0", "loss of speed over approach", "-", told=("trial",)),
+    _metric("steady_yaw_rate_deg_s", "rC", "steady yaw rate", "deg/s", told=("turn",)),
+    _metric("heel_max_deg", "φmax", "largest heel", "deg", rolls=True, told=("turn",)),
     _metric("heel_steady_deg", "φC", "steady heel, outwards", "deg", rolls=True),
-    _metric("initial_turning_distance", "s", "way of initial turning", "m", INITIAL_TURNING),
+    _metric(
+        "initial_turning_distance",
+        "s",
+        "way of initial turning",
+        "m",
+        INITIAL_TURNING,
+        told=("trial",),
+    ),
     _metric("time_to_heading", "t", "time to the heading", "s"),
     _metric("yaw_rate_deg_s", "r", "yaw rate at the heading", "deg/s"),
-    _metric("overshoot_{}_deg", "ψO", "overshoot angle", "deg", *OVERSHOOTS),
-    _metric("time_execute_{}", "t", "time of an execute", "s"),
-    _metric("reach", "tR", "reach: time to the approach heading again", "s"),
-    _metric("period", "thc", "period of the changes of heading", "s"),
+    _metric(
+        "overshoot_{}_deg",
+        "ψO",
+        "overshoot angle",
+        "deg",
+        *OVERSHOOTS,
+        told=("comparison", "trial"),
+    ),
+    _metric("time_execute_{}", "t", "time of an execute", "s", told=("trial",)),
+    _metric("reach", "tR", "reach: time to the approach heading again", "s", told=("trial",)),
+    _metric("period", "thc", "period of the changes of heading", "s", told=("trial",)),
     _metric("initial_turning_time", "tA", "time to the second execute", "s"),
     _metric("speed_ratio_end", "U/U0", "speed at the last overshoot over approach", "-"),
     _metric("loop_height_deg_s", "lr", "height of the loop", "deg/s"),
@@ -243,10 +273,10 @@ METRICS: Final = (
     _metric("residual_share", "r/rC", "the same over the yaw rate of the turn", "-"),
     _metric("time_turn", "t", "time to rudder amidships", "s"),
     _metric("time_end", "t", "time of the manoeuvre", "s"),
-    _metric("head_reach", "x0F", "head reach", "m"),
-    _metric("track_reach", "sF", "track reach", "m", TRACK_REACH),
-    _metric("lateral_deviation", "y0F", "lateral deviation", "m", starboard=True),
-    _metric("time_to_stop", "tF", "time to stop", "s"),
+    _metric("head_reach", "x0F", "head reach", "m", told=("comparison", "trial")),
+    _metric("track_reach", "sF", "track reach", "m", TRACK_REACH, told=("comparison", "trial")),
+    _metric("lateral_deviation", "y0F", "lateral deviation", "m", starboard=True, told=("trial",)),
+    _metric("time_to_stop", "tF", "time to stop", "s", told=("trial",)),
     _metric("heading_at_stop_deg", "ψ", "heading at stop", "deg", starboard=True),
     _metric("final_speed", "U", "final speed", "m/s"),
     _metric("time", "t", "time until the speed stays", "s"),
@@ -360,6 +390,42 @@ def in_lengths(names: Iterable[str]) -> list[str]:
     """
     given = list(names)
     return [name for name in given if name + IN_LENGTHS not in given]
+
+
+def in_metres(names: Iterable[str]) -> list[str]:
+    """Names of numbers, without those in ship lengths.
+
+    Examples
+    --------
+    >>> in_metres(["advance", "advance_L", "time_90"])
+    ['advance', 'time_90']
+    """
+    return [name for name in names if not name.endswith(IN_LENGTHS)]
+
+
+def told(place: Place, names: Iterable[str], *, counted: int = COUNTED) -> list[str]:
+    """Names of numbers that are told in a place.
+
+    Parameters
+    ----------
+    place : {"turn", "comparison", "trial"}
+        Where.
+    names : iterable of str
+        Of all numbers there are.
+    counted : int
+        How many are told of a metric that is counted.
+
+    Examples
+    --------
+    >>> told("trial", ["advance", "speed_ratio", "overshoot_1_deg", "overshoot_4_deg"])
+    ['advance', 'overshoot_1_deg']
+    """
+    return [
+        name
+        for name in names
+        for metric in [metric_of(name)]
+        if place in metric.told and int(metric.count(name.removesuffix(IN_LENGTHS)) or 1) <= counted
+    ]
 
 
 def main_of(names: Iterable[str]) -> str:

@@ -26,6 +26,32 @@ def rms(values: ArrayLike) -> float:
     return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
 
 
+def coverage_factor(dof: ArrayLike, confidence: float) -> Array:
+    """Half width of an interval over the standard uncertainty, by Student's t (JCGM 100:2008, G.3).
+
+    Parameters
+    ----------
+    dof : array-like
+        Degrees of freedom; inf where the uncertainty is known.
+    confidence : float
+        What the interval holds, such as 0.95.
+
+    Returns
+    -------
+    array
+        Of the shape of `dof`.
+
+    Examples
+    --------
+    >>> coverage_factor([1.0, 10.0, np.inf], 0.95).round(2)
+    array([12.71,  2.23,  1.96])
+    """
+    from scipy.special import stdtrit
+
+    freedom = np.where(np.isinf(dof), 1e9, dof)  # known: within 1e-9 of the normal
+    return np.asarray(stdtrit(freedom, (1 + confidence) / 2), dtype=np.float64)
+
+
 def projector(basis: Array) -> Array:
     """The least-squares map from samples to the coefficients of a basis.
 

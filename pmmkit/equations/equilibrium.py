@@ -51,6 +51,28 @@ def complete(k: list[float]) -> int:
     return 0
 
 
+def chord(low: float, f_low: float, high: float, f_high: float) -> float:
+    """Where the chord of a bracket is zero, or else its middle; NaN where no number is between."""
+    middle = high - f_high * (high - low) / (f_high - f_low)
+    if not low < middle < high:
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            return math.nan
+    return middle
+
+
+def narrowed(
+    low: float, f_low: float, high: float, f_high: float, middle: float, f_middle: float
+) -> tuple[float, float, float, float]:
+    """A bracket, negative below and positive above, with a place inside as one of its ends.
+
+    The end that stays counts half, so that neither stays for ever: the method of Illinois.
+    """
+    if f_middle > 0.0:
+        return low, 0.5 * f_low, middle, f_middle
+    return middle, f_middle, high, 0.5 * f_high
+
+
 def surge_rate(n: float, speed: float, k: list[float], y: list[float], out: list[float]) -> float:
     """Surge acceleration straight ahead, rudder amidships [m/s²]."""
     for i in range(NS):
@@ -65,7 +87,7 @@ def surge_rate(n: float, speed: float, k: list[float], y: list[float], out: list
 def self_propulsion(speed: float, k: list[float], y: list[float], out: list[float]) -> float:
     """Revolutions that hold a speed straight ahead; NaN if none do, 0 without a propeller.
 
-    Bracketed by growing steps from almost none, then found by the method of Illinois.
+    Bracketed by growing steps from almost none, then found by chords.
     """
     if REVOLUTIONS == 0:
         return 0.0
@@ -85,20 +107,13 @@ def self_propulsion(speed: float, k: list[float], y: list[float], out: list[floa
     for _ in range(100):
         if high - low <= 4e-16 * high or f_high == f_low:
             break
-        middle = high - f_high * (high - low) / (f_high - f_low)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
+        middle = chord(low, f_low, high, f_high)
+        if math.isnan(middle):
+            break
         f_middle = surge_rate(middle, speed, k, y, out)
         if f_middle == 0.0:
             return middle
-        if f_middle > 0.0:
-            high, f_high = middle, f_middle
-            f_low = 0.5 * f_low
-        else:
-            low, f_low = middle, f_middle
-            f_high = 0.5 * f_high
+        low, f_low, high, f_high = narrowed(low, f_low, high, f_high, middle, f_middle)
     return high
 
 

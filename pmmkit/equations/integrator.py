@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 
-from pmmkit.equations.equilibrium import complete, self_propulsion, settle
+from pmmkit.equations.equilibrium import chord, complete, narrowed, self_propulsion, settle
 from pmmkit.equations.layouts import (
     Constant,
     Control,
@@ -226,20 +226,13 @@ def root(
     for _ in range(200):
         if high - low <= 1e-15 or f_high == f_low:
             break
-        middle = high - f_high * (high - low) / (f_high - f_low)
-        if not low < middle < high:
-            middle = 0.5 * (low + high)
-            if not low < middle < high:
-                break
+        middle = chord(low, f_low, high, f_high)
+        if math.isnan(middle):
+            break
         f_middle = side * (dense(steps, at, middle, state) - level)
         if f_middle == 0.0:
             return middle
-        if f_middle > 0.0:
-            high, f_high = middle, f_middle
-            f_low = 0.5 * f_low
-        else:
-            low, f_low = middle, f_middle
-            f_high = 0.5 * f_high
+        low, f_low, high, f_high = narrowed(low, f_low, high, f_high, middle, f_middle)
     return high
 
 

@@ -23,7 +23,7 @@ from pmmkit.equations.layouts import Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
 from pmmkit.errors import DataError, MissingPartError, ModelError
 from pmmkit.models import Model
-from pmmkit.models.roles import in_role, parts_of
+from pmmkit.models.roles import in_role, lacking
 from pmmkit.numerics import Array
 
 Numbers = Mapping[str, Mapping[str, Any]]
@@ -439,11 +439,7 @@ def missing_parts(model: Model) -> list[str]:
     []
     """
     missing = [name for name in (HULL, INERTIA) if name not in model.parts]
-    if not parts_of(model, "propulsion") and model.convention.surge != "delta-u":
-        missing.append(" or ".join(in_role("propulsion")))
-    if not parts_of(model, "steering"):
-        missing.append(" or ".join(in_role("steering")))
-    return list(dict.fromkeys(missing))
+    return missing + [" or ".join(in_role(role)) for role in lacking(model)]
 
 
 def _check_parts(model: Model) -> None:

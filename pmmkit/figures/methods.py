@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.errors import TableError
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.marks import beyond
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.tables.compare import Reference
 
@@ -136,7 +137,7 @@ def _bars(
         label=f"{label}, 95 %",
         zorder=3,
     )
-    _arrows(axis, value, places, colour)
+    beyond(axis, value, places, _LIMIT, colour)
 
 
 def _crosses(axis: Axes, value: Array, places: Array, label: str) -> None:
@@ -151,33 +152,4 @@ def _crosses(axis: Axes, value: Array, places: Array, label: str) -> None:
         label=label,
         zorder=4,
     )
-    _arrows(axis, value, places, style.INK)
-
-
-def _arrows(axis: Axes, value: Array, places: Array, colour: str) -> None:
-    """Values beyond the axis, as arrows with their number."""
-    for x, y in zip(value, places, strict=True):
-        if not abs(x) > _LIMIT:
-            continue
-        right = bool(x > 0)
-        axis.plot(
-            _LIMIT if right else -_LIMIT,
-            y,
-            marker=">" if right else "<",
-            ms=4,
-            color=colour,
-            clip_on=False,
-            zorder=4,
-        )
-        axis.annotate(
-            f"{x:.3g}",
-            (_LIMIT if right else -_LIMIT, y),
-            xytext=(-6 if right else 6, 0),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            va="center",
-            fontsize=7,
-            color=colour,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
-            zorder=5,
-        )
+    beyond(axis, value, places, _LIMIT, style.INK)

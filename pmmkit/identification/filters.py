@@ -277,7 +277,9 @@ def _pass(
         means = np.empty((n, 2 * (size + m)))
         residuals, spreads = np.empty((n, len(names))), np.empty((n, len(names)))
         longest = STEP * setup.L / setup.speed
-        steps = np.concatenate([state_steps(binding.structure.states, setup), 1e-4 * unit])
+        steps = np.concatenate(
+            [state_steps(binding.structure.states, setup.speed, setup.L), 1e-4 * unit]
+        )
         shared = (
             record.t,
             record.inputs,
@@ -342,9 +344,9 @@ LOST: Final = {
 }
 
 
-def state_steps(states: Sequence[str], setup: _Setup) -> Array:
-    """Steps of the differences over the states."""
-    sizes = {"u": setup.speed, "v": setup.speed, "r": setup.speed / setup.L}
+def state_steps(states: Sequence[str], speed: float, L: float) -> Array:
+    """Steps of the differences over the states, for a speed [m/s] and a ship length [m]."""
+    sizes = {"u": speed, "v": speed, "r": speed / L}
     return np.array([1e-6 * sizes.get(name, 1.0) for name in states])
 
 
@@ -370,6 +372,26 @@ def process(states: Sequence[str], roughness: float, speed: float, L: float) -> 
     unit = (roughness * speed**2 / L) ** 2 * L / speed
     growth = {"u": unit, "v": unit, "r": unit / L**2, "p": unit / L**2}
     return np.array([growth.get(name, 0.0) for name in states])
+
+
+def with_forces(
+    y: Array, variances: Array, spread: Array, fading: Array
+) -> tuple[Array, Array, Array]:
+    """State, covariance and diffusion of a filter that looks for unknown forces too.
+
+    Parameters
+    ----------
+    y, variances : array (n,)
+        States at the first instant and their variances, as `first_state` gives them.
+    spread, fading : array (m,)
+        Standard deviation of each force, an Ornstein-Uhlenbeck process about zero, and the rate at
+        which it forgets [1/s].
+    """
+    return (
+        np.concatenate([y, np.zeros(len(spread))]),
+        np.diag(np.concatenate([variances, spread**2])),
+        np.concatenate([np.zeros(len(y)), 2.0 * spread**2 * fading]),
+    )
 
 
 def first_state(

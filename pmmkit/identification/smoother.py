@@ -17,7 +17,15 @@ from pmmkit.equations.histories import rigid_body
 from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, bound, driven
-from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
+from pmmkit.identification.filters import (
+    GATE,
+    LOST,
+    STEP,
+    first_state,
+    kind_of,
+    state_steps,
+    with_forces,
+)
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
@@ -144,15 +152,12 @@ def smooth(
 
     def forward(share: float, *, store: bool) -> tuple[Array, float, int]:
         spread = np.array([share * unit[name[-1]] for name in names])
-        y, wide = first_state(record, states, known, ready.ship.L)
-        z = np.concatenate([y, np.zeros(len(names))])
-        P = np.diag(np.concatenate([wide, spread**2]))
+        first = first_state(record, states, known, ready.ship.L)
+        z, P, diffusion = with_forces(*first, spread, fading)
         kept = np.zeros((rows if store else 0, width))
         means = np.empty((rows, 2 * n))
         residuals, totals = np.empty((rows, len(channels))), np.empty((rows, len(channels)))
-        diffusion = np.concatenate([np.zeros(len(states)), 2.0 * spread**2 * fading])
-        sizes = {"u": record.speed, "v": record.speed, "r": pace}
-        steps = np.concatenate([[1e-6 * sizes.get(name, 1.0) for name in states], 1e-3 * spread])
+        steps = np.concatenate([state_steps(states, record.speed, ready.ship.L), 1e-3 * spread])
         status = functions.extended(
             record.t,
             record.inputs,

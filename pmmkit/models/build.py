@@ -18,7 +18,8 @@ from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
 from pmmkit.models.store import load_model
-from pmmkit.tables.table import DerivativeTable, student
+from pmmkit.numerics import coverage_factor
+from pmmkit.tables.table import CONFIDENCE, DerivativeTable
 
 Missing = Literal["refuse", "zero", "library", "estimate"]
 HULL_TERMS: Final = ("Yv", "Yr", "Nv", "Nr")
@@ -339,7 +340,9 @@ def _covariance(table: DerivativeTable, names: tuple[str, ...]) -> np.ndarray | 
     flat = block.reshape(size, size)
     if not np.any(np.isfinite(np.diagonal(flat))):
         return None
-    wide = (student(table.dof) / student(np.inf))[:, columns].ravel()
+    wide = (coverage_factor(table.dof, CONFIDENCE) / coverage_factor(np.inf, CONFIDENCE))[
+        :, columns
+    ].ravel()
     flat = flat * np.outer(wide, wide)
     return (flat + flat.T) / 2
 

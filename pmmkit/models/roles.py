@@ -21,6 +21,24 @@ def parts_of(model: Model, role: Role) -> tuple[str, ...]:
     return tuple(name for name, part in model.parts.items() if role in part.known.roles)
 
 
+def lacking(model: Model) -> tuple[Role, ...]:
+    """What a model has no part for and needs besides the hull, to be sailed.
+
+    A model in the loss of speed Δu holds the propeller's share in its hull.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> ship = load_model("kvlcc2")
+    >>> hull = {"hull_polynomial": ship.parts["hull_polynomial"]}
+    >>> lacking(ship), lacking(ship.with_(parts=hull))
+    ((), ('propulsion', 'steering'))
+    """
+    needed: tuple[Role, ...] = ("propulsion", "steering")
+    held = {"propulsion"} if model.convention.surge == "delta-u" else set()
+    return tuple(role for role in needed if role not in held and not parts_of(model, role))
+
+
 def in_role(role: Role) -> tuple[str, ...]:
     """All effects of the catalogue that have a role."""
     return tuple(effect.name for effect in catalogue().values() if role in effect.roles)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.inertia import Rig, inertia_inside
+from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention, bare, parse_derivative
@@ -103,6 +104,41 @@ def motion_of_water(prepared: Prepared, rig: Rig, blockage: float) -> tuple[Stat
     return motion, prepared.result.run.settings.speed * faster
 
 
+def regressors_of(
+    names: Mapping[str, Sequence[str]],
+    motion: State,
+    speed: float,
+    campaign: Campaign,
+    convention: Convention,
+) -> dict[str, Array]:
+    """What each derivative multiplies at the samples, channel by channel, arrays (n, p).
+
+    Parameters
+    ----------
+    names : mapping of channel to names
+        The derivatives.
+    motion : State
+        Motion of midship through the water at n samples.
+    speed : float
+        Approach speed [m/s].
+    campaign : Campaign
+        Ship and water.
+    convention : Convention
+        Meaning of the derivatives.
+    """
+    return {
+        channel: regressors(
+            listed,
+            motion,
+            ship=campaign.ship,
+            water=campaign.water,
+            convention=convention,
+            approach_speed=speed,
+        )
+        for channel, listed in names.items()
+    }
+
+
 def _design(
     projection: Array,
     names: Mapping[str, Sequence[str]],
@@ -112,20 +148,8 @@ def _design(
     convention: Convention,
 ) -> dict[str, Array]:
     """Harmonics of what each derivative multiplies, channel by channel."""
-    return {
-        channel: _projected(
-            projection,
-            regressors(
-                listed,
-                motion,
-                ship=campaign.ship,
-                water=campaign.water,
-                convention=convention,
-                approach_speed=speed,
-            ),
-        )
-        for channel, listed in names.items()
-    }
+    columns = regressors_of(names, motion, speed, campaign, convention)
+    return {channel: _projected(projection, own) for channel, own in columns.items()}
 
 
 def _projected(projection: Array, columns: Array) -> Array:
@@ -254,11 +278,6 @@ def _imposed(names: Sequence[str]) -> NDArray[np.bool_]:
         [{bare(factor) for factor in parse_derivative(name).factors} <= IMPOSED for name in names],
         dtype=bool,
     )
-
-
-def has_nominal(run: Run) -> bool:
-    """Whether the settings of a run say its motion, whatever its record says."""
-    return all(getattr(run.settings, name) is not None for name in run.kind_of_test.needs)
 
 
 def _nominal(

@@ -13,9 +13,8 @@ from pmmkit.campaigns.motion.inertia import Rig, force_of_water
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import Convention
-from pmmkit.effects.hull import regressors
 from pmmkit.numerics import Array, projector
-from pmmkit.observations.equations import motion_of_water
+from pmmkit.observations.equations import motion_of_water, regressors_of
 from pmmkit.observations.prepare import ORDER, Prepared
 from pmmkit.signals.noise import autoregressive_noise
 from pmmkit.signals.periodic import between_harmonics, fit_noise, phase_cells
@@ -86,17 +85,7 @@ def history_of(
     that equations which hold for samples hold for stretches.
     """
     motion, speed = motion_of_water(prepared, rig, blockage)
-    columns = {
-        channel: regressors(
-            listed,
-            motion,
-            ship=campaign.ship,
-            water=campaign.water,
-            convention=convention,
-            approach_speed=speed,
-        )
-        for channel, listed in names.items()
-    }
+    columns = regressors_of(names, motion, speed, campaign, convention)
     if run.kind != "history":
         force = prepared.water_force(rig)
         return History(

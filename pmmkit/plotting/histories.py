@@ -13,7 +13,7 @@ from pmmkit.escaping import figure_text
 from pmmkit.metrics import HARD_OVER, metrics_named
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
-from pmmkit.plotting.marks import open_mark
+from pmmkit.plotting.marks import open_mark, path_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -205,9 +205,7 @@ def path(track: History) -> Figure:
         places = [min(place, len(track) - 1) for place in places]
         x, y = track.y[places] / track.L, track.x[places] / track.L
         open_mark(axis, x, y, "orders", zorder=3)
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.set_xlabel("to starboard, y / L [-]")
-        axis.set_ylabel("ahead, x / L [-]")
+        path_axes(axis)
         style.legend_below(figure, [axis])
     return figure
 

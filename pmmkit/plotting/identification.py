@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -12,6 +11,7 @@ from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
+from pmmkit.plotting.marks import beyond
 from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
@@ -113,28 +113,7 @@ def _intervals(axis: Axes, item: Result, at: np.ndarray, number: int, limit: flo
             label=f"{item.method}, 95 %" if face == colour else None,
             zorder=3,
         )
-    for x, y in zip(value[~inside], at[~inside], strict=True):
-        if math.isnan(x):
-            continue
-        right = bool(x > 0)
-        axis.plot(
-            limit if right else -limit,
-            y,
-            marker=">" if right else "<",
-            color=colour,
-            clip_on=False,
-            zorder=4,
-        )
-        axis.annotate(
-            f"{x:.3g}",
-            (limit if right else -limit, y),
-            xytext=(-8 if right else 8, 0),
-            textcoords="offset points",
-            ha="right" if right else "left",
-            va="center",
-            fontsize=8,
-            color=colour,
-        )
+    beyond(axis, value, at, limit, colour, size=8)
 
 
 def parameter_symbol(name: str, convention: Convention) -> str:

@@ -63,3 +63,48 @@ def dimension(axis: Axes, start: Place, end: Place, text: str, *, upright: bool)
 def guide(axis: Axes, start: Place, end: Place) -> None:
     """A thin dotted line from what is measured to its dimension line."""
     axis.plot([start[0], end[0]], [start[1], end[1]], color="#bbbbbb", lw=0.8, ls=":")
+
+
+def path_axes(axis: Axes) -> None:
+    """Axes of a path in ship lengths, ahead upwards, both to one scale."""
+    axis.set_aspect("equal", adjustable="datalim")
+    axis.set_xlabel("to starboard, y / L [-]")
+    axis.set_ylabel("ahead, x / L [-]")
+
+
+def beyond(
+    axis: Axes, value: Array, places: Array, limit: float, colour: str, *, size: float = 7
+) -> None:
+    """Values beyond an axis of -limit to limit, as arrows at its ends with their number.
+
+    Parameters
+    ----------
+    axis : Axes
+        Where.
+    value, places : array (n,)
+        Values, and where they stand across the axis; those inside and NaN are left out.
+    limit : float
+        End of the axis.
+    colour : str
+        Of arrows and numbers.
+    size : float
+        Of the numbers [pt].
+    """
+    for x, y in zip(value, places, strict=True):
+        if not abs(x) > limit:
+            continue
+        right = bool(x > 0)
+        end = limit if right else -limit
+        axis.plot(end, y, marker=">" if right else "<", ms=4, color=colour, clip_on=False, zorder=4)
+        axis.annotate(
+            f"{x:.3g}",
+            (end, y),
+            xytext=(-6 if right else 6, 0),
+            textcoords="offset points",
+            ha="right" if right else "left",
+            va="center",
+            fontsize=size,
+            color=colour,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
+            zorder=5,
+        )

@@ -11,7 +11,7 @@ from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
 from pmmkit.numerics import Array
 from pmmkit.plotting import style
-from pmmkit.plotting.marks import dimension, guide
+from pmmkit.plotting.marks import dimension, guide, path_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,9 +61,7 @@ def trajectory(tracks: Sequence[History], names: Sequence[str] | None = None) ->
             _path(axis, track, number, name)
         if len(tracks) == 1:
             _measures(axis, tracks[0])
-        axis.set_aspect("equal", adjustable="datalim")
-        axis.set_xlabel("to starboard, y / L [-]")
-        axis.set_ylabel("ahead, x / L [-]")
+        path_axes(axis)
         style.legend_below(figure, [axis], columns=3)
     return figure
 

@@ -9,15 +9,16 @@ from itertools import pairwise
 import numpy as np
 
 from pmmkit.campaigns.motion.inertia import rig_of
+from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, coverage_factor
 from pmmkit.observations.channels import Channel, Scatter
-from pmmkit.observations.equations import Rows, Sensitivity, has_nominal, sensitivity
+from pmmkit.observations.equations import Rows, Sensitivity, sensitivity
 from pmmkit.observations.scatter import Restricted, RunScatter, half_width, restricted
 from pmmkit.reduction.estimate import Block, ChannelFit, Width
-from pmmkit.tables.table import CONFIDENCE, student
+from pmmkit.tables.table import CONFIDENCE
 
 ONE_DEGREE = TypeB(name="drift", std=float(np.radians(1.0)))
 
@@ -240,5 +241,5 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
             plain += np.sum((gain @ part) ** 2, axis=1)
         plain += np.einsum("pi,ij,pj->p", gain, noise, gain)
     factor = np.ones(len(there))
-    factor[there] = half / student(dof[there]) / np.sqrt(plain[there])
+    factor[there] = half / coverage_factor(dof[there], CONFIDENCE) / np.sqrt(plain[there])
     return replace(item, width=Width(columns=columns, factor=factor, dof=dof))

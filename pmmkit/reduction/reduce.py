@@ -24,13 +24,14 @@ from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
 from pmmkit.reduction.derivatives import Columns, columns_of
-from pmmkit.reduction.influence import Influences, at_odds, influences, weighed_down
+from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run
 from pmmkit.reduction.methods.library import library_of
 from pmmkit.reduction.methods.method import Estimate, Evidence
 from pmmkit.reduction.methods.over_time import channels_over_time
 from pmmkit.reduction.methods.registry import ALL, estimates, methods_of
 from pmmkit.reduction.notes import Offset, notes, offsets
+from pmmkit.reduction.odd_runs import at_odds, runs_at_odds, weighed_down
 from pmmkit.reduction.propulsion import Propulsion, Resistance, propulsion, resistance
 from pmmkit.reduction.reading.all_runs import Means, read_all
 from pmmkit.reduction.reading.run import ReductionSettings
@@ -294,8 +295,9 @@ def reduce_campaign(
     groups = _groups(rows, fn)
     rows = _excited(rows, groups, campaign, convention)
     solution = solve(rows, sensitivities, columns, groups, between_runs(rows, campaign, convention))
-    odd = influences(solution, rows, sensitivities, columns)
-    if odd.odd and odd_runs == "refuse":
+    each = influences(solution, rows)
+    odd = runs_at_odds(each, solution, rows, sensitivities, columns)
+    if odd and odd_runs == "refuse":
         raise ContradictionError(
             [
                 Problem(message=item.message, run=item.runs[0], remedy=item.remedy)
@@ -303,8 +305,8 @@ def reduce_campaign(
             ],
             title="Runs are at odds with the others",
         )
-    if odd.odd and odd_runs == "weigh":
-        rows = weighed_down(rows, solution, odd.odd)
+    if odd and odd_runs == "weigh":
+        rows = weighed_down(rows, solution, odd)
         solution = solve(rows, sensitivities, columns, groups, solution.between.unknown())
     results = tuple(item.result for item in rows)
     curve = resistance(results)
@@ -364,7 +366,7 @@ def reduce_campaign(
         columns=columns,
         convention=convention,
         solution=solution,
-        influences=odd,
+        influences=Influences(items=each, odd=odd),
     )
 
 

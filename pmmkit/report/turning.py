@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
-from pmmkit.metrics import HARD_OVER, metric_of, unit_of
+from pmmkit.metrics import HARD_OVER, in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
 from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
 from pmmkit.report.reference import Reference
@@ -21,13 +21,6 @@ if TYPE_CHECKING:
 
     from pmmkit.simulation import Track
 
-MEASURES: Final = (
-    *LENGTHS,
-    "steady_drift_deg",
-    "speed_ratio",
-    "steady_yaw_rate_deg_s",
-    "heel_max_deg",
-)
 STEPS: Final = 7
 """Froude numbers of a sweep."""
 
@@ -149,7 +142,7 @@ def turning_section(turns: Turns) -> Section:
 def _measures(turns: Turns) -> Grid:
     tracks = sorted(turns.tracks, key=lambda item: item.Fn)
     limits = _verdicts(tracks)
-    names = [name for name in MEASURES if name in tracks[0].metrics]
+    names = told("turn", in_lengths(tracks[0].metrics))
     moved = changes(tracks)
     rows: list[list[Cell]] = []
     for name in names:

@@ -8,11 +8,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from pmmkit.conventions import CHANNELS, Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, coverage_factor
 from pmmkit.presentation import Described, Grid, Group, Section, counted, plus_minus
 from pmmkit.ship import Ship, Water
 from pmmkit.tables.attributes import KIND, SCHEMA, digest, flat, plain
@@ -31,20 +31,6 @@ FORCES: Final[Mapping[str, str]] = {
     "N": "Yaw moment N",
     "K": "Roll moment K",
 }
-
-
-def student(dof: ArrayLike, confidence: float = CONFIDENCE) -> Array:
-    """Half of a confidence interval over the standard uncertainty, by degrees of freedom.
-
-    Examples
-    --------
-    >>> student([4.0, np.inf]).round(3)
-    array([2.776, 1.96 ])
-    """
-    from scipy.special import stdtrit
-
-    many = np.where(np.isinf(dof), 1e9, dof)
-    return np.asarray(stdtrit(many, (1 + confidence) / 2), np.float64)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -132,7 +118,7 @@ class DerivativeTable(Described):
 
     def interval(self, confidence: float = CONFIDENCE) -> tuple[Array, Array]:
         """Lower and upper ends of the confidence intervals, arrays (k, n)."""
-        half = student(self.dof, confidence) * self.std
+        half = coverage_factor(self.dof, confidence) * self.std
         return self.value - half, self.value + half
 
     def index(self, name: str) -> int:

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
-from pmmkit.metrics import IN_LENGTHS, metric_of, unit_of
+from pmmkit.campaigns.test_kinds.free_running import STOPPING
+from pmmkit.metrics import IN_LENGTHS, in_metres, metric_of, told, unit_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Described, Grid, Group, Section
 from pmmkit.simulation.imo import Verdict
@@ -19,31 +19,6 @@ from pmmkit.trials.noise import PositionNoise
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-
-SHOWN: Final[Mapping[str, tuple[str, ...]]] = {
-    TURNING.name: (
-        "advance",
-        "transfer",
-        "tactical_diameter",
-        "steady_diameter",
-        "speed_loss",
-        "time_90",
-        "time_180",
-    ),
-    ZIGZAG.name: (
-        "overshoot_1_deg",
-        "overshoot_2_deg",
-        "overshoot_3_deg",
-        "time_execute_2",
-        "time_execute_3",
-        "reach",
-        "period",
-        "initial_turning_distance",
-    ),
-    STOPPING.name: ("head_reach", "track_reach", "lateral_deviation", "time_to_stop"),
-}
-"""Measures that are told, by test; `Trial.rows` has all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,29 +155,28 @@ class Trial(Described):
         )
 
     def _sections(self) -> Sequence[Section]:
-        told = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]
+        words = [f"{self.name}, L = {self.L:g} m; order at t = {self.order:.1f} s"]
         if self.current is not None:
-            told.append(
+            words.append(
                 f"Current {self.current.speed:.3f} ± {WIDE * self.current.speed_std:.3f} m/s to "
                 f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
             )
         if self.wind is not None:
-            told.append(f"Wind {self.wind}")
+            words.append(f"Wind {self.wind}")
         conditions = dict.fromkeys(text for item in self.verdicts for text in item.conditions)
         notes = [*self.notes, *conditions]
         return [
-            Section(paragraphs=told),
+            Section(paragraphs=words),
             Section(title="Measures", tables=[self._measures()]),
             *([Section(title="Notes", points=notes)] if notes else []),
         ]
 
     def _measures(self) -> Grid:
-        """The main measures beside their limits."""
+        """The measures that a trial tells beside their limits; `rows` has all."""
         limits = {row["measure"]: row for row in self.rows()}
         rows = [
             [*self._cells(name), *_limit(limits.get(f"{name}_L", limits[name]))]
-            for name in SHOWN.get(self.test, ())
-            if name in self.metrics
+            for name in told("trial", in_metres(self.metrics))
         ]
         head = ["measure", "value", "std", "in L", "limit", ""]
         return Grid(head=head, groups=[Group(rows=rows)])

@@ -13,6 +13,7 @@ from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.metrics import in_metres, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
 from pmmkit.observations.whitening import FLOOR
@@ -39,19 +40,8 @@ if TYPE_CHECKING:
 
 MOST: Final = 12
 """Sentences of a report; `Comparison.standouts` has all of them."""
-TOLD: Final = (
-    "advance",
-    "transfer",
-    "tactical_diameter",
-    "steady_diameter",
-    "steady_drift_deg",
-    "speed_ratio",
-    "overshoot_1_deg",
-    "overshoot_2_deg",
-    "head_reach",
-    "track_reach",
-)
-"""Measures of manoeuvres that get a sentence."""
+OVERSHOOTS: Final = 2
+"""Overshoots of a zigzag that are told: those for which the IMO has limits."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -206,8 +196,7 @@ class Comparison(Described):
                 number(row["uncertainty"], 2),
             ]
             for item in self.manoeuvres
-            for row in item.rows()
-            if row["measure"] in TOLD
+            for row in _told(item)
         ]
         head = ["measure", "measured", "simulated", "error", "uncertainty"]
         return Grid(head=head, groups=[Group(rows=rows)])
@@ -489,13 +478,18 @@ def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
     ]
 
 
+def _told(item: Manoeuvre) -> list[dict[str, Any]]:
+    """The rows of the measures that a comparison tells."""
+    chosen = told("comparison", in_metres(item.trial.metrics), counted=OVERSHOOTS)
+    return [row for row in item.rows() if row["measure"] in chosen]
+
+
 def _measure_sentences(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
     """Measures that differ to one side in all runs of a kind of test."""
     found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for item in manoeuvres:
-        for row in item.rows():
-            if row["measure"] in TOLD:
-                found.setdefault((row["test"], row["measure"]), []).append(row)
+        for row in _told(item):
+            found.setdefault((row["test"], row["measure"]), []).append(row)
     sentences = []
     for (test, measure), rows in found.items():
         signs = {np.sign(row["error"]) for row in rows}

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -65,7 +66,7 @@ def missing(step: Step, folder: Path) -> list[str]:
     """Lines that a step shows and does not print, run in a folder."""
     printed: set[str] = set()
     for command in step.commands:
-        words = [sys.executable, "-m", "pmmkit", *command.split()[1:]]
+        words = [sys.executable, "-m", "pmmkit", *shlex.split(command, comments=True)[1:]]
         done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
             return [f"{command}: exit status {done.returncode}: {done.stderr.strip()}"]

@@ -17,17 +17,13 @@ import time
 
 import numpy as np
 
-import pmmkit as pk
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.weighing import base_prior
 from pmmkit.identification.parameters import places, with_parameters
-from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
 
-SPEED = 1.179
 RUNS = ((20, 20), (-10, 10), (25, 5), (-15, 10), (-20, 20), (10, 10))
-SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.006}
-SHIP = pk.load_model("kvlcc2-l7")
 HULL, RUDDER = "hull_polynomial", "rudder_mmg"
 HIDDEN = {
     "none": (SHIP, 0.0),
@@ -38,30 +34,6 @@ HIDDEN = {
     "rudder_slipstream": (SHIP.with_values(RUDDER, epsilon=1.3), 0.0),
     "modulus_yaw_drag": (SHIP.with_values(HULL, **{"Yr|r|": 0.10, "Nr|r|": -0.076}), 0.0),
 }
-
-
-def sailed(model: Model, seed: int, zero: float) -> list[FreeRecord]:
-    """Zigzags with noise; the rudder column shows less than there is by `zero`."""
-    rng = np.random.default_rng(seed)
-    found = []
-    for number, (rudder, switch) in enumerate(RUNS):
-        track = pk.simulate(
-            model, "zigzag", rudder_deg=rudder, switch_deg=switch, speed=SPEED, dt=0.5
-        )
-        measured = {
-            name: getattr(track, name) + std * rng.normal(size=len(track))
-            for name, std in SENSORS.items()
-        }
-        record = FreeRecord(
-            name=f"zigzag {number}",
-            t=track.t,
-            delta=track.delta - zero,
-            turns=track.n,
-            measured=measured,
-            speed=SPEED,
-        )
-        found.append(record.cut(0.0, 75.0))
-    return found
 
 
 def known_to(share: float, seed: int) -> Model:
@@ -83,7 +55,7 @@ def main() -> None:
             began = time.perf_counter()
             found = diagnose_free(
                 known_to(0.03, seed),
-                sailed(model, seed, zero),
+                sailed(model, seed, zero=zero, runs=RUNS),
                 spread=0.0,
                 loose=0.03,
                 sensors=SENSORS,

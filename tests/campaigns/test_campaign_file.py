@@ -10,22 +10,14 @@ import pytest
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.errors import CampaignError
+from tests.support.small_campaign import SHIP
 
-HEAD = """[campaign]
+HEAD = f"""[campaign]
 title = "t"
 kind = "captive"
 forces = "hydrodynamic"
-{campaign}
-[ship]
-name = "S175 model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-xG = 0.0
-Izz = 618.332
-volume = 0.454861
-[water]
+{{campaign}}
+{SHIP}[water]
 rho = 999.1
 g = 9.81
 """

@@ -20,40 +20,13 @@ from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.session import undone
 from pmmkit.models import model_text
+from tests.support.zigzags import RUNS, SENSORS, SHIP, SPEED, sailed
 
-SPEED = 1.179
-SHIP = pk.load_model("kvlcc2-l7")
 KNOWN = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Nvvr", "rudder_mmg.epsilon")
-SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.006}
-RUNS = ((20.0, 20.0), (-10.0, 10.0), (25.0, 5.0))
 PRIME = SHIP.ship.d / SHIP.ship.L
 """Of coefficients over ½ρL²U², as findings have them, to those of the ship over ½ρLdU²."""
 ASYMMETRY = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
 YAW_DRAG = SHIP.with_values("hull_polynomial", **{"Yr|r|": 0.10, "Nr|r|": -0.076})
-
-
-def sailed(model, seed, *, zero=0.0, runs=RUNS):
-    """Zigzags with noise; the rudder column shows less than there is by `zero`."""
-    rng = np.random.default_rng(seed)
-    found = []
-    for number, (rudder, switch) in enumerate(runs):
-        track = pk.simulate(
-            model, "zigzag", rudder_deg=rudder, switch_deg=switch, speed=SPEED, dt=0.5
-        )
-        measured = {
-            name: getattr(track, name) + std * rng.normal(size=len(track))
-            for name, std in SENSORS.items()
-        }
-        record = FreeRecord(
-            name=f"zigzag {number}",
-            t=track.t,
-            delta=track.delta - zero,
-            turns=track.n,
-            measured=measured,
-            speed=SPEED,
-        )
-        found.append(record.cut(0.0, 75.0))
-    return found
 
 
 def asked(

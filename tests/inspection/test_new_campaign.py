@@ -20,18 +20,7 @@ from pmmkit.cli import main
 from pmmkit.errors import CampaignError
 from pmmkit.inspection.drafts.motion import motion_facts
 from pmmkit.inspection.drafts.names import facts_of
-
-SHIP = """
-[ship]
-name = "S175 model"
-L = 4.861111
-B = 0.705556
-d = 0.236111
-mass = 454.476
-xG = 0.0
-Izz = 618.332
-volume = 0.454861
-"""
+from tests.support.small_campaign import SHIP
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import pytest
 from pmmkit import equations as kernel
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models import load_model, model_text
+from pmmkit.models.roles import lacking
 from pmmkit.ship_library import load_ship, ship_file, ships
 from pmmkit.toml_files import read_toml
 
@@ -19,6 +20,7 @@ def test_every_library_ship_is_a_model_and_can_be_simulated(name):
     assert model.name == name
     assert load_ship(name) == model.ship
     assert model.scale
+    assert lacking(model) == ()
     assert all(part.source for part in model.parts.values())
     assert ship_file(name).read_text(encoding="utf-8").startswith("#")
     speed = model.ship.speed(0.15)

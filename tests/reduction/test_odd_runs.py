@@ -52,6 +52,11 @@ def test_the_other_runs_are_not_blamed_for_it(with_a_dead_gauge):
     assert {one.run for one in with_a_dead_gauge.influences.odd} == {SWAY}
 
 
+def test_it_is_named_too_where_all_speeds_are_fitted_at_once():
+    found = reduced(spoilt(SWAY, dead), fn="pooled")
+    assert [(one.run, one.channel) for one in found.influences.odd] == [(SWAY, "Y")]
+
+
 @pytest.mark.slow
 def test_weighed_down_it_does_no_harm():
     """Yv within 3 % of the truth, where the dead run at full weight takes 90 % of it."""

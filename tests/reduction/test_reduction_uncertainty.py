@@ -73,7 +73,7 @@ def test_errors_are_of_the_size_of_their_standard_deviations():
 def test_covariance_agrees_with_monte_carlo(source):
     made = captive(noise=autocorrelated, balance=True, uncertainty=(source,))
     found = reduce_campaign(made, check=False)
-    draws = monte_carlo(found, n=200, seed=3)[:, 0]
+    draws = monte_carlo(found, n=130, seed=3)[:, 0]
     ratio = draws.std(axis=0, ddof=1) / found.table.std[0]
     assert ratio.min() > 0.8
     assert ratio.max() < 1.25

@@ -42,12 +42,7 @@ SPEEDS = (1.0, 2.0)
 RAMP = 2.0
 """Time in which the carriage starts [s]."""
 
-HEAD = f"""\
-[campaign]
-title = "Small S175 programme"
-kind = "captive"
-forces = "hydrodynamic"
-
+SHIP = f"""\
 [ship]
 name = "S175 model"
 L = {L}
@@ -57,7 +52,15 @@ mass = 454.476
 xG = 0.0
 Izz = 618.332
 volume = 0.454861
+"""
+"""The section of the S175 model in a campaign file."""
+HEAD = f"""\
+[campaign]
+title = "Small S175 programme"
+kind = "captive"
+forces = "hydrodynamic"
 
+{SHIP}
 [water]
 rho = {RHO}
 g = 9.81

@@ -102,8 +102,29 @@ def require_settings(run: Run) -> None:
     check_settings(run, run.kind_of_test.needs)
 
 
+def has_nominal(run: Run) -> bool:
+    """Whether the settings of a run say its motion, whatever its record says.
+
+    Examples
+    --------
+    >>> from pmmkit.campaigns.settings import Settings
+    >>> run = Run(id="CM", test="circular_motion", kind="history", loader=None,
+    ...           settings=Settings(speed=1.5, radius=20.0))
+    >>> has_nominal(run), has_nominal(run.with_(settings=Settings(speed=1.5)))
+    (True, False)
+    """
+    kind = run.kind_of_test
+    return not kind.free_running and not _wrong_settings(run, kind.needs)
+
+
 def check_settings(run: Run, needed: Sequence[str]) -> None:
     """Raise a CampaignError naming those of some settings that are missing or impossible."""
+    if wrong := _wrong_settings(run, needed):
+        raise CampaignError([Problem(message=message, run=run.id) for message in wrong])
+
+
+def _wrong_settings(run: Run, needed: Sequence[str]) -> list[str]:
+    """What is missing or impossible among some settings, in words."""
     settings = run.settings
     wrong = [
         f"a {run.test} test needs the setting {name}."
@@ -119,8 +140,7 @@ def check_settings(run: Run, needed: Sequence[str]) -> None:
         )
     if "yaw_rate" in needed and settings.yaw_rate is None and not settings.radius:
         wrong.append(f"a {run.test} test needs yaw_rate, or a radius that is not zero.")
-    if wrong:
-        raise CampaignError([Problem(message=message, run=run.id) for message in wrong])
+    return wrong
 
 
 def nominal_phase(run: Run, times: Array) -> Array:

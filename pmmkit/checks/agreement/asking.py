@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Run
 from pmmkit.checks.agreement.actions import as_set
 from pmmkit.checks.agreement.posterior import Agreement, evidence, log_density
@@ -179,7 +180,7 @@ def _records_of_others(found: Agreement, place: int) -> list[Suspect]:
     return [
         _record_of(other.run)
         for other in found.group.summaries
-        if other is not own and _may_be(own, other)
+        if other is not own and has_nominal(other.run) and _may_be(own, other)
     ]
 
 

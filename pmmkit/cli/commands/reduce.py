@@ -321,9 +321,10 @@ def _turns(
 ) -> tuple[Turns | None, list[str]]:
     """Turning circles, or why there are none."""
     from pmmkit.errors import SimulationError
+    from pmmkit.models.roles import lacking
     from pmmkit.report import turns_of
 
-    if model is None:
+    if model is None or lacking(model):
         return None, []
     tested = sorted({round(item.froude, 4) for item in found.runs})
     try:

@@ -22,12 +22,10 @@ from pmmkit.diagnosis.free_running.evidence import (
     Fit,
     Point,
     Screen,
-    basis_of,
     chance_of,
     fitted,
     point_at,
     screen,
-    widened,
 )
 from pmmkit.diagnosis.free_running.findings import (
     BEYOND,
@@ -42,13 +40,13 @@ from pmmkit.diagnosis.free_running.findings import (
     left_over,
     model_of,
 )
-from pmmkit.diagnosis.free_running.scores import Judge, courses_of
-from pmmkit.diagnosis.free_running.system import FreeSystem, build_free, log_likelihood
-from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, WINDOW, base_prior, weighed
+from pmmkit.diagnosis.free_running.question import judge_of, records_of
+from pmmkit.diagnosis.free_running.scores import Judge
+from pmmkit.diagnosis.free_running.system import FreeSystem, log_likelihood
+from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, WINDOW, base_prior
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
-from pmmkit.errors import DataError, ModelError
-from pmmkit.identification.from_run import free_records
+from pmmkit.errors import ModelError
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -153,39 +151,33 @@ def diagnose_free(
     filter's evidence of the best effect in less than 1 % of campaigns without any.
     """
     tell = progress or (lambda _: None)
-    if isinstance(records, Campaign):
-        records = [x for run in records.runs for x in free_records(run, model)]
-    if not records:
-        raise DataError("There is no record to diagnose.")
-    speed = records[0].speed
+    given = records_of(records, model)
+    speed = given[0].speed
     prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
     every = (
-        candidates_for(model, records, windage=windage, own=own)
+        candidates_for(model, given, windage=windage, own=own)
         if candidates is None
         else tuple(
             item if isinstance(item, FreeCandidate) else candidate_of(item, Sailing(model, speed))
             for item in candidates
         )
     )
-    large = model
-    for item in every:
-        large = item.added_to(large)
-    values = tuple(dict.fromkeys((*prior.names, *(v for item in every for v in item.values))))
-    tell("Records and equations")
-    system = build_free(
-        large, records, values, sensors=sensors, floor=floor, extrapolate=extrapolate
+    judge, largest = judge_of(
+        model,
+        given,
+        every,
+        prior,
+        floor=floor,
+        tolerance=tolerance,
+        window=window,
+        sensors=sensors,
+        extrapolate=extrapolate,
+        tell=tell,
     )
-    basis = basis_of(system, prior, every)
-    tell("Size of what nothing explains")
-    system, largest = weighed(system, basis, [item.name for item in every])
-    wider = widened(largest)
+    system, basis, wider = judge.system, judge.basis, judge.wider
     null = fitted(system, basis, (), wider=wider, begin=largest.z)
     here = point_at(system, basis, null.z)
     seen = screen(here, basis, wider)
-    courses = courses_of(system, window or WINDOW * model.ship.L / speed, extrapolate=extrapolate)
-    judge = Judge(
-        system=system, basis=basis, courses=courses, tolerance=np.array(tolerance), wider=wider
-    )
     before = judge.left_out(here, ())
     price = math.log(2.0 * len(every))
 
@@ -251,7 +243,7 @@ def diagnose_free(
         notes=(
             f"information divided by {wider:.2g}; unknown forces hang together over "
             f"{system.memories[0]:g} and {system.memories[1]:g} ship lengths",
-            f"{sum(item.count for item in courses):.0f} independent windows",
+            f"{sum(item.count for item in judge.courses):.0f} independent windows",
         ),
     )
 

@@ -8,27 +8,14 @@ from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
-from pmmkit.diagnosis.free_running.evidence import (
-    WIDER,
-    Basis,
-    Fit,
-    basis_of,
-    fitted,
-    point_at,
-    widened,
-)
+from pmmkit.diagnosis.free_running.evidence import WIDER, Basis, Fit, fitted, point_at
 from pmmkit.diagnosis.free_running.findings import model_of, pooled
-from pmmkit.diagnosis.free_running.scores import Judge, courses_of
-from pmmkit.diagnosis.free_running.system import build_free
-from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, WINDOW, base_prior, weighed
+from pmmkit.diagnosis.free_running.question import judge_of, records_of
+from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, base_prior
 from pmmkit.effects.effect import Effect
-from pmmkit.errors import DataError
-from pmmkit.identification.from_run import free_records
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -145,38 +132,32 @@ def fit_to_records(
         If an effect has no place in the model or in such records.
     """
     tell = progress or (lambda _: None)
-    if isinstance(records, Campaign):
-        records = [x for run in records.runs for x in free_records(run, model)]
-    if not records:
-        raise DataError("There is no record to fit to.")
-    speed = records[0].speed
+    given = records_of(records, model)
+    speed = given[0].speed
     prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
-    offered = {x.name: x for x in candidates_for(model, records, windage=windage, own=own)}
+    offered = {x.name: x for x in candidates_for(model, given, windage=windage, own=own)}
     for name in effects:
         if name not in offered:
             raise no_such_effect(name, list(offered))
     asked = tuple(offered[name] for name in effects)
-    large = model
-    for item in asked:
-        large = item.added_to(large)
-    values = tuple(dict.fromkeys((*prior.names, *(v for item in asked for v in item.values))))
-    tell("Records and equations")
-    system = build_free(
-        large, records, values, sensors=sensors, floor=floor, extrapolate=extrapolate
+    judge, largest = judge_of(
+        model,
+        given,
+        asked,
+        prior,
+        floor=floor,
+        tolerance=TOLERANCE,
+        window=window,
+        sensors=sensors,
+        extrapolate=extrapolate,
+        tell=tell,
     )
-    basis = basis_of(system, prior, asked)
-    tell("Size of what nothing explains")
-    system, largest = weighed(system, basis, list(effects))
-    wider = widened(largest)
-    courses = courses_of(system, window or WINDOW * model.ship.L / speed, extrapolate=extrapolate)
-    judge = Judge(
-        system=system, basis=basis, courses=courses, tolerance=np.array(TOLERANCE), wider=wider
-    )
+    system, basis = judge.system, judge.basis
     errors, made, begin = [], model, largest.z
     for count in range(len(asked) + 1):
         names = tuple(effects[:count])
         tell(f"Fit with {', '.join(names) or 'the base alone'}")
-        fit = fitted(system, basis, names, wider=wider, begin=begin)
+        fit = fitted(system, basis, names, wider=judge.wider, begin=begin)
         here = fit.here if names else point_at(system, basis, fit.z)
         heading, pace = pooled(judge, judge.left_out(here, names)).tolist()
         errors.append(

@@ -19,7 +19,15 @@ from pmmkit.equations.histories import rigid_body
 from pmmkit.equations.layouts import InputField, Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import FORCES, Binding, bound, driven
-from pmmkit.identification.filters import GATE, LOST, STEP, first_state, kind_of
+from pmmkit.identification.filters import (
+    GATE,
+    LOST,
+    STEP,
+    first_state,
+    kind_of,
+    state_steps,
+    with_forces,
+)
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.identification.smoother import units
 from pmmkit.models import Model
@@ -221,12 +229,9 @@ def _passed(system: FreeSystem, piece: Piece, values: Array, gate: float) -> tup
     words = piece.forces.names
     spread = np.array([s * unit[w[-1]] for s, w in zip(system.shares, words, strict=True)])
     states = piece.binding.structure.states
-    y, wide = piece.first
-    z, P = np.concatenate([y, np.zeros(len(words))]), np.diag(np.concatenate([wide, spread**2]))
     fading = np.repeat(pace / np.array(system.memories), len(words) // 2)
-    diffusion = np.concatenate([np.zeros(len(states)), 2.0 * spread**2 * fading])
-    sizes = {"u": record.speed, "v": record.speed, "r": pace}
-    steps = np.concatenate([[1e-6 * sizes.get(name, 1.0) for name in states], 1e-3 * spread])
+    z, P, diffusion = with_forces(*piece.first, spread, fading)
+    steps = np.concatenate([state_steps(states, record.speed, ready.ship.L), 1e-3 * spread])
     measured = np.stack([record.measured[name] for name in record.measured], axis=1)
     kinds = np.array([kind_of(name, states) for name in record.measured], np.int64)
     variances = np.array([system.sensors[name] ** 2 for name in record.measured])

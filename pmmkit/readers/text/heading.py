@@ -174,7 +174,7 @@ def comment_marks(request: Request) -> tuple[str, ...]:
 def looks_like_row(line: bytes, width: int, delimiter: str, decimal: str) -> bool:
     """Whether a line has as many fields as the table and half of them or more are numbers."""
     fields = fields_of(line, delimiter)
-    return len(fields) == width and 2 * _count(fields, decimal) >= width
+    return len(fields) == width and 2 * count_numbers(fields, decimal) >= width
 
 
 def _top(
@@ -241,7 +241,7 @@ def _refuse_grouped(lines: Sequence[bytes], delimiter: str, decimal: str, reques
         )
 
 
-def _count(fields: Sequence[str], decimal: str) -> int:
+def count_numbers(fields: Sequence[str], decimal: str) -> int:
     """How many fields are numbers."""
     return sum(bool(cell) and to_number(cell, decimal) is not None for cell in fields)
 
@@ -293,8 +293,8 @@ def _has_preamble(lines: Sequence[_Line], table: _Table, request: Request) -> bo
     if table.index < 2 + units:
         return False
     top, below = (fields_of(line.text, table.delimiter) for line in lines[:2])
-    named = len(top) == table.width and 2 * _count(top, table.decimal) < len(top)
-    return not (named and _count(below, table.decimal))
+    named = len(top) == table.width and 2 * count_numbers(top, table.decimal) < len(top)
+    return not (named and count_numbers(below, table.decimal))
 
 
 def _below_preamble(
@@ -344,7 +344,7 @@ def _below_preamble(
 def _may_be_row(line: _Line, table: _Table, request: Request) -> bool:
     """Whether the line above the rows may be one: as wide with a number, or half of it numbers."""
     fields = fields_of(line.text, table.delimiter)
-    count = _count(fields, table.decimal)
+    count = count_numbers(fields, table.decimal)
     if len(fields) == table.width:
         return count > 0 and request.options.header is None
     return count > 1 and 2 * count >= len(fields)
@@ -355,7 +355,7 @@ def _names_too_high(above: Sequence[_Line], table: _Table, request: Request) -> 
     if len(above) < 2 or _is_units(above[-1], table.width, table.delimiter, table.decimal, request):
         return False
     names = headers_of(above[-2].text, table.delimiter)
-    return len(names) == table.width and all(names) and not _count(names, table.decimal)
+    return len(names) == table.width and all(names) and not count_numbers(names, table.decimal)
 
 
 def _without_remarks(lines: Sequence[_Line], width: int, delimiter: str) -> list[_Line]:
@@ -375,7 +375,7 @@ def _names(
     line = above[-2] if units else above[-1]
     headers = headers_of(line.text, delimiter)
     if len(headers) != width or (
-        2 * _count(headers, decimal) >= width and request.options.header is None
+        2 * count_numbers(headers, decimal) >= width and request.options.header is None
     ):
         return None
     return _with_units(headers, above[-1], delimiter, request) if units else headers
@@ -396,7 +396,7 @@ def _is_units(line: _Line, width: int, delimiter: str, decimal: str, request: Re
     if request.options.units_row is not None:
         return request.options.units_row
     cells = _units(line, delimiter)
-    if len(cells) != width or not any(cells) or _count(cells, decimal):
+    if len(cells) != width or not any(cells) or count_numbers(cells, decimal):
         return False
     return all(map(is_unit, cells))
 
@@ -434,7 +434,7 @@ def _is_header(line: _Line, delimiter: str, decimal: str, request: Request) -> b
     if request.options.header is not None:
         return request.options.header
     top = fields_of(line.text, delimiter)
-    numbers = _count(top, decimal)
+    numbers = count_numbers(top, decimal)
     if numbers == 0:
         return True
     if numbers == len([cell for cell in top if cell]):

@@ -14,7 +14,7 @@ from typing import Final
 
 from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Options, to_number
-from pmmkit.readers.text.splitting import BLANKS, CANDIDATES, fields_of, headers_of
+from pmmkit.readers.text.heading import BLANKS, CANDIDATES, count_numbers, fields_of, headers_of
 
 _SAMPLE: Final = 24
 """Lines on which delimiters and decimal signs are tried."""
@@ -175,7 +175,7 @@ def _is_row(fields: Sequence[str], width: int, decimal: str) -> bool:
     if len(fields) != width:
         return False
     filled = [cell for cell in fields if cell]
-    numbers = sum(to_number(cell, decimal) is not None for cell in filled)
+    numbers = count_numbers(filled, decimal)
     return numbers > len(filled) / 2 if width > 2 else numbers == len(filled) > 0
 
 

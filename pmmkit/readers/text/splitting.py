@@ -13,25 +13,21 @@ from pmmkit.readers.base import Request
 from pmmkit.readers.text.decoding import cut_apart, decoded, keeps_line_ends, marked, unix_ends
 from pmmkit.readers.text.heading import (
     BLANKS,
-    CANDIDATES,
     Heading,
     comment_marks,
     fields_of,
     find_heading,
-    headers_of,
     line_end,
     looks_like_row,
 )
 
 __all__ = [
     "BLANKS",
-    "CANDIDATES",
     "Text",
     "blocks",
     "comments_left_out",
     "cut_off",
     "fields_of",
-    "headers_of",
     "line_end",
     "surely_whole",
     "take_apart",

@@ -1,0 +1,301 @@
+"""Runs at odds with the others: found, told as checks tell it, weighed down."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.checks import CheckFinding
+from pmmkit.numerics import Array
+from pmmkit.observations.equations import Rows, Sensitivity
+from pmmkit.reduction.between_runs import BetweenRuns, Drawn, drawn, size_of
+from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.estimate import ChannelFit
+from pmmkit.reduction.influence import Influence, influences
+from pmmkit.reduction.solve import Solution, solve
+
+SUSPICIOUS: Final = 0.01
+"""Chance from which a run is judged again, by the others alone."""
+SUSPECTS: Final = 3
+"""Runs that are judged so at once."""
+MOST: Final = 3
+"""Runs that can be at odds; of more, nobody could say which side is right."""
+AT_ODDS: Final = 0.01
+"""Chance, over all runs and channels of a campaign, below which a run is at odds with the rest."""
+BEYOND_COUNTING: Final = 1e6
+"""Degrees of freedom from which noise is known; F of infinitely many has no number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Judgement:
+    """How far a run departs in one channel, and the probability of so much, for one run."""
+
+    departure: float
+    chance: float
+
+
+def runs_at_odds(
+    found: Sequence[Influence],
+    solution: Solution,
+    rows: Sequence[Rows],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    columns: Columns,
+) -> tuple[Influence, ...]:
+    """Which runs depart from the others beyond chance, in which channel, and how far.
+
+    Parameters
+    ----------
+    found : sequence of Influence
+        What each run does, by the scatter of all.
+    solution : Solution
+        The fits.
+    rows, sensitivities, columns
+        What was fitted, as for `solve`.
+
+    Notes
+    -----
+    A bad run makes the scatter of all look larger, so that the runs that depart most are judged
+    again by values and scatter of the others alone, and the rest anew without the worst.
+    """
+    limit = AT_ODDS / max(len(found), 1)
+    odd: list[Influence] = []
+    rest = tuple(found)
+    for _ in range(MOST):
+        aside = {one.run for one in odd}
+        judged = {
+            run: _by_the_others({run, *aside}, run, solution, rows, sensitivities, columns)
+            for run in _suspects(rest, aside)
+        }
+        worst = min(judged, key=lambda run: _least_chance(judged[run]), default="")
+        beyond = {name: x for name, x in judged.get(worst, {}).items() if x.chance < limit}
+        if not beyond:
+            break
+        odd += [
+            replace(one, departure=own.departure, chance=own.chance)
+            for one in found
+            if one.run == worst and (own := beyond.get(one.channel))
+        ]
+        without = _without({worst, *aside}, solution, rows)
+        rest = influences(
+            solve(rows, sensitivities, columns, without, solution.between.unknown()), rows
+        )
+    return tuple(odd)
+
+
+def _suspects(found: Sequence[Influence], aside: Collection[str]) -> list[str]:
+    """The runs that depart most, the least likely first."""
+    by_chance = sorted(found, key=lambda one: one.chance)
+    runs = dict.fromkeys(one.run for one in by_chance if one.chance < SUSPICIOUS)
+    return [run for run in runs if run not in aside][:SUSPECTS]
+
+
+def _least_chance(judged: Mapping[str, _Judgement]) -> float:
+    return min((x.chance for x in judged.values()), default=1.0)
+
+
+def _without(
+    aside: Collection[str], solution: Solution, rows: Sequence[Rows]
+) -> list[tuple[float, list[int]]]:
+    """Froude numbers with their runs, some left out."""
+    return [
+        (float(Fn), [place for place in members if rows[place].result.run.id not in aside])
+        for Fn, members in zip(solution.Fn, solution.groups, strict=True)
+    ]
+
+
+def _by_the_others(
+    aside: Collection[str],
+    run: str,
+    solution: Solution,
+    rows: Sequence[Rows],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    columns: Columns,
+) -> dict[str, _Judgement]:
+    """A run in each channel, judged by values and scatter of the runs that are not aside."""
+    group, members = next(
+        (number, members)
+        for number, members in enumerate(solution.groups)
+        if any(rows[place].result.run.id == run for place in members)
+    )
+    own = [rows[place] for place in members]
+    changes = [sensitivities[place] for place in members]
+    between = solution.between.of(members)
+    without = _without(aside, solution, rows)
+    others = solve(rows, sensitivities, columns, [without[group]], solution.between.unknown())
+    judged = {
+        item.channel: _held_against(others, item, number, own, changes, between)
+        for place, item in solution.fits
+        if place == group and (number := _block_of(run, own, item)) is not None
+    }
+    return {channel: found for channel, found in judged.items() if found is not None}
+
+
+def _held_against(
+    others: Solution,
+    item: ChannelFit,
+    number: int,
+    rows: Sequence[Rows],
+    changes: Sequence[Sequence[Sensitivity]],
+    between: BetweenRuns,
+) -> _Judgement | None:
+    """One block of a fit against the values of other runs; None where they do not say enough."""
+    scatter = others.between.scatter
+    prediction = _predicted(others, item.fit.names)
+    if prediction is None or scatter is None or item.channel not in scatter.weights:
+        return None
+    block = item.blocks[number]
+    rest = block.rows - block.design[:, item.chosen] @ prediction.value
+    draw = drawn(
+        item.channel,
+        [block],
+        dict(zip(item.fit.names, prediction.value.tolist(), strict=True)),
+        [rest],
+        rows,
+        changes,
+        between,
+        size_of(item.blocks, item.channel, between),
+    )
+    nodes, weight = scatter.weighed(item.channel)
+    allowed = _allowed(item, number, prediction, draw, nodes)
+    return _judgement(rest, allowed, weight, float(item.noise_dof[number]))
+
+
+def _block_of(run: str, members: Sequence[Rows], item: ChannelFit) -> int | None:
+    """Which block of a fit holds the rows of a run, if any."""
+    return next(
+        (
+            number
+            for number, block in enumerate(item.blocks)
+            if members[block.run].result.run.id == run
+        ),
+        None,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Prediction:
+    """Coefficients of a fit as other runs have them.
+
+    Parameters
+    ----------
+    value : array (p,)
+        Values; zero where they do not have one.
+    there : array of bool (p,)
+        Which they have.
+    covariance : array (q, q)
+        Of those.
+    """
+
+    value: Array
+    there: NDArray[np.bool_]
+    covariance: Array
+
+
+def _predicted(others: Solution, names: Sequence[str]) -> _Prediction | None:
+    """What other runs say of coefficients; None where they leave one that they have open."""
+    place_of = {name: place for place, (_, name) in enumerate(others.joint.labels)}
+    known = [place_of.get(name) for name in names]
+    places = [place for place in known if place is not None]
+    value = np.array([0.0 if place is None else others.joint.value[place] for place in known])
+    covariance = others.joint.covariance[np.ix_(places, places)]
+    if not places or not np.all(np.isfinite(value)) or not np.all(np.isfinite(covariance)):
+        return None
+    return _Prediction(
+        value=value, there=np.array([place is not None for place in known]), covariance=covariance
+    )
+
+
+def _allowed(
+    item: ChannelFit, number: int, prediction: _Prediction, draw: Drawn, nodes: Array
+) -> Array:
+    """Covariance of a run's departure from what others predict at each size of the scatter,
+    array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
+    noise = item.noise[number]
+    if np.isfinite(item.scale):
+        noise = noise / max(item.scale, 1.0)
+    known = item.blocks[number].design[:, item.chosen][:, prediction.there]
+    base = noise + known @ prediction.covariance @ known.T + draw.stated[0] @ draw.stated[0].T
+    own = draw.own[0] * nodes[:, None, :]
+    return base + own @ np.swapaxes(own, 1, 2)
+
+
+def _judgement(rest: Array, allowed: Array, weight: Array, freedom: float) -> _Judgement:
+    """How far a departure (m,) is from what is allowed (g, m, m), by F over the weighed sizes."""
+    from scipy.special import fdtrc
+
+    squared = np.einsum("m,gmn,n->g", rest, np.linalg.inv(allowed), rest) / len(rest)
+    within = float(np.clip(freedom, 1.0, BEYOND_COUNTING))
+    return _Judgement(
+        departure=float(np.sqrt(max(weight @ squared, 0.0))),
+        chance=float(weight @ fdtrc(len(rest), within, np.maximum(squared, 0.0))),
+    )
+
+
+def at_odds(odd: Sequence[Influence], *, weighed: bool = False) -> tuple[CheckFinding, ...]:
+    """Runs at odds with the others, as the checks say it.
+
+    Parameters
+    ----------
+    odd : sequence of Influence
+        Runs and channels that are at odds.
+    weighed : bool
+        Whether they were given less weight.
+    """
+    done = "It counts with less weight." if weighed else "It counts with its full weight."
+    return tuple(
+        CheckFinding(
+            check="odd_run",
+            severity="warning",
+            message=(
+                f"{one.channel} departs by {one.departure:.1f} times what noise and scatter "
+                f"between runs allow from what the other runs predict of it. {done}"
+            ),
+            runs=(one.run,),
+            remedy=(
+                "Look at its record, and exclude it in the campaign file with the reason, or "
+                "reduce with odd runs weighed down."
+            ),
+            numbers={"departure": one.departure, "chance": one.chance},
+            channels=(one.channel,),
+        )
+        for one in odd
+    )
+
+
+def weighed_down(
+    rows: Sequence[Rows], solution: Solution, odd: Sequence[Influence]
+) -> tuple[Rows, ...]:
+    """The rows with less weight for runs at odds: the variance that explains their departure.
+
+    Parameters
+    ----------
+    rows : sequence of Rows
+        The equations of the runs.
+    solution : Solution
+        Of all runs at full weight.
+    odd : sequence of Influence
+        Runs and channels that are at odds.
+    """
+    departures = {(one.run, one.channel): one.departure for one in odd}
+    found = list(rows)
+    for group, item in solution.fits:
+        for number, block in enumerate(item.blocks):
+            place = solution.groups[group][block.run]
+            result = found[place].result
+            departure = departures.get((result.run.id, item.channel))
+            if departure is None or block.covariance is None:
+                continue
+            columns = item.width.columns[number]
+            wide = departure**2 * (item.noise[number] + columns @ columns.T)
+            size = len(block.keep)
+            covariance = np.eye(size) * float(np.max(np.diagonal(wide)))
+            covariance[np.ix_(block.keep, block.keep)] = wide
+            found[place] = replace(
+                found[place],
+                result=replace(result, covariance={**result.covariance, item.channel: covariance}),
+            )
+    return tuple(found)
