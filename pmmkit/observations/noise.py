@@ -10,8 +10,6 @@ from pmmkit.numerics import Array
 
 REPEAT_P = 0.05
 """Repeats scatter beyond the noise where chance does so more rarely than this."""
-BELIEVED = 0.7
-"""Noise below this share of the middle one of like runs is not believed."""
 FLOOR = 1e-6
 """Noise below this share of a channel's size does not count: records of a noise-free solver."""
 
@@ -62,11 +60,9 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
 
 
 def moderated(
-    covariances: Sequence[Array], dof: Sequence[float], size: float, lengths: Sequence[float]
+    covariances: Sequence[Array], dof: Sequence[float], size: float
 ) -> tuple[list[Array], Array]:
     """Covariances of like runs with moderated levels and spectra, and a floor.
-
-    What is alike is the noise of a cycle, or of a second: means over more of them are quieter.
 
     Parameters
     ----------
@@ -76,25 +72,9 @@ def moderated(
         Their degrees of freedom.
     size : float
         Size of the channel [N or N m]; `FLOOR` times it is the least standard deviation.
-    lengths : sequence of float
-        Cycles or samples that each run's rows are means of.
     """
     floor = (FLOOR * size) ** 2
-    longer = np.asarray(lengths, float) / np.mean(lengths)
-    safe = [
-        factor * (covariance + floor * np.eye(len(covariance)))
-        for factor, covariance in zip(longer, covariances, strict=True)
-    ]
-    calm, freedom = _moderated(safe, dof)
-    levels = np.array([np.mean(np.diagonal(covariance)) for covariance in calm])
-    # A short record that claims to be far quieter than its sisters was lucky, not better.
-    raised = np.maximum(BELIEVED**2 * np.median(levels) / levels, 1.0)
-    calm = [factor * covariance for factor, covariance in zip(raised, calm, strict=True)]
-    return [covariance / factor for factor, covariance in zip(longer, calm, strict=True)], freedom
-
-
-def _moderated(safe: Sequence[Array], dof: Sequence[float]) -> tuple[list[Array], Array]:
-    """Covariances of runs of equal length."""
+    safe = [covariance + floor * np.eye(len(covariance)) for covariance in covariances]
     if len({covariance.shape for covariance in safe}) > 1:
         levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
         calm, freedom, _ = shrunk_levels(levels, np.asarray(dof, float))

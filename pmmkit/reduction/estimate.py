@@ -31,8 +31,8 @@ BIRGE_P = 0.01
 class Block:
     """The usable rows of one run in one channel.
 
-    Runs of one kin, the same speed and frequency within a tenth, have like noise, a cycle or a
-    sample; the rows are means over `length` of them. Runs of one origin repeat each other.
+    Runs of one kin, the same speed and frequency within a tenth, have like noise; runs of one
+    origin repeat each other.
     """
 
     run: int
@@ -43,7 +43,6 @@ class Block:
     rows: Array
     covariance: Array | None
     dof: float
-    length: float
     keep: NDArray[np.bool_]
 
 
@@ -202,7 +201,6 @@ def blocks_of(
                 rows=rest[keep],
                 covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
                 dof=item.result.dof.get(channel, math.inf),
-                length=float(item.result.cycles or item.result.samples),
                 keep=keep,
             )
         )
@@ -304,15 +302,13 @@ def _stated_noise(
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
     noise: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
     dof = np.full(len(blocks), math.inf)
-    alike: dict[tuple[int, int], list[tuple[int, Array, float, float]]] = {}
+    alike: dict[tuple[int, int], list[tuple[int, Array, float]]] = {}
     for place, block in enumerate(blocks):
         if block.covariance is not None:
-            alike.setdefault(block.kin, []).append(
-                (place, block.covariance, block.dof, block.length)
-            )
+            alike.setdefault(block.kin, []).append((place, block.covariance, block.dof))
     for members in alike.values():
-        places, covariances, degrees, lengths = zip(*members, strict=True)
-        calm, freedom = moderated(covariances, degrees, size, lengths)
+        places, covariances, degrees = zip(*members, strict=True)
+        calm, freedom = moderated(covariances, degrees, size)
         for place, covariance, value in zip(places, calm, freedom, strict=True):
             noise[place] = inflation * covariance
             dof[place] = value
