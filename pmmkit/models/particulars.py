@@ -21,7 +21,7 @@ from pmmkit.ship import Ship
 
 STATED: Final = "measured: the campaign file"
 SECTIONS: Final[Mapping[str, str]] = MappingProxyType(
-    {PROPELLER.name: "propeller", RUDDER_MMG.name: "rudder"}
+    {PROPELLER.name: PROPELLER.name, RUDDER_MMG.name: "rudder"}
 )
 """Sections of a campaign file that state each part."""
 HIGHEST_J: Final = 0.8

@@ -110,7 +110,7 @@ def part_of(model: Model, words: str) -> str:
     """
     if words in model.parts:
         return words
-    does = {"rudder": steers, "propeller": drives}.get(words)
+    does = {"rudder": steers, PROPELLER.name: drives}.get(words)
     found = [name for name, part in model.parts.items() if does is not None and does(part.known)]
     if len(found) != 1:
         raise UnknownNameError(

@@ -123,16 +123,15 @@ def test_json_is_one_object_and_the_words_go_elsewhere(bare):
     assert {row["derivative"] for row in content["table"]} == set(TRUTH)
     assert set(content["files"]) == {file.name for file in out.iterdir()}
     assert "24 of 24" in words
-    assert "no [propeller]" in " ".join(content["model_lacks"])
+    assert "Not stated in [propeller]" in " ".join(content["model_lacks"])
 
 
 @pytest.mark.slow
-def test_a_hull_alone_cannot_turn_and_says_what_it_lacks(bare, capsys):
-    out = bare[-1]
-    model = pmmkit.load_model(out / "model.toml")
-    assert set(model.parts) == {"hull_polynomial", "added_mass"}
-    assert main(["simulate", str(out / "model.toml"), "--speed", "1.5"]) == 1
-    assert "propeller" in capsys.readouterr().err
+def test_what_nobody_stated_is_estimated_and_said(bare):
+    model = pmmkit.load_model(bare[-1] / "model.toml")
+    assert {"propeller", "rudder_mmg"} <= set(model.parts)
+    assert model.part("rudder_mmg").source.startswith("empirical")
+    assert model.part("rudder_mmg").std["aH"] > 0
 
 
 @pytest.mark.slow

@@ -87,7 +87,6 @@ REGISTRIES = {
     "parts of models": (
         [x.name for x in EVERY if x.enters and not x.coefficients],
         {
-            "api.py": BY_NAME,
             "campaigns/file/particulars.py": OTHER_WORDS,
             "campaigns/file/schema.py": OTHER_WORDS,
             "checks/copies.py": OTHER_WORDS,
