@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Value
@@ -120,16 +121,35 @@ def without_values(model: Model, places: Iterable[str]) -> Model:
         if effect not in gone
     }
     there = {name for part in parts.values() for name in part.values}
-    kept = [i for i, name in enumerate(model.covariance_names) if name in there]
+    C, names = covariance_of(model, [name for name in model.covariance_names if name in there])
+    return replace(model, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
+
+
+def covariance_of(
+    model: Model, names: Collection[str]
+) -> tuple[NDArray[np.float64] | None, tuple[str, ...]]:
+    """The covariance of some derivatives of a model at all its Froude numbers, and their names.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    names : collection of str
+        Derivatives; those that its covariance does not have do not count.
+
+    Examples
+    --------
+    >>> from pmmkit.models.store import load_model
+    >>> known = {"covariance": np.diag([1.0, 4.0]), "covariance_names": ("Yv", "Nv")}
+    >>> covariance_of(load_model("kvlcc2").with_(**known), ["Nv"])
+    (array([[4.]]), ('Nv',))
+    """
+    kept = [i for i, name in enumerate(model.covariance_names) if name in names]
+    if model.covariance is None or not kept:
+        return None, ()
     count, rows = len(model.covariance_names), max(len(model.Fn), 1)
     at = [row * count + i for row in range(rows) for i in kept]
-    C = model.covariance[np.ix_(at, at)] if model.covariance is not None and kept else None
-    return replace(
-        model,
-        parts=MappingProxyType(parts),
-        covariance=C,
-        covariance_names=tuple(model.covariance_names[i] for i in kept) if C is not None else (),
-    )
+    return model.covariance[np.ix_(at, at)], tuple(model.covariance_names[i] for i in kept)
 
 
 def _left(content: Mapping[str, Any], effect: str, gone: frozenset[str]) -> Mapping[str, Any]:

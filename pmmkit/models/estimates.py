@@ -247,11 +247,9 @@ def estimated_table(like: DerivativeTable) -> DerivativeTable:
     if "Xuu" in like and np.isfinite(like["Xuu"]).any():
         known = float(np.nanmean(to_system(like.select(["Xuu"]), "prime-d")["Xuu"]))
         values["Xuu"], std["Xuu"] = known, 0.0
-    about = target.U != guess.convention.U or target.surge == "delta-u"
-    if about:
-        values = {name: x for name, x in values.items() if name[0] != "X" or name == "Xudot"}
     meant = guess.convention
-    if about:
+    if target.U != meant.U or target.surge == "delta-u":
+        values = {name: x for name, x in values.items() if name[0] != "X" or name == "Xudot"}
         meant = meant.with_(U=target.U, surge=target.surge)
     rows = None if like.pooled else like.Fn.tolist()
     count = 1 if rows is None else len(rows)

@@ -7,14 +7,12 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-import numpy as np
-
 from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import ModelError, UnknownNameError
-from pmmkit.models.changes import before_of
+from pmmkit.models.changes import before_of, covariance_of
 from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part
 from pmmkit.models.particulars import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
 from pmmkit.models.roles import drives, steers
@@ -69,7 +67,8 @@ def with_stated(model: Model, values: Mapping[str, float], because: str) -> Mode
             std=MappingProxyType({k: x for k, x in part.std.items() if k != name}),
         )
     sure = {place.partition(".")[2] for place in stated if place.split(".")[0] in DERIVATIVE_PARTS}
-    made = replace(_certain(model, sure), parts=MappingProxyType(parts))
+    C, names = covariance_of(model, [name for name in model.covariance_names if name not in sure])
+    made = replace(model, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
     step = Step(
         action="stated",
         numbers=MappingProxyType(stated),
@@ -137,20 +136,6 @@ def _spelled(name: str) -> str:
         return canonical(name)
     except UnknownNameError:
         return name
-
-
-def _certain(model: Model, names: set[str]) -> Model:
-    """A model whose covariance does not know some derivatives."""
-    kept = [i for i, name in enumerate(model.covariance_names) if name not in names]
-    if model.covariance is None or len(kept) == len(model.covariance_names):
-        return model
-    count, rows = len(model.covariance_names), max(len(model.Fn), 1)
-    at = [row * count + i for row in range(rows) for i in kept]
-    return replace(
-        model,
-        covariance=model.covariance[np.ix_(at, at)] if kept else None,
-        covariance_names=tuple(model.covariance_names[i] for i in kept),
-    )
 
 
 def with_part_of(model: Model, words: str, donor: Model, because: str = "") -> Model:

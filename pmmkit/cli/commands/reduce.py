@@ -16,6 +16,7 @@ from pmmkit.presentation import aligned, table_lines
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
+    from pmmkit.models.build import Missing as Gaps
     from pmmkit.observations.prepare import CycleChoice
     from pmmkit.reduction import Reduction
     from pmmkit.report import Loop, Reference, Turns
@@ -177,7 +178,7 @@ def reduced(
     fourier: Literal["least-squares", "trapezoid"] = "least-squares",
     data: Path | None = None,
     parts: str | None = None,
-    missing: Literal["estimate", "zero", "library", "refuse"] = "estimate",
+    missing: Gaps = "estimate",
     reference: str | None = None,
     reference_name: str = "",
     asked: str | None = None,
@@ -302,9 +303,7 @@ def _missing(loop: Loop | None) -> list[str]:
     ]
 
 
-def _model(
-    found: Reduction, donor: Model | None, missing: Literal["estimate", "zero", "library", "refuse"]
-) -> tuple[Model | None, list[str]]:
+def _model(found: Reduction, donor: Model | None, missing: Gaps) -> tuple[Model | None, list[str]]:
     """The model and in words what of it these tests do not show, or why there is none."""
     from pmmkit.api import model_of
     from pmmkit.errors import MissingPartError, ModelError
