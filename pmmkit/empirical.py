@@ -322,7 +322,7 @@ METHODS: Final[Mapping[str, Method]] = MappingProxyType(
             ("yoshimura_masumoto_2012", _ZHOU),
             _ZHOU_MASS
             | _SLENDER
-            | shares(Xvr=0.15, Yvvv=0.2, Yvrr=0.1, Nvvr=0.5, Nrrr=0.3)
+            | shares(Xvr=0.15, Yvvv=0.2, Yvrr=0.1, Nvvr=0.35, Nrrr=0.3)
             | _numbers(Xvv=0.03, Xrr=0.012, Xvvvv=0.6, Yvvr=1.0, Yrrr=0.07, Nvvv=0.19, Nvrr=0.1),
             _UNREAD,
             (("CB", 0.51, 0.65), ("L/B", 2.6, 7.1), ("d/B", 0.25, 0.46)),
