@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,6 +13,43 @@ REPEAT_P = 0.05
 """Repeats scatter beyond the noise where chance does so more rarely than this."""
 FLOOR = 1e-6
 """Noise below this share of a channel's size does not count: records of a noise-free solver."""
+KIN = 3
+"""So many like runs show how far their noise differs."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Noise:
+    """Noise of the rows of k runs, and how well its levels are known.
+
+    Parameters
+    ----------
+    covariances : tuple of array (m_i, m_i)
+        Covariance of each run's rows.
+    doubt : array (k, q)
+        Standard errors of the logarithms of the variances, a column for each thing that was
+        estimated: a column that several runs share moves their levels together. Infinite where
+        nothing is known.
+    """
+
+    covariances: tuple[Array, ...]
+    doubt: Array
+
+    @property
+    def dof(self) -> Array:
+        """Degrees of freedom of each run's variance by itself, (k,)."""
+        return degrees(np.sum(self.doubt**2, axis=1))
+
+
+def degrees(variance: Array) -> Array:
+    """Degrees of freedom of variances whose logarithms have these variances: 2 over them.
+
+    Examples
+    --------
+    >>> degrees(np.array([0.25, 0.0, np.inf]))
+    array([ 8., inf,  0.])
+    """
+    with np.errstate(divide="ignore"):
+        return np.asarray(2.0 / np.asarray(variance, float))
 
 
 def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
@@ -26,9 +64,11 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
 
     Returns
     -------
-    levels, dof, own : array (k,)
-        Moderated variances, their degrees of freedom, and the share of its own estimate that
-        each run keeps: 0 where all differences are chance.
+    levels, own : array (k,)
+        Moderated variances, and the share of its own estimate that each run keeps: 0 where all
+        differences are chance, 1 where there are too few runs to tell.
+    doubt : array (k, k + 1)
+        Standard errors of their logarithms: each run's own, and that of the common level.
 
     Notes
     -----
@@ -39,30 +79,38 @@ def shrunk_levels(levels: Array, dof: Array) -> tuple[Array, Array, Array]:
 
     Examples
     --------
-    >>> levels, dof, own = shrunk_levels(np.array([1.0, 1.1, 0.9, 1.05]), np.full(4, 10.0))
-    >>> bool(np.ptp(levels) < 1e-12), bool((dof > 30).all()), own
-    (True, True, array([0., 0., 0., 0.]))
+    >>> levels, own, doubt = shrunk_levels(np.array([1.0, 1.1, 0.9, 1.05]), np.full(4, 10.0))
+    >>> bool(np.ptp(levels) < 1e-12), own
+    (True, array([0., 0., 0., 0.]))
+    >>> degrees((doubt**2).sum(axis=1)).round(6)
+    array([40., 40., 40., 40.])
     """
     from scipy.special import digamma, polygamma
 
     half = np.clip(dof, 1.0, 1e6) / 2
-    if len(levels) < 3:
-        return levels, dof, np.ones(len(levels))
-    log = np.log(levels) - (digamma(half) - np.log(half))
-    sampling = polygamma(1, half)
-    weight = 1 / sampling
-    centre = float(np.log(half @ levels / half.sum()))
-    between = max(0.0, float(np.var(log, ddof=1) - sampling.mean()))
-    own = between / (between + sampling)
-    moderated = own * log + (1 - own) * centre
-    variance = own**2 * sampling + (1 - own) ** 2 / weight.sum()
-    return np.exp(moderated), np.maximum(2 / variance, dof), own
+    own = np.ones(len(levels))
+    if len(levels) >= KIN:
+        log = np.log(levels) - (digamma(half) - np.log(half))
+        sampling = polygamma(1, half)
+        centre = float(np.log(half @ levels / half.sum()))
+        between = max(0.0, float(np.var(log, ddof=1) - sampling.mean()))
+        own = between / (between + sampling)
+        levels = np.exp(own * log + (1 - own) * centre)
+    doubt = np.column_stack([np.diag(own / np.sqrt(half)), (1 - own) / np.sqrt(half.sum())])
+    return levels, own, doubt
 
 
 def moderated(
-    covariances: Sequence[Array], dof: Sequence[float], size: float
-) -> tuple[list[Array], Array]:
+    covariances: Sequence[Array],
+    dof: Sequence[float],
+    size: float,
+    durations: Sequence[float],
+    *,
+    spectrum: bool = True,
+) -> Noise:
     """Covariances of like runs with moderated levels and spectra, and a floor.
+
+    What is alike is the noise of a second: means over more of them are quieter.
 
     Parameters
     ----------
@@ -72,22 +120,46 @@ def moderated(
         Their degrees of freedom.
     size : float
         Size of the channel [N or N m]; `FLOOR` times it is the least standard deviation.
+    durations : sequence of float
+        What each run's rows are means over [s]; NaN where it is not known.
+    spectrum : bool
+        Whether the runs' noise is alike over the harmonics too, as at one frequency.
     """
     floor = (FLOOR * size) ** 2
-    safe = [covariance + floor * np.eye(len(covariance)) for covariance in covariances]
-    if len({covariance.shape for covariance in safe}) > 1:
-        levels = np.array([np.mean(np.diagonal(covariance)) for covariance in safe])
-        calm, freedom, _ = shrunk_levels(levels, np.asarray(dof, float))
-        factors = calm / levels
-        return [f * covariance for f, covariance in zip(factors, safe, strict=True)], freedom
-    common = np.mean(safe, axis=0)
-    size_of = np.diagonal(common)
-    levels = np.array([np.mean(np.diagonal(covariance) / size_of) for covariance in safe])
-    calm, freedom, own = shrunk_levels(levels, np.asarray(dof, float))
-    return [
-        new * (share * covariance / old + (1 - share) * common)
-        for new, share, covariance, old in zip(calm, own, safe, levels, strict=True)
-    ], freedom
+    longer = _relative(durations)
+    safe = [
+        factor * (covariance + floor * np.eye(len(covariance)))
+        for factor, covariance in zip(longer, covariances, strict=True)
+    ]
+    common = None
+    if spectrum and len({covariance.shape for covariance in safe}) == 1:
+        common = np.mean(safe, axis=0)
+    unit = np.ones(1) if common is None else np.diagonal(common)
+    levels = np.array([np.mean(np.diagonal(covariance) / unit) for covariance in safe])
+    calm, own, doubt = shrunk_levels(levels, np.asarray(dof, float))
+    return Noise(
+        covariances=tuple(
+            new
+            / factor
+            * (
+                covariance / old
+                if common is None
+                else share * covariance / old + (1 - share) * common
+            )
+            for new, old, share, factor, covariance in zip(
+                calm, levels, own, longer, safe, strict=True
+            )
+        ),
+        doubt=doubt,
+    )
+
+
+def _relative(durations: Sequence[float]) -> Array:
+    """Durations over their mean; 1 where one is not known."""
+    known = np.asarray(durations, float)
+    if not np.isfinite(known).any():
+        return np.ones(len(known))
+    return np.asarray(np.nan_to_num(known / np.nanmean(known), nan=1.0))
 
 
 def repeat_scatter(

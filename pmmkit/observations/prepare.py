@@ -70,6 +70,8 @@ class RunResult:
         How many samples count.
     window : str
         What was left out and why, in words.
+    duration : float
+        How long these are [s]; NaN where there is no record.
     cycles : int or None
         Whole cycles used.
     scatter : dict of str to array (m,)
@@ -92,6 +94,7 @@ class RunResult:
     dof: Mapping[str, float]
     samples: int
     window: str
+    duration: float = math.nan
     cycles: int | None = None
     scatter: Mapping[str, Array] = field(default_factory=dict)
     frequency: float | None = None
@@ -245,6 +248,7 @@ def _from_history(
             covariance=_mean_covariance(channels, mean),
             dof=dict(zip(channels, mean.dof.tolist(), strict=True)),
             samples=window.stop - window.start,
+            duration=_lasting(times[cut]),
             window=window.reason,
             extras=_extras(steady, weights),
             notes=() if window.steady else (f"{run.id}: {window.reason}",),
@@ -254,6 +258,11 @@ def _from_history(
         t=times[cut],
         begin=float(times[0]),
     )
+
+
+def _lasting(times: Array) -> float:
+    """What samples stand for [s], the last one for as long as the others."""
+    return float(times[-1] - times[0]) * len(times) / max(len(times) - 1, 1)
 
 
 def _mean_covariance(channels: list[str], mean: Mean) -> dict[str, Array | None]:
@@ -309,6 +318,7 @@ def _from_cycles(
             covariance={} if found is None else dict(zip(channels, found.covariance, strict=True)),
             dof={} if found is None else dict(zip(channels, found.dof.tolist(), strict=True)),
             samples=kept.stop - kept.start,
+            duration=_lasting(times[cut]),
             window=kept.reason,
             cycles=kept.count,
             scatter={} if scatter is None else dict(zip(channels, scatter, strict=True)),

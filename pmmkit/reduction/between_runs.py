@@ -196,7 +196,7 @@ def likelihood_of(item: ChannelFit, drawn: Drawn) -> Restricted:
         design=design,
         noise=tuple(
             noise + stated @ stated.T
-            for noise, stated in zip(item.noise, drawn.stated, strict=True)
+            for noise, stated in zip(item.noise.covariances, drawn.stated, strict=True)
         ),
         scale=1.0,
     )
@@ -235,7 +235,7 @@ def widened(item: ChannelFit, drawn: Drawn, scatter: RunScatter) -> ChannelFit:
     )
     plain = np.zeros(len(there))
     for gain, noise, stated, own in zip(
-        item.gains(), item.noise, drawn.stated, columns, strict=True
+        item.gains(), item.noise.covariances, drawn.stated, columns, strict=True
     ):
         for part in (stated, own):
             plain += np.sum((gain @ part) ** 2, axis=1)

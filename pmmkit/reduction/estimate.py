@@ -13,7 +13,7 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Scatter
 from pmmkit.observations.equations import Rows, Sensitivity
-from pmmkit.observations.noise import FLOOR, moderated, repeat_scatter, whiteners
+from pmmkit.observations.noise import FLOOR, KIN, Noise, moderated, repeat_scatter, whiteners
 from pmmkit.reduction.fit import Fit, fit, optional_columns
 
 ROUNDS = 6
@@ -23,16 +23,17 @@ QUIETEST = 0.1
 """A record's standard deviation below this share of the median of its gauge is not believed."""
 STATED = 5.0
 """Degrees of freedom that the noise stated by the records counts for beside the residuals."""
-BIRGE_P = 0.01
-"""Residuals larger than the noise with a probability below this widen the intervals."""
+BIRGE_P = 0.001
+"""Chance below which residuals are larger than the noise: a campaign asks in each of its channels
+at each Froude number, a dozen times."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
     """The usable rows of one run in one channel.
 
-    Runs of one kin, the same speed and frequency within a tenth, have like noise; runs of one
-    origin repeat each other.
+    Runs of one kin, the same speed and frequency within a tenth, have like noise a second; the
+    rows are means over `duration` seconds. Runs of one origin repeat each other.
     """
 
     run: int
@@ -43,6 +44,7 @@ class Block:
     rows: Array
     covariance: Array | None
     dof: float
+    duration: float
     keep: NDArray[np.bool_]
 
 
@@ -84,10 +86,8 @@ class ChannelFit:
         The rows that were fitted.
     whiteners : tuple of array
         What whitens each block's rows.
-    noise : tuple of array
-        Type A covariance of each block's rows [N², (N m)²].
-    noise_dof : array (k,)
-        Degrees of freedom of each block's noise.
+    noise : Noise
+        Type A covariance of each block's rows [N², (N m)²], and how well it is known.
     private : tuple of array (m_i, q) or None
         Errors that each block's run drew on its own, as columns per standard deviation: the
         scatter between runs, for whatever else is estimated from the same runs.
@@ -109,8 +109,7 @@ class ChannelFit:
     chosen: tuple[int, ...]
     blocks: tuple[Block, ...]
     whiteners: tuple[Array, ...]
-    noise: tuple[Array, ...]
-    noise_dof: Array
+    noise: Noise
     private: tuple[Array | None, ...]
     residual: tuple[Array, ...]
     chi_square: float
@@ -201,6 +200,7 @@ def blocks_of(
                 rows=rest[keep],
                 covariance=None if covariance is None else covariance[np.ix_(keep, keep)],
                 dof=item.result.dof.get(channel, math.inf),
+                duration=item.result.duration,
                 keep=keep,
             )
         )
@@ -246,7 +246,7 @@ def fit_channel(
         private[block.run] if block.run in private and block.covariance is not None else None
         for block in blocks
     ]
-    noise, dof = _stated_noise(blocks, scatter, inflation)
+    noise = _stated_noise(blocks, scatter, inflation)
     design, rows = _white(blocks, _whiteners(noise, [None] * len(blocks)))
     optional = optional_columns(design[:, :required], names[required:], design[:, required:])
     chosen = [*range(required), *(required + place for place in optional)]
@@ -257,15 +257,15 @@ def fit_channel(
     found = fit(columns, design[:, chosen], rows)
     from_residuals = any(block.covariance is None for block in blocks)
     for _ in range(ROUNDS if from_residuals else 0):
-        noise, dof = _noise_from_residuals(blocks, noise, dof, whiteners, found, design[:, chosen])
+        noise = _noise_from_residuals(blocks, noise, whiteners, found, design[:, chosen])
         whiteners = _whiteners(noise, scatter)
         design, rows = _white(blocks, whiteners)
         found = fit(columns, design[:, chosen], rows)
     misfit = rows - design[:, chosen] @ (found.gain @ rows)
     scale = (
-        _Scale(math.nan, 1.0, 0.0, False)
+        _Scale(math.nan, 1.0, False, noise)
         if from_residuals
-        else _scale(misfit, _freedom(found, len(rows)), dof)
+        else _scale(misfit, _freedom(found, len(rows)), noise)
     )
     values = np.nan_to_num(found.value)
     return ChannelFit(
@@ -275,8 +275,7 @@ def fit_channel(
         chosen=tuple(chosen),
         blocks=tuple(blocks),
         whiteners=tuple(whiteners),
-        noise=tuple(scale.factor * covariance for covariance in noise),
-        noise_dof=np.maximum(dof, scale.dof),
+        noise=scale.noise,
         private=tuple(scatter),
         residual=tuple(block.rows - block.design[:, chosen] @ values for block in blocks),
         chi_square=scale.chi_square,
@@ -296,26 +295,53 @@ def _freedom(found: Fit, rows: int) -> int:
 
 def _stated_noise(
     blocks: Sequence[Block], scatter: Sequence[Array | None], inflation: float
-) -> tuple[list[Array], Array]:
+) -> Noise:
     """Moderated noise of the runs that state one; equal noise for the rest."""
     rows = np.concatenate([block.rows for block in blocks])
     size = float(np.sqrt(np.mean(rows**2))) or 1.0
-    noise: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
-    dof = np.full(len(blocks), math.inf)
-    alike: dict[tuple[int, int], list[tuple[int, Array, float]]] = {}
+    covariances: list[Array] = [np.eye(len(block.rows)) * size**2 for block in blocks]
+    doubts: list[Array] = []
+    for members, kin in _alike(blocks):
+        found = moderated(
+            [
+                covariance
+                for place in members
+                if (covariance := blocks[place].covariance) is not None
+            ],
+            [blocks[place].dof for place in members],
+            size,
+            [blocks[place].duration for place in members],
+            spectrum=kin,
+        )
+        for place, covariance in zip(members, found.covariances, strict=True):
+            covariances[place] = inflation * covariance
+        doubt = np.zeros((len(blocks), found.doubt.shape[1]))
+        doubt[members] = found.doubt
+        doubts.append(doubt)
+    doubt = np.concatenate([np.zeros((len(blocks), 0)), *doubts], axis=1)
+    noise = Noise(covariances=tuple(_believed(covariances, blocks)), doubt=doubt)
+    for dynamic in (False, True):
+        noise = _with_repeat_scatter(dynamic, blocks, noise, scatter)
+    return noise
+
+
+def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
+    """Places of runs with like noise, of those that state one, and whether they are of one kin.
+
+    Static or oscillating runs without enough kin are held to be alike in their noise a second.
+    """
+    kins: dict[tuple[bool, tuple[int, int]], list[int]] = {}
     for place, block in enumerate(blocks):
         if block.covariance is not None:
-            alike.setdefault(block.kin, []).append((place, block.covariance, block.dof))
-    for members in alike.values():
-        places, covariances, degrees = zip(*members, strict=True)
-        calm, freedom = moderated(covariances, degrees, size)
-        for place, covariance, value in zip(places, calm, freedom, strict=True):
-            noise[place] = inflation * covariance
-            dof[place] = value
-    noise = _believed(noise, blocks)
-    for dynamic in (False, True):
-        noise, dof = _with_repeat_scatter(dynamic, blocks, noise, scatter, dof)
-    return noise, dof
+            kins.setdefault((block.dynamic, block.kin), []).append(place)
+    lonely: dict[bool, list[int]] = {}
+    for (dynamic, _), members in kins.items():
+        if len(members) < KIN:
+            lonely.setdefault(dynamic, []).extend(members)
+    return [
+        *((members, True) for members in kins.values() if len(members) >= KIN),
+        *((sorted(members), False) for members in lonely.values()),
+    ]
 
 
 def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
@@ -332,12 +358,8 @@ def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
 
 
 def _with_repeat_scatter(
-    dynamic: bool,
-    blocks: Sequence[Block],
-    noise: Sequence[Array],
-    scatter: Sequence[Array | None],
-    dof: Array,
-) -> tuple[list[Array], Array]:
+    dynamic: bool, blocks: Sequence[Block], noise: Noise, scatter: Sequence[Array | None]
+) -> Noise:
     """Noise of static or of oscillating runs with what repeats scatter beyond it and their own."""
     known = [
         place
@@ -346,8 +368,8 @@ def _with_repeat_scatter(
     ]
 
     def known_of(place: int) -> Array:
-        part = scatter[place]
-        return noise[place] if part is None else noise[place] + part @ part.T
+        part, own = scatter[place], noise.covariances[place]
+        return own if part is None else own + part @ part.T
 
     conditions: dict[str, list[int]] = {}
     for place in known:
@@ -356,19 +378,25 @@ def _with_repeat_scatter(
         [[blocks[place].rows for place in places] for places in conditions.values()],
         [[known_of(place) for place in places] for places in conditions.values()],
     )
-    wide, degrees = list(noise), dof.copy()
-    for place in known if extra > 0 else ():
-        own = float(np.mean(np.diagonal(noise[place])))
-        wide[place] = noise[place] + extra * np.eye(len(noise[place]))
-        degrees[place] = (own + extra) ** 2 / (own**2 / dof[place] + extra**2 / freedom)
-    return wide, degrees
+    if extra <= 0:
+        return noise
+    wide = list(noise.covariances)
+    share = np.ones(len(blocks))
+    for place in known:
+        own = float(np.mean(np.diagonal(wide[place])))
+        wide[place] = wide[place] + extra * np.eye(len(wide[place]))
+        share[place] = own / (own + extra)
+    common = (1 - share) * math.sqrt(2 / freedom)
+    return Noise(
+        covariances=tuple(wide), doubt=np.column_stack([share[:, None] * noise.doubt, common])
+    )
 
 
-def _whiteners(noise: Sequence[Array], scatter: Sequence[Array | None]) -> list[Array]:
+def _whiteners(noise: Noise, scatter: Sequence[Array | None]) -> list[Array]:
     return whiteners(
         [
             covariance if part is None else covariance + part @ part.T
-            for covariance, part in zip(noise, scatter, strict=True)
+            for covariance, part in zip(noise.covariances, scatter, strict=True)
         ]
     )
 
@@ -381,13 +409,8 @@ def _white(blocks: Sequence[Block], whiteners: Sequence[Array]) -> tuple[Array, 
 
 
 def _noise_from_residuals(
-    blocks: Sequence[Block],
-    noise: Sequence[Array],
-    dof: Array,
-    whiteners: Sequence[Array],
-    found: Fit,
-    design: Array,
-) -> tuple[list[Array], Array]:
+    blocks: Sequence[Block], noise: Noise, whiteners: Sequence[Array], found: Fit, design: Array
+) -> Noise:
     """Noise of runs that state none: mean square residual of static and of oscillating runs."""
     rows = np.concatenate(
         [white @ block.rows for white, block in zip(whiteners, blocks, strict=True)]
@@ -396,7 +419,8 @@ def _noise_from_residuals(
     slack = 1 - np.einsum("ij,ji->i", design, found.gain)
     ends = np.cumsum([len(block.rows) for block in blocks])
     largest = max(float(np.abs(block.rows).max()) for block in blocks)
-    fresh, degrees = list(noise), dof.copy()
+    fresh = list(noise.covariances)
+    doubt = noise.doubt.copy()
     for dynamic in (False, True):
         silent = [
             place
@@ -408,15 +432,18 @@ def _noise_from_residuals(
         index = np.concatenate(
             [np.arange(ends[place] - len(blocks[place].rows), ends[place]) for place in silent]
         )
-        level = float(noise[silent[0]][0, 0])
+        level = float(fresh[silent[0]][0, 0])
         freedom = float(np.sum(slack[index]))
         if freedom > 0.5:
             level *= float(np.sum(misfit[index] ** 2)) / freedom
         for place in silent:
             size = len(blocks[place].rows)
             fresh[place] = np.eye(size) * (level + (FLOOR * largest) ** 2)
-            degrees[place] = freedom if freedom > 0.5 else 0.0
-    return fresh, degrees
+        common = np.zeros(len(blocks))
+        common[silent] = math.sqrt(2 / freedom) if freedom > 0.5 else math.inf
+        doubt[silent] = 0.0
+        doubt = np.column_stack([doubt, common])
+    return Noise(covariances=tuple(fresh), doubt=doubt[:, doubt.any(axis=0)])
 
 
 @dataclass(frozen=True)
@@ -425,24 +452,36 @@ class _Scale:
 
     chi_square: float
     factor: float
-    dof: float
     excessive: bool
+    noise: Noise
 
 
-def _scale(misfit: Array, freedom: int, dof: Array) -> _Scale:
+def _scale(misfit: Array, freedom: int, noise: Noise) -> _Scale:
     """The stated noise and the residuals weighed by their degrees of freedom.
 
     A short autocorrelated record understates its slow noise a little; the residuals of many runs
-    see it. `excessive` says that the misfit is larger than chance allows (F test).
+    see it. `excessive` says that the misfit is larger than chance allows (F test). What the
+    levels have in common the residuals know better.
     """
     from scipy.special import fdtrc
 
     chi_square = float(misfit @ misfit)
-    strength = float(np.clip(np.median(dof), 3.0, 1e6))
+    strength = float(np.clip(np.median(noise.dof), 3.0, 1e6))
     prior = min(strength, STATED)
     factor = (prior + chi_square) / (prior + freedom)
     excessive = freedom > 0 and fdtrc(freedom, strength, chi_square / freedom) <= BIRGE_P
-    return _Scale(chi_square, factor, prior + freedom, bool(excessive))
+    known = freedom / (prior + freedom)
+    left = noise.doubt - known * noise.doubt.mean(axis=0)
+    common = np.full(len(left), math.sqrt(2 * freedom) / (prior + freedom))
+    return _Scale(
+        chi_square,
+        factor,
+        bool(excessive),
+        Noise(
+            covariances=tuple(factor * covariance for covariance in noise.covariances),
+            doubt=np.column_stack([left, common]),
+        ),
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -503,14 +542,13 @@ def join(
         span = slice(start, start + len(item.fit.names))
         values = {**known.get(group, {}), **item.values()}
         drawn = np.zeros(len(item.fit.names))
+        parts: list[Array] = []
         pulls = item.pulls()
         for index, (block, gain) in enumerate(zip(item.blocks, item.gains(), strict=True)):
             pull = pulls[index]
-            part = pull @ item.noise[index] @ pull.T
+            part = pull @ item.noise.covariances[index] @ pull.T
             type_a[span, span] += part
-            degrees = float(item.noise_dof[index])
-            shares[span] += np.diagonal(part) ** 2 / max(degrees, 1e-3)
-            unknown[span] |= (degrees == 0) & (np.diagonal(part) > 0)
+            parts.append(np.diagonal(part))
             run = run_of[group][block.run]
             for kind, column in enumerate(item.width.columns[index].T):
                 drawn += (pull @ column) ** 2
@@ -523,6 +561,12 @@ def join(
                 key = ("stated", number, -1 if change.source.shared else run, "")
                 push = pushes.setdefault(key, np.zeros(total))
                 push[span] += (gain if change.source.shared else pull) @ np.nan_to_num(shift)
+        variance = np.stack(parts)
+        doubt = item.noise.doubt
+        unknown[span] = np.any(variance[np.isinf(doubt).any(axis=1)] > 0, axis=0)
+        shares[span] += (
+            np.sum((np.where(np.isinf(doubt), 0.0, doubt).T @ variance) ** 2, axis=0) / 2
+        )
         shares[span] += (np.diagonal(type_a)[span] + drawn) ** 2 / item.width.dof
     covariance = type_a + sum(
         (np.outer(push, push) for push in pushes.values()), np.zeros((total, total))

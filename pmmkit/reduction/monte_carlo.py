@@ -86,7 +86,7 @@ def _noise(solution: Solution) -> dict[tuple[int, str], _Chance]:
         )
         for group, item in solution.fits
         for block, covariance, drawn in zip(
-            item.blocks, item.noise, item.width.columns, strict=True
+            item.blocks, item.noise.covariances, item.width.columns, strict=True
         )
     }
 

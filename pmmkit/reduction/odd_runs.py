@@ -161,7 +161,7 @@ def _held_against(
     )
     nodes, weight = scatter.weighed(item.channel)
     allowed = _allowed(item, number, prediction, draw, nodes)
-    return _judgement(rest, allowed, weight, float(item.noise_dof[number]))
+    return _judgement(rest, allowed, weight, float(item.noise.dof[number]))
 
 
 def _block_of(run: str, members: Sequence[Rows], item: ChannelFit) -> int | None:
@@ -214,7 +214,7 @@ def _allowed(
 ) -> Array:
     """Covariance of a run's departure from what others predict at each size of the scatter,
     array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
-    noise = item.noise[number]
+    noise = item.noise.covariances[number]
     if np.isfinite(item.scale):
         noise = noise / max(item.scale, 1.0)
     known = item.blocks[number].design[:, item.chosen][:, prediction.there]
@@ -290,7 +290,7 @@ def weighed_down(
             if departure is None or block.covariance is None:
                 continue
             columns = item.width.columns[number]
-            wide = departure**2 * (item.noise[number] + columns @ columns.T)
+            wide = departure**2 * (item.noise.covariances[number] + columns @ columns.T)
             size = len(block.keep)
             covariance = np.eye(size) * float(np.max(np.diagonal(wide)))
             covariance[np.ix_(block.keep, block.keep)] = wide

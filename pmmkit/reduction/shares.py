@@ -74,7 +74,7 @@ def contributions(
             run = solution.groups[group][block.run]
             test = reduction.rows[run].result.run.test
             pull = gradient @ pulls[index]
-            by_test[test] += float(pull @ item.noise[index] @ pull)
+            by_test[test] += float(pull @ item.noise.covariances[index] @ pull)
             runs_of[test].add(run)
             for kind, column in enumerate(item.width.columns[index].T):
                 own = "" if kind == SETTING else item.channel

@@ -6,9 +6,12 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
+from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.observations.noise import shrunk_levels
+from pmmkit.observations.noise import degrees, shrunk_levels
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.monte_carlo import monte_carlo
 from scripts.datasets.s175_programme import campaign
@@ -85,15 +88,17 @@ def test_shared_bias_does_not_average_out_but_scatter_does():
     single = captive(noise=autocorrelated)
     twice = single.with_(runs=(*single.runs, *(run.with_(id=f"{run.id}'") for run in single.runs)))
 
-    def uncertainty(made, **kind):
-        source = TypeB(name="drift", std=math.radians(1.0), **kind)
-        return reduce_campaign(made.with_(uncertainty=(source,)), check=False).table.std[0]
+    def variance(made, *sources):
+        table = reduce_campaign(made.with_(uncertainty=sources), check=False).table
+        return table.std[0, table.index("Nvvr")] ** 2
 
-    shared = uncertainty(twice, shared=True) / uncertainty(single, shared=True)
-    private = uncertainty(twice) / uncertainty(single)
-    place = reduce_campaign(single, check=False).table.index("Nvvr")
-    assert shared[place] == pytest.approx(1.0, abs=0.05)
-    assert private[place] == pytest.approx(1 / math.sqrt(2), abs=0.05)
+    common, own = (
+        TypeB(name="drift", std=math.radians(1.0), shared=shared) for shared in (True, False)
+    )
+    shared = [variance(made, common) - variance(made) for made in (single, twice)]
+    private = [variance(made, own) for made in (single, twice)]
+    assert math.sqrt(shared[1] / shared[0]) == pytest.approx(1.0, abs=0.05)
+    assert math.sqrt(private[1] / private[0]) == pytest.approx(1 / math.sqrt(2), abs=0.05)
 
 
 @pytest.mark.slow
@@ -120,12 +125,12 @@ def test_misfit_of_a_wrong_structure_widens_the_intervals_and_is_told():
 
 
 def test_like_noise_levels_borrow_strength_and_unlike_ones_do_not():
-    alike, dof, _ = shrunk_levels(np.array([0.8, 1.3, 1.0, 0.9, 1.1]), np.full(5, 8.0))
+    alike, _, doubt = shrunk_levels(np.array([0.8, 1.3, 1.0, 0.9, 1.1]), np.full(5, 8.0))
     assert np.ptp(alike) < 0.05
-    assert dof.min() > 20
-    unlike, dof, own = shrunk_levels(np.array([1.0, 100.0, 1e4, 1.0, 1e3]), np.full(5, 50.0))
+    assert degrees(np.sum(doubt**2, axis=1)).min() > 20
+    unlike, own, doubt = shrunk_levels(np.array([1.0, 100.0, 1e4, 1.0, 1e3]), np.full(5, 50.0))
     assert unlike == pytest.approx([1.0, 100.0, 1e4, 1.0, 1e3], rel=0.1)
-    assert dof.max() < 60
+    assert degrees(np.sum(doubt**2, axis=1)).max() < 60
     assert own.min() > 0.95
 
 
@@ -170,3 +175,32 @@ def test_numerical_uncertainty_of_a_solver_counts_as_a_common_zero_error():
     same = made.with_(uncertainty=(TypeB(name="Y_gauge", std=2.0, shared=True),))
     assert grid.std[0, 5] > 30 * bare.std[0, 5]
     assert np.array_equal(grid.std, reduce_campaign(same, check=False).table.std)
+
+
+def test_means_without_stated_noise_have_the_intervals_of_ordinary_regression():
+    """A line with a zero offset through six points: the runs share one level of noise, which has
+    rows minus coefficients degrees of freedom, as scipy's linear regression has it."""
+    from scipy.stats import linregress, t
+
+    rng = np.random.default_rng(6)
+    beta = np.radians([-10, -6, -2, 2, 6, 10])
+    side = 40.0 * np.sin(beta) + 3.0 * rng.normal(size=6)
+    runs = tuple(
+        Run(
+            id=f"SD{number}",
+            test="static_drift",
+            kind="means",
+            forces="hydrodynamic",
+            loader=lambda Y=Y: xr.Dataset({"Y": float(Y)}),
+            settings=Settings(speed=1.5, drift=float(angle)),
+        )
+        for number, (angle, Y) in enumerate(zip(beta, side, strict=True))
+    )
+    made = Campaign(title="means", ship=SHIP, water=WATER, runs=runs, forces="hydrodynamic")
+    table = reduce_campaign(made, structure="Yv", check=False).table
+    line = linregress(-np.sin(beta), side)
+    low, high = table.interval()
+    assert table.dof[0, 0] == pytest.approx(4.0, rel=1e-4)
+    assert (high - low)[0, 0] / table.value[0, 0] == pytest.approx(
+        2 * t.ppf(0.975, 4) * line.stderr / line.slope, rel=1e-3
+    )

@@ -159,8 +159,12 @@ def _as_fit(
         chosen=tuple(range(len(value))),
         blocks=stacked.blocks,
         whiteners=tuple(np.eye(len(own)) for own in design),
-        noise=tuple(
-            cycles[block.run] * noise for block, noise in zip(item.blocks, item.noise, strict=True)
+        noise=replace(
+            item.noise,
+            covariances=tuple(
+                cycles[block.run] * noise
+                for block, noise in zip(item.blocks, item.noise.covariances, strict=True)
+            ),
         ),
         residual=tuple(
             block.rows - block.design @ np.nan_to_num(value) for block in stacked.blocks

@@ -94,7 +94,7 @@ class OverTime:
             chosen=chosen,
             blocks=self.blocks,
             whiteners=self.whiteners,
-            noise=self.noise,
+            noise=replace(self.base.noise, covariances=self.noise),
             private=self.private,
             width=self._width(names),
             residual=tuple(block.rows - block.design[:, chosen] @ values for block in self.blocks),
@@ -145,7 +145,9 @@ def over_time(
     calm = CALM * float(np.median(levels)) if levels else 0.0
     parts = [
         _block(channel, block, noise, private, histories[members[block.run]], names, calm)
-        for block, noise, private in zip(base.blocks, base.noise, base.private, strict=True)
+        for block, noise, private in zip(
+            base.blocks, base.noise.covariances, base.private, strict=True
+        )
     ]
     roots = whiteners([noise if own is None else noise + own @ own.T for _, noise, own in parts])
     blocks = tuple(block for block, _, _ in parts)
