@@ -214,13 +214,31 @@ def _allowed(
 ) -> Array:
     """Covariance of a run's departure from what others predict at each size of the scatter,
     array (g, m, m): noise, doubt of the prediction, stated uncertainties, and its own draw."""
-    noise = item.noise.covariances[number]
+    noise = _as_sisters(item, number) * item.noise.covariances[number]
     if np.isfinite(item.scale):
         noise = noise / max(item.scale, 1.0)
     known = item.blocks[number].design[:, item.chosen][:, prediction.there]
     base = noise + known @ prediction.covariance @ known.T + draw.stated[0] @ draw.stated[0].T
     own = draw.own[0] * nodes[:, None, :]
     return base + own @ np.swapaxes(own, 1, 2)
+
+
+def _as_sisters(item: ChannelFit, number: int) -> float:
+    """By how much a run's noise a second is below the middle one of its channel, at least 1.
+
+    Cycles are kept because they look alike, so that a short record can be quiet by luck: what
+    only its quiet noise makes a departure is none.
+    """
+    own = item.blocks[number]
+    level = [
+        float(np.mean(np.diagonal(covariance))) * duration
+        for block, covariance in zip(item.blocks, item.noise.covariances, strict=True)
+        if block.dynamic == own.dynamic and np.isfinite(duration := block.duration)
+    ]
+    if not np.isfinite(own.duration):
+        return 1.0
+    its = float(np.mean(np.diagonal(item.noise.covariances[number]))) * own.duration
+    return max(1.0, float(np.median(level)) / its)
 
 
 def _judgement(rest: Array, allowed: Array, weight: Array, freedom: float) -> _Judgement:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -176,7 +177,7 @@ class _Noise:
 
 def _first_settled(phase: Array, values: Array, rows: Array, edges: Ints, single: Array) -> int:
     last = edges.size - 1
-    half = last - max(2, 2 * last // 3)
+    half = last - max(2, math.ceil(2 * last / 3))
     noise = None
     for first in range(last - 1):
         if noise is None or first + 1 > half:

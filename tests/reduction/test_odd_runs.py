@@ -123,10 +123,10 @@ def test_what_only_noise_of_the_motion_makes_has_no_value():
 
 
 @pytest.mark.slow
-def test_a_sound_run_with_two_lucky_cycles_is_not_named():
-    """Of one sway run two quiet cycles are kept, whose noise comes out at 0.4 of what it is: so
-    short a record does not know its noise well enough to stand against all others."""
-    case = next(case for case in CASES if case.law == "normal")
-    made, _ = first("speeds", 29, case)
+@pytest.mark.parametrize(("seed", "law"), [(29, "normal"), (4, "none")])
+def test_a_sound_run_with_two_lucky_cycles_is_not_named(seed, law):
+    """Of one run two quiet cycles are kept, whose noise comes out at 0.3 to 0.4 of what it is."""
+    case = next(case for case in CASES if case.law == law)
+    made, _ = first("speeds", seed, case)
     found = reduce_campaign(made, structure=tuple(spoiled.truth()), fn="pooled", check=False)
     assert found.influences.odd == ()
