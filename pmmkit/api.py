@@ -19,8 +19,9 @@ from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED, Missing
 from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.particulars import SECTIONS, STATED, parts_from_particulars, straight_polynomial
+from pmmkit.models.particulars import STATED, parts_from_particulars, straight_polynomial
 from pmmkit.models.revise import lent
+from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.parts import Parts, hull_alone, parts_of
 from pmmkit.structures import Structure, structures
@@ -142,8 +143,9 @@ def ship_as_tested(campaign: Campaign) -> Model:
 def _guessed(part: Part) -> str:
     """What of a part was not stated, in words."""
     guessed = [name for name in part.values if part.source_of(name) != STATED]
+    section = next(name for name, effect in SECTIONS.items() if effect.name == part.effect)
     return (
-        f"Not stated in [{SECTIONS[part.effect]}] of the campaign file, so estimated from the "
+        f"Not stated in [{section}] of the campaign file, so estimated from the "
         f"particulars: {', '.join(guessed)}."
         if guessed
         else ""

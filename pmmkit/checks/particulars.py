@@ -11,6 +11,7 @@ import numpy as np
 from pmmkit.campaigns.open_water import open_water
 from pmmkit.checks.expected import round_factor
 from pmmkit.checks.finding import Check, CheckFinding, figure
+from pmmkit.models.stated_parts import OPEN_WATER
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -93,6 +94,15 @@ def examine_open_water(campaign: Campaign, _summaries: Sequence[Summary]) -> Ite
     """The best efficiency J KT/(2π KQ) of the open-water table, which lies at 0.3 to 0.85."""
     table = open_water(campaign)
     if table is None:
+        if OPEN_WATER in campaign.propeller:
+            yield CheckFinding(
+                check="open water",
+                severity="warning",
+                message="open_water of [propeller] cannot be read "
+                f"({campaign.propeller[OPEN_WATER]!r}): the propeller is estimated instead.",
+                remedy="Name a CSV file beside the data with the columns J, KT and KQ, or state "
+                "the three as lists of equal length.",
+            )
         return
     J, KT, KQ = table
     good = (KT > 0) & (KQ > 0) & (J > 0)

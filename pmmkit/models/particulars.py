@@ -20,10 +20,6 @@ from pmmkit.numerics import Array
 from pmmkit.ship import Ship
 
 STATED: Final = "measured: the campaign file"
-SECTIONS: Final[Mapping[str, str]] = MappingProxyType(
-    {PROPELLER.name: PROPELLER.name, RUDDER_MMG.name: "rudder"}
-)
-"""Sections of a campaign file that state each part."""
 HIGHEST_J: Final = 0.8
 """Advance ratios up to which the open-water curve is fitted."""
 ASPECT: Final = 1.6

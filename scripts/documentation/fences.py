@@ -12,8 +12,13 @@ DOCS = Path(__file__).parents[2] / "docs"
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table of a page."""
     rule = "|" + "---|" * len(head)
-    lines = [f"| {' | '.join(cells)} |" for cells in (head, *rows)]
+    lines = [f"| {' | '.join(_cell(text) for text in cells)} |" for cells in (head, *rows)]
     return "\n".join([lines[0], rule, *lines[1:]])
+
+
+def _cell(text: str) -> str:
+    """A text with its bars escaped, which would end the cell."""
+    return text.replace("|", r"\|")
 
 
 def page(name: str, made: Mapping[str, Callable[[], str]]) -> str:

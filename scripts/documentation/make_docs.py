@@ -22,7 +22,7 @@ from pmmkit.figures.derivatives import derivatives_over_froude
 from pmmkit.files import datasets_folder, write_text
 from pmmkit.models import load_model
 from pmmkit.plotting import style
-from scripts.documentation import figures, kinds_of_test, manoeuvres, rooms
+from scripts.documentation import campaign_file, figures, manoeuvres, rooms
 from scripts.documentation.fences import page
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -229,8 +229,10 @@ def pages() -> dict[str, str]:
         "effects.md": effects_page(),
         "checks.md": f"{CHECKS_HEAD}{checks}\n{CHECKS_TAIL}",
         "architecture.md": rooms.page(),
-        "formats.md": kinds_of_test.page(),
-        **{name: page(name, made) for name, made in (manoeuvres.TABLES | figures.TABLES).items()},
+        **{
+            name: page(name, made)
+            for name, made in (campaign_file.TABLES | manoeuvres.TABLES | figures.TABLES).items()
+        },
     }
 
 

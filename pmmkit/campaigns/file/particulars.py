@@ -112,8 +112,8 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         moment_reference_x=_moment_reference(campaign, cfd, toml, problems),
         cfd=_given(cfd),
         numerical={} if cfd.U_SN is None else _given(cfd.U_SN),
-        propeller=_free_form("propeller", raw, toml, problems),
-        rudder=_free_form("rudder", raw, toml, problems),
+        propeller=_stated_part("propeller", raw, toml, problems),
+        rudder=_stated_part("rudder", raw, toml, problems),
         trial=_given(table("trial", TrialEntry)),
         uncertainty=_uncertainty(raw, toml, problems),
         corrections=corrections,
@@ -270,43 +270,23 @@ def _columns(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> dict
     return {name: ColumnSpec(**column.model_dump()) for name, column in found.items()}
 
 
-def _free_form(
+def _stated_part(
     name: str, raw: Mapping[str, Any], toml: str, problems: list[Problem]
 ) -> dict[str, Any]:
-    """A table of particulars whose keys depend on the model part that uses them."""
-    table = raw.get(name, {})
+    """What is stated of the propeller or the rudder; what is wrong is added to `problems`."""
+    from pmmkit.models.stated_parts import faults_of
+
+    if name not in raw:
+        return {}
+    table = raw[name]
     if not isinstance(table, Mapping):
         problems.append(Problem(message="must be a table.", file=toml, entry=f"[{name}]"))
         return {}
-    for key, value in table.items():
-        if not _finite(value):
-            problems.append(
-                Problem(
-                    message="must be finite numbers, text, or lists and tables of them.",
-                    file=toml,
-                    entry=f"[{name}], key {key!r}",
-                )
-            )
-    point = table.get("propulsion_point")
-    if point not in (None, "model", "ship"):
-        problems.append(
-            Problem(
-                message=f'must be "model" or "ship", it is {point!r}.',
-                file=toml,
-                entry=f"[{name}], key 'propulsion_point'",
-            )
-        )
+    problems += [
+        Problem(message=fault, file=toml, entry=f"[{name}]" + (f", key {key!r}" if key else ""))
+        for key, fault in faults_of(name, table)
+    ]
     return dict(table)
-
-
-def _finite(value: Any) -> bool:
-    if isinstance(value, Mapping):
-        return all(_finite(item) for item in value.values())
-    if isinstance(value, list):
-        return all(_finite(item) for item in value)
-    if isinstance(value, float):
-        return math.isfinite(value)
-    return isinstance(value, (str, int))
 
 
 def _uncertainty(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> tuple[TypeB, ...]:
