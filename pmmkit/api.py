@@ -49,7 +49,8 @@ def reduce(
     campaign : Campaign
         Captive tests, as `open_campaign` gives them.
     structure : str, sequence of str or Structure
-        Name of a structure (``abkowitz3``, ``modulus``, ``mmg`` …) or a list of derivatives.
+        Name of a structure (``abkowitz3``, ``modulus``, ``mmg`` …) or a list of derivatives;
+        ``auto`` takes the largest of which the runs determine every term of side force and moment.
     fn : {"each", "pooled"}
         A set of derivatives per Froude number, or one over all speeds.
     cycles : int or (int, int), optional

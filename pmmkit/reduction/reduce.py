@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,6 +23,7 @@ from pmmkit.observations.prepare import CycleChoice, RunResult
 from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
+from pmmkit.reduction.choice import AUTO, Choice, all_terms, largest_determined
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run
@@ -212,7 +213,8 @@ def reduce_campaign(
     campaign : Campaign
         The tests.
     structure : str, sequence of str or Structure
-        Name of a structure or a list of derivatives.
+        Name of a structure or a list of derivatives; ``auto`` takes the largest structure of which
+        the runs determine every term of side force and moment, and a note says why.
     fn : {"each", "pooled"}
         A set of derivatives per Froude number, or one over all speeds.
     cycles : int or (int, int), optional
@@ -259,7 +261,8 @@ def reduce_campaign(
     CampaignError
         If runs cannot be read; all problems of all runs at once.
     """
-    wanted = structure_of(structure)
+    free = structure == AUTO
+    wanted = all_terms() if free else structure_of(structure)
     convention = Convention(
         system=wanted.system,
         surge=wanted.surge,
@@ -285,6 +288,10 @@ def reduce_campaign(
     rows = tuple(item.rows for item in read)
     sensitivities = tuple(item.sensitivities for item in read)
     measured = {channel for item in rows for channel in item.force}
+    told: tuple[str, ...] = ()
+    if free:
+        choice = _chosen(campaign, convention, rows, sensitivities, measured, fn)
+        wanted, told = choice.structure, (choice.because,)
     columns = columns_of(wanted, campaign.runs, measured)
     if not columns.required:
         raise CampaignError(
@@ -311,6 +318,7 @@ def reduce_campaign(
     results = tuple(item.result for item in rows)
     curve = resistance(results)
     remarks = (
+        *told,
         *(note for item in results for note in item.notes),
         *notes(solution, rows),
         *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
@@ -367,6 +375,25 @@ def reduce_campaign(
         convention=convention,
         solution=solution,
         influences=Influences(items=each, odd=odd),
+    )
+
+
+def _chosen(
+    campaign: Campaign,
+    convention: Convention,
+    rows: Sequence[Rows],
+    sensitivities: Sequence[Sequence[Sensitivity]],
+    measured: Collection[str],
+    fn: str,
+) -> Choice:
+    """The largest structure that the runs determine."""
+    groups = _groups(rows, fn)
+    excited = _excited(rows, groups, campaign, convention)
+    between = between_runs(excited, campaign, convention)
+    return largest_determined(
+        measured,
+        lambda structure: columns_of(structure, campaign.runs, measured),
+        lambda columns: solve(excited, sensitivities, columns, groups, between),
     )
 
 

@@ -72,7 +72,11 @@ class Fourier(StrEnum):
 def reduce(
     campaign: Campaign,
     structure: Annotated[
-        str, typer.Option(help="Name of a structure, or derivatives such as 'Yv Yv|v| Nv'.")
+        str,
+        typer.Option(
+            help="Name of a structure, derivatives such as 'Yv Yv|v| Nv', or auto: the largest that "
+            "these runs determine."
+        ),
     ] = "abkowitz3",
     fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
     cycles: Annotated[
@@ -224,6 +228,7 @@ def reduced(
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
     from pmmkit.reduction.agreement import differences
+    from pmmkit.reduction.choice import AUTO
     from pmmkit.reduction.reading.resume import forget, resume_folder
     from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
@@ -264,7 +269,7 @@ def reduced(
         "campaign": opened.title,
         "out": str(out),
         "files": files,
-        "structure": structure,
+        "structure": found.table.provenance["structure"] if structure == AUTO else structure,
         "fn": fn,
         "runs": len(found.runs),
         "excluded": {run.id: reason for run, reason in opened.excluded},

@@ -1,0 +1,143 @@
+"""Which structure to fit where nobody says: the largest that the runs determine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from functools import reduce
+from typing import Final
+
+import numpy as np
+
+from pmmkit.conventions import CHANNELS
+from pmmkit.errors import CampaignError
+from pmmkit.presentation import counted, listed
+from pmmkit.reduction.derivatives import Columns
+from pmmkit.reduction.solve import Solution
+from pmmkit.structures import Structure, structures
+
+AUTO: Final = "auto"
+"""The word for it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """A structure and why it was taken.
+
+    Parameters
+    ----------
+    structure : Structure
+        The structure.
+    because : str
+        What speaks for it and against larger ones, in words.
+    """
+
+    structure: Structure
+    because: str
+
+
+def candidates(measured: Collection[str]) -> tuple[Structure, ...]:
+    """Structures in the prime system and u itself, largest first; with heel if K is measured.
+
+    Examples
+    --------
+    >>> [each.name for each in candidates("XYN")]
+    ['abkowitz3', 'modulus', 'cubic', 'linear']
+    """
+    plain = [
+        each
+        for each in structures().values()
+        if (each.system, each.surge) == ("prime", "u") and ("K" in measured or not each.of("K"))
+    ]
+    return tuple(sorted(plain, key=lambda each: -len(each.derivatives)))
+
+
+def all_terms() -> Structure:
+    """The terms of all candidates together, for reading the runs once."""
+    first, *others = candidates(CHANNELS)
+    return reduce(lambda found, each: found.with_(*each.derivatives), others, first)
+
+
+def largest_determined(
+    measured: Collection[str],
+    columns: Callable[[Structure], Columns],
+    fit: Callable[[Columns], Solution],
+) -> Choice:
+    """The largest structure of which the runs determine every term.
+
+    Parameters
+    ----------
+    measured : collection of str
+        Channels of the campaign.
+    columns : callable
+        The derivatives of a structure.
+    fit : callable
+        Fits them.
+
+    Returns
+    -------
+    Choice
+        Of structures of one size the one that leaves least of the forces.
+
+    Raises
+    ------
+    CampaignError
+        If the runs do not even determine the smallest.
+
+    Notes
+    -----
+    The Froude number with the most runs is asked. A term that no run excites, or that others
+    make up entirely, has no value there. Terms of X do not decide: the commonest programme, drift,
+    sway and yaw alone, leaves Xvr open, and a model takes it from an estimate.
+    """
+    lacking: dict[str, list[str]] = {}
+    best: tuple[float, Structure] | None = None
+    for structure in candidates(measured):
+        if best and len(structure.derivatives) < len(best[1].derivatives):
+            break
+        asked = columns(structure)
+        solution = fit(asked)
+        open_ = sorted(_judged(asked) - _valued(solution))
+        if open_:
+            lacking[structure.name] = open_
+        elif best is None or _left(solution) < best[0]:
+            best = (_left(solution), structure)
+    if best is None:
+        smallest, names = list(lacking.items())[-1]
+        raise CampaignError(
+            f"These runs do not determine the structure {smallest}: nothing shows "
+            f"{listed(names)}. Name the derivatives that you want."
+        )
+    return Choice(structure=best[1], because=_because(best[1], lacking))
+
+
+def _judged(columns: Columns) -> set[str]:
+    """The terms that decide: of all channels but X, where there are others."""
+    sideways = {name for names in columns.required.values() for name in names if name[0] != "X"}
+    return sideways or {name for names in columns.required.values() for name in names}
+
+
+def _valued(solution: Solution) -> set[str]:
+    """Derivatives that have a value at the Froude number with the most runs."""
+    largest = int(np.argmax([len(members) for members in solution.groups]))
+    return {
+        name
+        for (group, name), value in zip(solution.joint.labels, solution.joint.value, strict=True)
+        if group == largest and np.isfinite(value)
+    }
+
+
+def _left(solution: Solution) -> float:
+    """What the fits leave of the forces, the geometric mean over channels."""
+    return float(np.mean([np.log(max(item.left, 1e-12)) for _, item in solution.fits]))
+
+
+def _because(structure: Structure, lacking: dict[str, list[str]]) -> str:
+    told = [
+        f"{name} has {counted(len(names), 'term')} that they do not show ({listed(names)})"
+        for name, names in lacking.items()
+    ]
+    return (
+        f"Structure {structure.name}: the largest of which these runs determine every term"
+        " of side force and moment" + (f"; {'; '.join(told)}" if told else "") + "."
+    )
