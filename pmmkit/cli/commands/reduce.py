@@ -74,8 +74,8 @@ def reduce(
     structure: Annotated[
         str,
         typer.Option(
-            help="Name of a structure, derivatives such as 'Yv Yv|v| Nv', or auto: the largest that "
-            "these runs determine."
+            help="Name of a structure, derivatives such as 'Yv Yv|v| Nv', or auto: the largest "
+            "that these runs determine."
         ),
     ] = "abkowitz3",
     fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
