@@ -163,9 +163,10 @@ def _at_the_moment(structure: Structure, lines: Sequence[str]) -> list[str]:
     ]
 
     def own(found: re.Match[str]) -> str:
-        return f"k_{found[1]}" if int(found[1]) in structure.follows else found[0]
+        place = int(found.group("place"))
+        return f"k_{place}" if place in structure.follows else found.group()
 
-    return following + [re.sub(r"\bk\[(\d+)\]", own, line) for line in lines]
+    return following + [re.sub(r"\bk\[(?P<place>\d+)\]", own, line) for line in lines]
 
 
 def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[str, str]]:

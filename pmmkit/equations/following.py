@@ -73,7 +73,7 @@ def prepare_following(
     --------
     >>> from pmmkit.models import load_model
     >>> one_speed = load_model("s175")
-    >>> prepare_following(one_speed, 9.0) is prepare(one_speed, 9.0)
+    >>> prepare_following(one_speed, 9.0).k == prepare(one_speed, 9.0).k
     True
     """
     plain = prepare(model, speed, conditions=conditions, extrapolate=extrapolate)

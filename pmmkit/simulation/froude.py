@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Follow = Literal["approach", "instant"]
 """Derivatives at the Froude number of the approach throughout, or at that of each instant."""
 FOLLOWS: Final[tuple[str, ...]] = get_args(Follow)
-FINENESS: Final = 0.02
+FINENESS: Final = 0.05
 """Interval at which the speed is looked at, in ship lengths over the approach speed; between two
 such instants it is taken as a line."""
 
@@ -87,7 +87,6 @@ class FroudeRange(Described):
     @property
     def words(self) -> str:
         """A sentence for people."""
-        span = f"{self.low:.3f}" + (f" to {self.high:.3f}" if self.high > self.low else "")
         outside = [
             f"{where} it {seconds:.3g} s ({100 * share:.0f} %), held at Fn {edge:.3f}"
             for where, seconds, share, edge in (
@@ -97,15 +96,20 @@ class FroudeRange(Described):
             if seconds > 0.0
         ]
         return (
-            f"Derivatives of the moment, tested at Fn {span}; the manoeuvre has Fn "
+            f"Derivatives of the moment, tested at Fn {self._span}; the manoeuvre has Fn "
             f"{self.slowest:.3f} to {self.fastest:.3f}: {', '.join(outside) or 'all of it inside'}."
         )
 
+    @property
+    def _span(self) -> str:
+        return f"{self.low:.3f}" + (f" to {self.high:.3f}" if self.high > self.low else "")
+
     def _headline(self) -> str:
-        return self.words
+        below, above = 100 * self.share_below, 100 * self.share_above
+        return f"Fn {self._span}: {below:.0f} % of {self.duration:.4g} s below, {above:.0f} % above"
 
     def _sections(self) -> Sequence[Section]:
-        return []
+        return [Section(paragraphs=[self.words])]
 
 
 def prepared(model: Model, speed: float, fn: str, **settings: Any) -> Prepared:
@@ -113,7 +117,7 @@ def prepared(model: Model, speed: float, fn: str, **settings: Any) -> Prepared:
     return (prepare_following if fn == "instant" else prepare)(model, speed, **settings)
 
 
-def tested_range(model: Model, history: History) -> FroudeRange | None:
+def froude_range(model: Model, history: History) -> FroudeRange | None:
     """How far the tests of a model reach in a manoeuvre; None for one set of values at all speeds.
 
     Parameters

@@ -17,8 +17,9 @@ from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.ensemble import Batch, batch_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+from pmmkit.simulation.spread import spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -190,7 +191,7 @@ def sensitivities(
     jobs : int, optional
         Threads.
     **settings
-        As for `monte_carlo`.
+        As for `monte_carlo`, with ``fn="approach"`` alone.
 
     Returns
     -------
@@ -207,7 +208,7 @@ def sensitivities(
     >>> found.table("steady_diameter_L").index[0]
     'Nr'
     """
-    batch = batch_of(model, manoeuvre, speed=speed, **{"rtol": TIGHT, **settings})
+    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **{"rtol": TIGHT, **settings}))
     loaded = batch.model
     spreads = spread is not None or loaded.covariance is not None
     drawn = spread_of(loaded, speed, spread or (None if spreads else 0.5), extrapolate=True)
@@ -247,6 +248,16 @@ def sensitivities(
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
     )
+
+
+def _of_the_approach(batch: Batch) -> Batch:
+    """The batch, if each derivative has one value in it."""
+    if batch.fn != "approach":
+        raise DataError(
+            "Which derivative decides a metric is asked of its value at the approach: leave "
+            f"fn={batch.fn!r} out. Intervals with it come from monte_carlo."
+        )
+    return batch
 
 
 def _sizes(names: Sequence[str], values: Array) -> Array:
@@ -344,7 +355,7 @@ def sobol(
     jobs : int, optional
         Threads.
     **settings
-        As for `monte_carlo`.
+        As for `monte_carlo`, with ``fn="approach"`` alone.
 
     Returns
     -------
@@ -365,7 +376,7 @@ def sobol(
 
     if n < 2 or n & (n - 1):
         raise DataError(f"n = {n} must be a power of two.")
-    batch = batch_of(model, manoeuvre, speed=speed, **settings)
+    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
     drawn = spread_of(batch.model, speed, spread, extrapolate=batch.extrapolate)
     std = np.sqrt(np.diagonal(drawn.covariance))
     count = len(drawn.names)

@@ -19,7 +19,7 @@ from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
-from pmmkit.simulation.froude import FOLLOWS, Follow, prepared, tested_range
+from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
@@ -165,7 +165,7 @@ def simulate(
     track = track_of(loaded, history, dt, settings)
     more = [NO_BOTTOM] if depth is not None and not feels_depth(loaded) else []
     if fn == "instant":
-        track = replace(track, tested=tested_range(loaded, history))
+        track = replace(track, tested=froude_range(loaded, history))
         more.append(track.tested.words if track.tested else ONE_SET)
     if has_linear_hull(loaded):
         speeds = np.maximum(np.hypot(track.u, track.v), 1e-9)

@@ -18,7 +18,15 @@ from pmmkit.equations import prepare
 from pmmkit.equations.following import prepare_following
 from pmmkit.errors import DataError, ModelError
 from pmmkit.models import Model, Part, load_model, save_model
-from pmmkit.simulation import simulate
+from pmmkit.simulation import (
+    froude_sweep,
+    imo_verdicts,
+    monte_carlo,
+    sensitivities,
+    simulate,
+    sobol,
+)
+from pmmkit.simulation.spread import spread_of
 from pmmkit.tables import from_values, interpolate
 
 BASE = load_model("s175-3dof")
@@ -292,6 +300,122 @@ def test_powers_of_shallow_water_that_differ_are_refused():
         sail(shallow, speed=7.0, depth=20.0, fn="instant")
 
 
+# Many ships, sweeps and criteria
+
+TWO = with_rows(1.1, 0.85).with_(
+    covariance=np.array(
+        [
+            [4e-8, 0.0, 2e-8, 0.0],
+            [0.0, 1e-8, 0.0, -0.5e-8],
+            [2e-8, 0.0, 9e-8, 0.0],
+            [0.0, -0.5e-8, 0.0, 1e-8],
+        ]
+    ),
+    covariance_names=("Yv", "Nr"),
+)
+
+
+def test_ships_that_follow_are_drawn_with_the_covariance_between_froude_numbers():
+    drawn = spread_of(TWO, 6.0, fn="instant")
+    assert (drawn.names, drawn.speeds) == (("Yv", "Nr"), 2)
+    np.testing.assert_allclose(drawn.covariance, TWO.covariance, rtol=1e-12, atol=1e-22)
+    hull = TWO.parts["hull_polynomial"].values
+    np.testing.assert_allclose(
+        drawn.mean, [hull["Yv"][0], hull["Nr"][0], hull["Yv"][1], hull["Nr"][1]], rtol=1e-12
+    )
+    weights = np.array(TWO.weights(TWO.ship.froude(6.0)))
+    at_approach = np.einsum("a,aibj,b", weights, TWO.covariance.reshape(2, 2, 2, 2), weights)
+    np.testing.assert_allclose(spread_of(TWO, 6.0).covariance, at_approach, rtol=1e-12)
+
+
+def test_a_relative_spread_is_the_same_share_at_every_speed():
+    drawn = spread_of(THREE, 7.0, 0.05, fn="instant")
+    ships = drawn.draw(1, 0, 5).reshape(5, 3, len(drawn.names))
+    share = ships / drawn.mean.reshape(3, -1)
+    np.testing.assert_allclose(share, np.broadcast_to(share[:, :1], share.shape), rtol=1e-12)
+    assert np.ptp(share[:, 0], axis=0).min() > 0.0
+
+
+def test_the_estimates_of_other_parts_stand_beside_the_covariance_at_every_speed():
+    propeller = replace(TWO.parts["propeller"], std={"wp": 0.02, "kt0": 0.01})
+    model = TWO.with_(parts={**TWO.parts, "propeller": propeller})
+    drawn = spread_of(model, 6.0, fn="instant")
+    assert drawn.names == ("Yv", "Nr", "propeller.wp", "propeller.kt0")
+    means = drawn.mean.reshape(2, 4)
+    np.testing.assert_allclose(means[:, 2], propeller.values["wp"])
+    np.testing.assert_allclose(means[:, 3], propeller.values["kt0"])
+    std = np.sqrt(np.diagonal(drawn.covariance)).reshape(2, 4)
+    np.testing.assert_allclose(std[:, :2], np.sqrt([[4e-8, 1e-8], [9e-8, 1e-8]]))
+    np.testing.assert_allclose(std[:, 3], 0.01)
+    np.testing.assert_allclose(std[1, 2] / std[0, 2], means[1, 2] / means[0, 2])
+
+
+def test_a_drawn_ship_is_the_model_with_its_values():
+    speed = 6.2
+    many = monte_carlo(TWO, speed=speed, n=8, seed=4, fn="instant")
+    nominal = sail(TWO, speed=speed, fn="instant")
+    assert many.tested.below == pytest.approx(nominal.tested.below)
+    assert many.tested.words in str(many)
+    drawn = spread_of(TWO, speed, fn="instant").draw(4, 0, 8).reshape(8, 2, 2)
+    for metric, value in nominal.metrics.items():
+        assert many.nominal[metric] == pytest.approx(value, rel=1e-9)
+    for ship in (0, 5):
+        Yv, Nr = drawn[ship].T
+        own = TWO.with_values("hull_polynomial", Yv=tuple(Yv), Nr=tuple(Nr))
+        expected = sail(own, speed=speed, fn="instant").metrics["tactical_diameter"]
+        assert many.metrics["tactical_diameter"][ship] == pytest.approx(expected, rel=1e-9)
+
+
+def test_ships_of_one_row_are_those_of_the_approach_bit_for_bit():
+    model = with_rows(1.1)
+    approach, instant = (
+        monte_carlo(model, speed=SPEEDS[0], n=4, spread=0.05, fn=fn)
+        for fn in ("approach", "instant")
+    )
+    for metric, values in approach.metrics.items():
+        np.testing.assert_array_equal(instant.metrics[metric], values)
+
+
+def test_a_ship_without_a_positive_mass_matrix_below_is_counted_as_failed():
+    std = np.diag([1e-6, 1e-12])
+    loose = TWO.with_(covariance=std**2, covariance_names=("Nrdot",))
+    many = monte_carlo(loose, speed=6.2, n=40, fn="instant")
+    drawn = spread_of(loose, 6.2, fn="instant").draw(0, 0, 40)[:, 0]
+    assert many.failed == 0
+    wild = loose.with_(covariance=(1e3 * std) ** 2)
+    many = monte_carlo(wild, speed=6.2, n=40, fn="instant")
+    drawn = spread_of(wild, 6.2, fn="instant").draw(0, 0, 40)[:, 0]
+    unit = 0.5 * TWO.water.rho * TWO.ship.L**5
+    hopeless = TWO.ship.Izz - drawn * unit < 0.0
+    assert np.isnan(many.metrics["steady_diameter"][hopeless]).all()
+    assert 0 < np.count_nonzero(hopeless) <= many.failed < 40
+
+
+def test_which_derivative_decides_is_asked_of_the_approach():
+    for asked in (sensitivities, sobol):
+        with pytest.raises(DataError, match="monte_carlo"):
+            asked(TWO, speed=6.0, fn="instant")
+
+
+def test_a_sweep_follows_at_each_speed_and_tells_the_shares_outside():
+    found = froude_sweep(THREE, [6.0, 8.0], fn="instant", compiled=False)
+    assert found.attrs["fn"] == "instant"
+    for i, speed in enumerate((6.0, 8.0)):
+        track = sail(THREE, speed=speed, fn="instant")
+        assert found["tactical_diameter_L"].values[i] == track.metrics["tactical_diameter_L"]
+        assert found["share_below"].values[i] == track.tested.share_below
+        assert found["share_above"].values[i] == 0.0
+    assert "share_below" not in froude_sweep(THREE, [6.0], compiled=False)
+
+
+def test_the_criteria_are_judged_on_manoeuvres_that_follow():
+    found = imo_verdicts(THREE, 8.5, fn="instant", compiled=False)
+    track = sail(THREE, speed=8.5, fn="instant")
+    turn = next(verdict for verdict in found if verdict.criterion == "tactical_diameter")
+    assert turn.value == track.metrics["tactical_diameter_L"]
+    assert any(track.tested.words in said for said in turn.conditions)
+
+
 # The command
 
 
@@ -307,3 +431,16 @@ def test_the_command_follows_the_moment_and_says_how_long_it_was_outside(tmp_pat
     assert instant["tested_range"] == expected.tested.numbers
     assert approach["tested_range"] is None
     assert approach["tactical_diameter"] != instant["tactical_diameter"]
+
+
+def test_sweep_and_imo_take_the_word_as_well(tmp_path, capsys):
+    path = tmp_path / "ship.toml"
+    save_model(THREE, path)
+    given = [path, "--fn", "instant", "--out"]
+    rows = said(capsys, "sweep", *given, tmp_path / "sweep", "--speeds", "6,8.5")[1]["sweep"]
+    track = sail(THREE, speed=8.5, fn="instant")
+    assert rows[1]["tactical_diameter_L"] == track.metrics["tactical_diameter_L"]
+    assert rows[1]["share_below"] == track.tested.share_below
+    imo = said(capsys, "imo", *given, tmp_path / "imo", "--speed", "8.5", "--ships", "0")[1]
+    turn = next(row for row in imo["verdicts"] if row["criterion"] == "tactical_diameter")
+    assert turn["value"] == pytest.approx(track.metrics["tactical_diameter_L"], rel=1e-9)
