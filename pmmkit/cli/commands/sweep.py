@@ -91,15 +91,14 @@ def sweep(
     figure = metrics_over(found, metrics[:4])
     files = write_results(folder, [("sweep.csv", table), ("sweep.svg", partial(save, figure))])
     coordinates = [str(name) for name in found.coords]
-    shares = [name for name in sweeps.SHARES if name in found]
+    columns = [*metrics, *(name for name in sweeps.SHARES if name in found)]
     cells = [
-        [f"{row[name]:.4g}" for name in coordinates]
-        + [_cell(row, name) for name in metrics + shares]
+        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in columns]
         for row in rows
     ]
     lines = [
         f"Scale: {loaded.scale}",
-        aligned([*coordinates, *metrics, *shares], cells),
+        aligned([*coordinates, *columns], cells),
         f"Results: {folder}",
     ]
     return Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines)
