@@ -366,6 +366,6 @@ def _conditions(track: Track) -> tuple[str, ...]:
         f"The approach speed ({track.speed:.4g} m/s, Fn {track.Fn:.3f}) must be at least 90 % of "
         f"the speed at 85 % of the engine's output, which the model does not state."
     )
-    if track.tested:
+    if track.tested and track.tested.below + track.tested.above > 0.0:
         found.append(f"{_sailed(track)}: {track.tested.words}")
     return tuple(found)
