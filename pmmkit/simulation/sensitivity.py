@@ -180,14 +180,15 @@ def sensitivities(
     jobs: int | None = None,
     **settings: Any,
 ) -> Sensitivities:
-    """Slopes of every metric over every derivative of hull and added mass.
+    """Slopes of every metric over every derivative, and over what else is uncertain of a model.
 
     Parameters
     ----------
     model, manoeuvre, speed, spread
         As for `monte_carlo`; without covariance and spread there are slopes but no shares.
     names : sequence of str, optional
-        Derivatives; by default those of the covariance, or all.
+        Derivatives, and values of other parts as ``rudder_mmg.aH``; by default those of the
+        covariance and those with an uncertainty of their own, or all derivatives.
     jobs : int, optional
         Threads.
     **settings
@@ -214,7 +215,11 @@ def sensitivities(
     drawn = spread_of(loaded, speed, spread or (None if spreads else 0.5), extrapolate=True)
     given = values_at(loaded, speed, extrapolate=batch.extrapolate)
     chosen = tuple(names) if names is not None else drawn.names
-    known = {name: x for part in DERIVATIVE_PARTS for name, x in given.get(part, {}).items()}
+    known = {
+        name if part in DERIVATIVE_PARTS else f"{part}.{name}": x
+        for part, own in given.items()
+        for name, x in own.items()
+    }
     lost = [name for name in chosen if name not in known]
     if lost:
         raise UnknownNameError(f"Model {loaded.name!r} has no {', '.join(lost)}.")
