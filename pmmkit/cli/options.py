@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -49,6 +49,14 @@ More = Annotated[
 Depth = Annotated[float | None, typer.Option(help="Depth of the water in m.")]
 Extrapolate = Annotated[
     bool, typer.Option("--extrapolate", help="Allow a speed outside the tested range.")
+]
+Follow = Annotated[
+    Literal["approach", "instant"],
+    typer.Option(
+        "--fn",
+        help="Whose Froude number the derivatives are taken at: that of the approach throughout, "
+        "or that of each instant, held at the edge of the tested range.",
+    ),
 ]
 Spread = Annotated[
     float | None,

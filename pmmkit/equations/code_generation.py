@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import re
+from collections.abc import Sequence
 from enum import EnumType, IntEnum
 from functools import cache
 from pathlib import Path
@@ -130,13 +132,41 @@ def _rates(structure: Structure) -> list[str]:
     body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
     body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
     lines, extra_mass, rates_of = summed(structure)
-    body += [*lines, *_motion(structure, extra_mass)]
+    lines += _motion(structure, extra_mass)
+    body += _at_the_moment(structure, lines) if structure.follows else lines
     body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
     return [
         "@entry",
         "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
+
+
+def _at_the_moment(structure: Structure, lines: Sequence[str]) -> list[str]:
+    """Lines with the constants that follow the speed in place of those of the approach.
+
+    Between two speeds they lie on a line, as `Model.values` has them; beyond the first and the
+    last they are held.
+    """
+    begin, width = structure.width + 1, 1 + len(structure.follows)
+    following = [
+        f"here, last = {begin}, {begin} + {width} * (int(k[{structure.width}]) - 2)",
+        f"while here < last and U > k[here + {width}]:",
+        f"    here += {width}",
+        f"share = (U - k[here]) / (k[here + {width}] - k[here])",
+        "share = min(max(share, 0.0), 1.0)",
+        "rest = 1.0 - share",
+        *(
+            f"k_{place} = rest * k[here + {i}] + share * k[here + {width + i}]"
+            for i, place in enumerate(structure.follows, start=1)
+        ),
+    ]
+
+    def own(found: re.Match[str]) -> str:
+        place = int(found.group("place"))
+        return f"k_{place}" if place in structure.follows else found.group()
+
+    return following + [re.sub(r"\bk\[(?P<place>\d+)\]", own, line) for line in lines]
 
 
 def summed(structure: Structure) -> tuple[list[str], dict[str, list[str]], dict[str, str]]:
@@ -254,7 +284,7 @@ def _motion(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         f"out[{State.y}] = u * aside + {across} * ahead + k[{Constant.current_y}]",
         f"out[{State.psi}] = r * upright" if structure.rolls else f"out[{State.psi}] = r",
     ]
-    if extra:
+    if extra or any(Constant[name] in structure.follows for name in ACCELERATIONS):
         lines += _extra_mass(structure, extra)
     else:
         lines.append(f"out[{State.u}] = X / k[{Constant.surge_mass}]")
@@ -291,6 +321,7 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         return [
             *lines,
             "det = a11 * a22 - a12 * a21",
+            *_refused(structure, "a11", "a22"),
             f"out[{State.v}] = (a22 * Y - a12 * N) / det",
             f"out[{State.r}] = (a11 * N - a21 * Y) / det",
         ]
@@ -298,12 +329,22 @@ def _extra_mass(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         *lines,
         "c11, c12, c13 = a22*a33 - a23*a32, a13*a32 - a12*a33, a12*a23 - a13*a22",
         "det = a11 * c11 + a21 * c12 + a31 * c13",
+        *_refused(structure, "a11", "a22", "a33"),
         f"out[{State.v}] = (c11 * Y + c12 * N + c13 * K) / det",
         f"out[{State.r}] = ("
         "(a23*a31 - a21*a33) * Y + (a11*a33 - a13*a31) * N + (a13*a21 - a11*a23) * K) / det",
         f"out[{State.p}] = ("
         "(a21*a32 - a22*a31) * Y + (a12*a31 - a11*a32) * N + (a11*a22 - a12*a21) * K) / det",
     ]
+
+
+def _refused(structure: Structure, *diagonal: str) -> list[str]:
+    """No motion goes on where a mass matrix that follows the speed is not positive.
+
+    Of one that does not, `complete` looks at all there is.
+    """
+    positive = " and ".join(f"{entry} > 0.0" for entry in (*diagonal, "det"))
+    return [f"det = det if {positive} else math.nan"] if structure.follows else []
 
 
 _LAYOUTS: Final = {

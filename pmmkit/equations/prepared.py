@@ -329,7 +329,6 @@ def packed(
     monomials = polynomial(terms, ship=ship, water=water, convention=convention)
     structure = structure_of(model, values, None if generic else monomials)
     bis = convention.system == "bis"
-    fixed = convention.U == "carriage" and not bis
     wind_speed, wind_direction = conditions.wind_on_water
     current_x, current_y = conditions.current
     common: dict[Constant, Any] = {
@@ -347,7 +346,11 @@ def packed(
         Constant.Ixx: ship.Ixx or 0.0,
         Constant.rolls: float(model.rolls),
         **{Constant[name]: value for name, value in added._asdict().items()},
-        Constant.reference: math.sqrt(water.g * ship.L) if bis else speed if fixed else 0.0,
+        Constant.reference: math.sqrt(water.g * ship.L)
+        if bis
+        else speed
+        if refers_to_carriage(model)
+        else 0.0,
         Constant.square: 1.0 if bis else 0.0,
         Constant.loss_from: speed if convention.surge == "delta-u" else 0.0,
         Constant.wind_speed: wind_speed,
@@ -373,6 +376,11 @@ def packed(
             k += [numbers.get(channel, 0.0) for channel in CHANNELS]
         k.append(float(at))
     return structure, k
+
+
+def refers_to_carriage(model: Model) -> bool:
+    """Whether the derivatives refer to the speed of the carriage, the same all through a run."""
+    return model.convention.U == "carriage" and model.convention.system != "bis"
 
 
 def stacked(k: Sequence[Any], ships: int) -> Array:

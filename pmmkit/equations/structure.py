@@ -76,11 +76,15 @@ class Structure:
         The other effects in the order in which they are evaluated.
     rolls : bool
         Whether roll is a degree of freedom.
+    follows : tuple of int
+        Places of the constants that follow the speed of the moment, ascending; behind the other
+        constants stand a number of speeds and, for each, itself and the values of these places.
     """
 
     products: Products | None
     used: tuple[Used, ...]
     rolls: bool
+    follows: tuple[int, ...] = ()
 
     @cached_property
     def states(self) -> tuple[str, ...]:
@@ -98,10 +102,19 @@ class Structure:
         """Whether revolutions of a propeller enter."""
         return any({"n", "n_order"} & set(item.arguments) for item in self.used)
 
+    @cached_property
+    def width(self) -> int:
+        """Number of the constants, without what follows the speed and a polynomial as data."""
+        return max((at.stop for at in self.places().values()), default=self._first_place)
+
+    @cached_property
+    def _first_place(self) -> int:
+        return len(Constant) + sum(len(channels) for _, channels in self.products or ())
+
     def places(self) -> dict[tuple[str, str], slice]:
         """Where each parameter stands in the constants: (effect, name) to a slice."""
         found: dict[tuple[str, str], slice] = {}
-        place = len(Constant) + sum(len(channels) for _, channels in self.products or ())
+        place = self._first_place
         for item in self.used:
             lengths = dict(item.tables)
             for name in item.own:

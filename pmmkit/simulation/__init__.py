@@ -2,6 +2,7 @@
 
 from pmmkit.equations.layouts import Ask, End, State
 from pmmkit.simulation.ensemble import Ensemble, monte_carlo
+from pmmkit.simulation.froude import FroudeRange
 from pmmkit.simulation.imo import Verdict, imo_turning, imo_verdicts, zigzag_limits
 from pmmkit.simulation.linear import Stability, stability
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
@@ -17,6 +18,7 @@ __all__ = [
     "Ask",
     "End",
     "Ensemble",
+    "FroudeRange",
     "Manoeuvre",
     "Phase",
     "Plan",

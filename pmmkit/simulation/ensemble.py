@@ -10,29 +10,30 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
+from pmmkit.equations.following import known_speeds, packed_following
 from pmmkit.equations.layouts import Status
-from pmmkit.equations.prepared import packed, stacked, values_at
-from pmmkit.errors import DataError, ModelError
+from pmmkit.equations.prepared import Numbers, packed, stacked, values_at
+from pmmkit.equations.structure import Structure
+from pmmkit.errors import DataError
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
+from pmmkit.simulation.froude import Follow, FroudeRange, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
-from pmmkit.simulation.run import Gear, run_ships, settings_for
+from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
 from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
+from pmmkit.simulation.spread import CHUNK, spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-CHUNK: Final = 10_000
-"""Ships whose constants are held at a time."""
 SHOWN: Final = 3
 """Metrics that are drawn as distributions where none are named."""
 
@@ -61,6 +62,8 @@ class Ensemble(Described):
         Of the model and the manoeuvre.
     units : mapping of str to str
         Of the metrics.
+    tested : FroudeRange, optional
+        Of the model as it stands, where derivatives follow the Froude number of the moment.
     """
 
     metrics: Mapping[str, Array]
@@ -75,6 +78,7 @@ class Ensemble(Described):
     manoeuvre: str
     scale: str
     units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    tested: FroudeRange | None = None
 
     def __len__(self) -> int:
         return len(next(iter(self.metrics.values())))
@@ -163,6 +167,7 @@ class Ensemble(Described):
                     f"Fn {self.Fn:.3f}; {self.scale}",
                     f"{counted(len(self.names), 'derivative')} drawn from {self.origin}, seed "
                     f"{self.seed}",
+                    *([self.tested.words] if self.tested else []),
                 ]
             ),
             Section(title="Metrics", tables=[Grid(head=head, groups=[Group(rows=rows)])]),
@@ -172,155 +177,6 @@ class Ensemble(Described):
 def _differs(values: Array) -> bool:
     there = values[np.isfinite(values)]
     return len(there) > 1 and float(np.ptp(there)) > 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Spread:
-    """Values that differ between ships: a mean and a root of their covariance, at one speed.
-
-    Parameters
-    ----------
-    names : tuple of str
-        Derivatives, and values of other parts as ``rudder_mmg.aH``.
-    mean : array (m,)
-        Their values.
-    root : array (m, q)
-        ``root @ root.T`` is the covariance.
-    origin : str
-        Where it comes from, in words.
-    """
-
-    names: tuple[str, ...]
-    mean: Array
-    root: Array
-    origin: str
-
-    @property
-    def covariance(self) -> Array:
-        """Covariance (m, m)."""
-        product: Array = self.root @ self.root.T
-        return product
-
-    def beside(self, other: Spread) -> Spread:
-        """Both, independent of each other."""
-        m, n = self.root.shape[1], other.root.shape[1]
-        return Spread(
-            names=(*self.names, *other.names),
-            mean=np.concatenate([self.mean, other.mean]),
-            root=np.block(
-                [
-                    [self.root, np.zeros((len(self.names), n))],
-                    [np.zeros((len(other.names), m)), other.root],
-                ]
-            ),
-            origin=f"{self.origin}; {other.origin}",
-        )
-
-    def draw(self, seed: int, first: int, count: int) -> Array:
-        """Values (count, m) of the ships from number `first` on; the same whatever the chunks."""
-        blocks = []
-        for block in range(first // CHUNK, (first + count - 1) // CHUNK + 1):
-            generator = np.random.default_rng([seed, block])
-            blocks.append(generator.standard_normal((CHUNK, self.root.shape[1])))
-        start = first - first // CHUNK * CHUNK
-        normal = np.concatenate(blocks)[start : start + count]
-        drawn: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
-        return drawn
-
-
-def spread_of(
-    model: Model, speed: float, spread: float | None = None, *, extrapolate: bool = False
-) -> Spread:
-    """How the derivatives of a model differ between ships at a speed.
-
-    Parameters
-    ----------
-    model : Model
-        With a covariance, or without.
-    speed : float
-        Approach speed [m/s].
-    spread : float, optional
-        Relative standard deviation of each derivative of hull and added mass, independent; by
-        default the covariance of the model counts.
-    extrapolate : bool
-        Allow a speed outside the range of the model's values.
-
-    Returns
-    -------
-    Spread
-
-    Raises
-    ------
-    ModelError
-        If the model has no covariance and `spread` is not given.
-    """
-    values = values_at(model, speed, extrapolate=extrapolate)
-    given = {
-        name: value
-        for effect in DERIVATIVE_PARTS
-        for name, value in values.get(effect, {}).items()
-        if effect_of(effect).parameter(name) is None
-    }
-    if spread is not None:
-        if not 0.0 < spread < 1.0:
-            raise DataError(f"spread = {spread} must lie between 0 and 1.")
-        names = tuple(given)
-        mean = np.array([given[name] for name in names])
-        return Spread(
-            names=names,
-            mean=mean,
-            root=np.diag(spread * np.abs(mean)),
-            origin=f"{100 * spread:g} % of each derivative, independent",
-        )
-    alone = _independent(model, values)
-    if model.covariance is None:
-        if alone is None:
-            raise ModelError(
-                f"Model {model.name!r} carries no covariance: give spread, the relative standard "
-                f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
-            )
-        return alone
-    froude = model.ship.froude(speed, model.water.g)
-    weights = np.array(model.weights(froude, extrapolate=extrapolate) if model.Fn else (1.0,))
-    size = len(model.covariance_names)
-    full = model.covariance.reshape(len(weights), size, len(weights), size)
-    covariance = np.einsum("a,aibj,b->ij", weights, np.nan_to_num(full), weights)
-    known = np.isfinite(np.einsum("aiai->ai", full)).all(axis=0) & (np.diagonal(covariance) > 0)
-    names = tuple(name for name, there in zip(model.covariance_names, known, strict=True) if there)
-    chosen = covariance[np.ix_(known, known)]
-    scale = np.sqrt(np.diagonal(chosen))
-    eigenvalues, vectors = np.linalg.eigh(chosen / np.outer(scale, scale))
-    root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
-    unknown = size - len(names)
-    tested = Spread(
-        names=names,
-        mean=np.array([given[name] for name in names]),
-        root=root,
-        origin="the covariance of the model"
-        + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
-    )
-    return tested if alone is None else tested.beside(alone)
-
-
-def _independent(model: Model, values: Mapping[str, Mapping[str, Any]]) -> Spread | None:
-    """Values with an uncertainty of their own, such as estimates from particulars."""
-    named, means, stds = [], [], []
-    for effect, part in model.parts.items():
-        for name, std in part.std.items():
-            first = part.values[name]
-            stated = first[0] if isinstance(first, tuple) else first
-            mean = float(values[effect][name])
-            named.append(name if effect in DERIVATIVE_PARTS else f"{effect}.{name}")
-            means.append(mean)
-            stds.append(std * abs(mean / stated) if stated else std)
-    if not named:
-        return None
-    return Spread(
-        names=tuple(named),
-        mean=np.array(means),
-        root=np.diag(stds),
-        origin=f"{len(named)} estimates with the spread that they have among ships",
-    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -343,6 +199,8 @@ class Batch:
         Of the approach [1/s].
     extrapolate : bool
         Allow a speed outside the range of the model's values.
+    fn : {"approach", "instant"}
+        As for `simulate`.
     """
 
     model: Model
@@ -353,6 +211,7 @@ class Batch:
     conditions: Conditions = CALM
     revolutions: float | None = None
     extrapolate: bool = False
+    fn: Follow = "approach"
 
     def run(
         self,
@@ -362,15 +221,12 @@ class Batch:
         jobs: int | None = None,
         advance: Callable[[int], object] | None = None,
     ) -> tuple[dict[str, Array], Array]:
-        """Metrics (n,) by name, and the status of each ship, for values (n, len(names))."""
-        given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
-        for column, name in enumerate(names):
-            effect, dot, own = name.rpartition(".")
-            for home in (effect,) if dot else DERIVATIVE_PARTS:
-                if own in given.get(home, {}):
-                    given[home][own] = values[:, column]
-                    break
-        structure, k = packed(self.model, given, self.speed, self.conditions)
+        """Metrics (n,) by name, and the status of each ship.
+
+        For values (n, len(names)) at the approach; where derivatives follow the speed, for those
+        at all `known_speeds`, (n, speeds len(names)).
+        """
+        structure, k = self._packed(names, values)
         settings = settings_for(
             structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
         )
@@ -381,12 +237,57 @@ class Batch:
             metrics = {name: np.asarray(x) for name, x in self.plan.metrics_of(results).items()}
         return metrics, status
 
+    def nominal_range(self) -> FroudeRange | None:
+        """Which Froude numbers the model as it stands has in the manoeuvre, where that counts."""
+        if self.fn == "approach":
+            return None
+        ready = prepared(
+            self.model,
+            self.speed,
+            self.fn,
+            conditions=self.conditions,
+            extrapolate=self.extrapolate,
+        )
+        history = run_plan(
+            ready, self.plan, self.gear, rtol=self.rtol, fast=True, revolutions=self.revolutions
+        )
+        return froude_range(self.model, history)
+
+    def _packed(self, names: Sequence[str], values: Array) -> tuple[Structure, list[Any]]:
+        speeds = known_speeds(self.model, self.speed) if self.fn == "instant" else ()
+        if not speeds:
+            given = self._given(self.speed, names, values)
+            return packed(self.model, given, self.speed, self.conditions)
+        by_speed = values.reshape(len(values), len(speeds), len(names))
+        share = [np.interp(self.speed, speeds, row) for row in np.eye(len(speeds))]
+        at_approach = np.einsum("isj,s->ij", by_speed, share)
+        return packed_following(
+            self.model,
+            self._given(self.speed, names, at_approach),
+            speeds,
+            [self._given(each, names, by_speed[:, i]) for i, each in enumerate(speeds)],
+            self.speed,
+            self.conditions,
+        )
+
+    def _given(self, speed: float, names: Sequence[str], values: Array) -> Numbers:
+        """Values of the parts at a speed, with those of the ships in their places."""
+        given = values_at(self.model, speed, extrapolate=self.extrapolate)
+        for column, name in enumerate(names):
+            effect, dot, own = name.rpartition(".")
+            for home in (effect,) if dot else DERIVATIVE_PARTS:
+                if own in given.get(home, {}):
+                    given[home][own] = values[:, column]
+                    break
+        return given
+
 
 def batch_of(
     model: Model | str | Path,
     manoeuvre: str | Manoeuvre,
     *,
     speed: float,
+    fn: Follow = "approach",
     rtol: float = RTOL,
     rudder_rate_deg: float | None = None,
     rudder_law: RudderLaw = "ramp",
@@ -405,6 +306,7 @@ def batch_of(
         settings,
         around,
         speed=speed,
+        fn=fn,
         rudder_rate_deg=rudder_rate_deg,
         rtol=rtol,
         rudder_law=rudder_law,
@@ -425,6 +327,7 @@ def batch_of(
         conditions=conditions,
         revolutions=revolutions,
         extrapolate=extrapolate,
+        fn=fn,
     )
 
 
@@ -486,7 +389,7 @@ def monte_carlo(
         raise DataError(f"n = {n} must be a positive whole number.")
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
-    drawn = spread_of(loaded, speed, spread, extrapolate=batch.extrapolate)
+    drawn = spread_of(loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn)
     nominal, _ = batch.run(drawn.names, drawn.mean[None], jobs=1)
     found = {name: np.empty(n) for name in nominal}
     failed, done = 0, 0
@@ -518,4 +421,5 @@ def monte_carlo(
         manoeuvre=batch.plan.name,
         scale=loaded.scale,
         units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
+        tested=batch.nominal_range(),
     )

@@ -251,7 +251,7 @@ def imo_verdicts(
     spread, seed
         As for `monte_carlo`.
     **settings
-        Handed on to `simulate`: `depth`, `rudder_rate_deg`, `compiled` …
+        Handed on to `simulate`: `fn`, `depth`, `rudder_rate_deg`, `compiled` …
 
     Returns
     -------
@@ -337,8 +337,6 @@ def _stopping(
 def _verdict(
     metric: Metric, criterion: Criterion, track: Track, conditions: tuple[str, ...]
 ) -> Verdict:
-    to = "port" if track.rudder_deg < 0 else "starboard"
-    side = f", to {to}" if track.rudder_deg else ""
     return judge(
         metric,
         criterion,
@@ -347,8 +345,15 @@ def _verdict(
         speed=track.speed,
         scale=track.scale,
         conditions=conditions,
-        manoeuvre=f"{track.manoeuvre.replace('_', ' ')} {abs(track.rudder_deg):g}°{side}",
+        manoeuvre=_sailed(track),
     )
+
+
+def _sailed(track: Track) -> str:
+    """The manoeuvre in words, with the side."""
+    to = "port" if track.rudder_deg < 0 else "starboard"
+    side = f", to {to}" if track.rudder_deg else ""
+    return f"{track.manoeuvre.replace('_', ' ')} {abs(track.rudder_deg):g}°{side}"
 
 
 def _conditions(track: Track) -> tuple[str, ...]:
@@ -361,4 +366,6 @@ def _conditions(track: Track) -> tuple[str, ...]:
         f"The approach speed ({track.speed:.4g} m/s, Fn {track.Fn:.3f}) must be at least 90 % of "
         f"the speed at 85 % of the engine's output, which the model does not state."
     )
+    if track.tested and track.tested.below + track.tested.above > 0.0:
+        found.append(f"{_sailed(track)}: {track.tested.words}")
     return tuple(found)

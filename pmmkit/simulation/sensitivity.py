@@ -17,8 +17,9 @@ from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
-from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.ensemble import Batch, batch_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
+from pmmkit.simulation.spread import spread_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -179,18 +180,19 @@ def sensitivities(
     jobs: int | None = None,
     **settings: Any,
 ) -> Sensitivities:
-    """Slopes of every metric over every derivative of hull and added mass.
+    """Slopes of every metric over every derivative, and over what else is uncertain of a model.
 
     Parameters
     ----------
     model, manoeuvre, speed, spread
         As for `monte_carlo`; without covariance and spread there are slopes but no shares.
     names : sequence of str, optional
-        Derivatives; by default those of the covariance, or all.
+        Derivatives, and values of other parts as ``rudder_mmg.aH``; by default those of the
+        covariance and those with an uncertainty of their own, or all derivatives.
     jobs : int, optional
         Threads.
     **settings
-        As for `monte_carlo`.
+        As for `monte_carlo`, with ``fn="approach"`` alone.
 
     Returns
     -------
@@ -207,13 +209,17 @@ def sensitivities(
     >>> found.table("steady_diameter_L").index[0]
     'Nr'
     """
-    batch = batch_of(model, manoeuvre, speed=speed, **{"rtol": TIGHT, **settings})
+    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **{"rtol": TIGHT, **settings}))
     loaded = batch.model
     spreads = spread is not None or loaded.covariance is not None
     drawn = spread_of(loaded, speed, spread or (None if spreads else 0.5), extrapolate=True)
     given = values_at(loaded, speed, extrapolate=batch.extrapolate)
     chosen = tuple(names) if names is not None else drawn.names
-    known = {name: x for part in DERIVATIVE_PARTS for name, x in given.get(part, {}).items()}
+    known = {
+        name if part in DERIVATIVE_PARTS else f"{part}.{name}": x
+        for part, own in given.items()
+        for name, x in own.items()
+    }
     lost = [name for name in chosen if name not in known]
     if lost:
         raise UnknownNameError(f"Model {loaded.name!r} has no {', '.join(lost)}.")
@@ -247,6 +253,16 @@ def sensitivities(
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
     )
+
+
+def _of_the_approach(batch: Batch) -> Batch:
+    """The batch, if each derivative has one value in it."""
+    if batch.fn != "approach":
+        raise DataError(
+            "Which derivative decides a metric is asked of its value at the approach: leave "
+            f"fn={batch.fn!r} out. Intervals with it come from monte_carlo."
+        )
+    return batch
 
 
 def _sizes(names: Sequence[str], values: Array) -> Array:
@@ -344,7 +360,7 @@ def sobol(
     jobs : int, optional
         Threads.
     **settings
-        As for `monte_carlo`.
+        As for `monte_carlo`, with ``fn="approach"`` alone.
 
     Returns
     -------
@@ -365,7 +381,7 @@ def sobol(
 
     if n < 2 or n & (n - 1):
         raise DataError(f"n = {n} must be a power of two.")
-    batch = batch_of(model, manoeuvre, speed=speed, **settings)
+    batch = _of_the_approach(batch_of(model, manoeuvre, speed=speed, **settings))
     drawn = spread_of(batch.model, speed, spread, extrapolate=batch.extrapolate)
     std = np.sqrt(np.diagonal(drawn.covariance))
     count = len(drawn.names)

@@ -14,11 +14,12 @@ import numpy as np
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.hull import HULL
-from pmmkit.equations import CALM, Conditions, prepare
+from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Control, End, State
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
+from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
 from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 from pmmkit.simulation.plan import Plan
@@ -36,6 +37,7 @@ LINEAR: Final = (
     "The hull's side force and moment are linear in v and r, which holds for small rudder angles "
     "alone: larger turns come out too tight. Here the drift reaches {drift:.0f}° and r' {rate:.1f}."
 )
+ONE_SET: Final = "The model has one set of values for all speeds: nothing follows the moment's."
 REVERSAL: Final = 2.0
 """Time in ship lengths over the approach speed in which revolutions fall to zero, in a model
 without a shaft."""
@@ -46,6 +48,7 @@ def simulate(
     manoeuvre: str | Manoeuvre = "turning",
     *,
     speed: float,
+    fn: Follow = "approach",
     rudder_rate_deg: float | None = None,
     rudder_law: RudderLaw = "ramp",
     rudder_lag: float = 1.0,
@@ -64,8 +67,7 @@ def simulate(
     """Simulate a manoeuvre from steady running straight ahead.
 
     The first order is given at t = 0; the propeller keeps the revolutions of self-propulsion at
-    the approach speed where the manoeuvre does not change them; the derivatives are those of the
-    approach Froude number throughout.
+    the approach speed where the manoeuvre does not change them.
 
     Parameters
     ----------
@@ -76,6 +78,10 @@ def simulate(
         with their settings. Or one of your own.
     speed : float
         Approach speed through the water [m/s] at the scale of the model.
+    fn : {"approach", "instant"}
+        Values that depend on the Froude number are those of the approach throughout; or they
+        follow U/√(gL) of each instant inside the range of the model's values and are held at its
+        edge. Then the track says in `tested` how long the ship was outside.
     rudder_rate_deg : float, optional
         Rate of the steering gear [deg/s]; by default that of the model's rudder.
     rudder_law : {"ramp", "lag"}
@@ -143,6 +149,7 @@ def simulate(
         around,
         speed=speed,
         rudder_rate_deg=rudder_rate_deg,
+        fn=fn,
         rudder_law=rudder_law,
         rudder_lag=rudder_lag,
         dt=dt,
@@ -150,13 +157,16 @@ def simulate(
         revolutions=revolutions,
     )
     conditions = Conditions(**around) if any(around.values()) else CALM
-    ready = prepare(loaded, speed, conditions=conditions, extrapolate=extrapolate)
+    ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(speed / ready.L, wind=wind_speed > 0.0, **settings)
     lag = rudder_lag if rudder_law == "lag" else 0.0
     gear = gear_of(loaded, plan, ready.speed / ready.L, rudder_rate_deg, lag)
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
     more = [NO_BOTTOM] if depth is not None and not feels_depth(loaded) else []
+    if fn == "instant":
+        track = replace(track, tested=froude_range(loaded, history))
+        more.append(track.tested.words if track.tested else ONE_SET)
     if has_linear_hull(loaded):
         speeds = np.maximum(np.hypot(track.u, track.v), 1e-9)
         drift = float(np.degrees(np.abs(np.arctan2(-track.v, track.u))).max())
@@ -191,6 +201,7 @@ def check_request(
     settings: Mapping[str, Any],
     environment: Mapping[str, float | None],
     *,
+    fn: str = "approach",
     rudder_law: str = "ramp",
     rtol: float = RTOL,
     **positive: float | None,
@@ -209,6 +220,8 @@ def check_request(
     ]
     if rudder_law not in ("ramp", "lag"):
         found.append(f"rudder_law = {rudder_law!r} is not known: ramp, lag.")
+    if fn not in FOLLOWS:
+        found.append(f"fn = {fn!r} is not known: {', '.join(FOLLOWS)}.")
     if not 1e-13 < rtol < 0.1:
         found.append(f"rtol = {rtol} must lie between 1e-13 and 0.1.")
     found += _environment_problems(environment) + manoeuvre.problems(settings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+SHARES: Final = ("share_below", "share_above")
+"""Of a manoeuvre outside of the tested range, where derivatives follow the speed."""
 _UNITS: Final = {
     "depth": "m",
     "rudder_rate_deg": "deg/s",
@@ -66,7 +69,8 @@ def froude_sweep(
     -------
     xarray.Dataset
         A variable per metric over ``Fn``, with ``speed`` [m/s] beside it; with `n` also
-        ``<metric>_low`` and ``<metric>_high``.
+        ``<metric>_low`` and ``<metric>_high``; with ``fn="instant"`` also ``share_below`` and
+        ``share_above``, the shares of the manoeuvre outside of the tested range.
 
     Raises
     ------
@@ -106,7 +110,7 @@ def froude_sweep(
             "name": loaded.name,
             "manoeuvre": sailed.name,
             "scale": loaded.scale,
-            **{name: x for name, x in settings.items() if isinstance(x, (int, float))},
+            **{name: x for name, x in settings.items() if isinstance(x, (int, float, str))},
         },
     )
 
@@ -143,7 +147,7 @@ def sweep(
     Returns
     -------
     xarray.Dataset
-        A variable per metric over the setting.
+        A variable per metric over the setting, and more as in `froude_sweep`.
 
     Raises
     ------
@@ -192,12 +196,15 @@ def _row(
     spread: float | None,
     seed: int,
 ) -> dict[str, float]:
-    row = dict(simulate(model, manoeuvre, **given).metrics)
+    track = simulate(model, manoeuvre, **given)
+    row = dict(track.metrics)
     if n:
         plain = {name: x for name, x in given.items() if name not in ("compiled", "dt")}
         many = monte_carlo(model, manoeuvre, n=n, spread=spread, seed=seed, **plain)
         for name in tuple(row):
             row[f"{name}_low"], row[f"{name}_high"] = many.interval(name)
+    if given.get("fn") == "instant":
+        row |= {name: getattr(track.tested, name, math.nan) for name in SHARES}
     return row
 
 
@@ -205,6 +212,8 @@ def _variables(
     over: str, rows: Sequence[Mapping[str, float]], manoeuvre: Manoeuvre
 ) -> dict[str, Any]:
     def unit(column: str) -> str:
+        if column in SHARES:
+            return "-"
         plain = column.removesuffix("_low").removesuffix("_high")
         return unit_of(plain, manoeuvre.metrics, lengths="-")
 

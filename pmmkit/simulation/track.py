@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from pmmkit.simulation.froude import FroudeRange
     from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre
 
 CHANNELS: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
@@ -68,6 +69,9 @@ class Track(Described):
         Instants of the orders [s].
     settings : mapping
         Of the manoeuvre, as they were given.
+    tested : FroudeRange, optional
+        Of derivatives that follow the Froude number of the moment: how long it was outside the
+        range that was tested.
     """
 
     t: Array
@@ -92,6 +96,7 @@ class Track(Described):
     notes: tuple[str, ...] = ()
     orders: tuple[float, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    tested: FroudeRange | None = None
 
     def __len__(self) -> int:
         return len(self.t)

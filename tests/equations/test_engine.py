@@ -26,8 +26,9 @@ from pmmkit.identification import ForceRecord, fit_to_forces
 from pmmkit.models import Part, load_model, model_text, save_model
 from pmmkit.ship_library import ships
 from pmmkit.simulation import manoeuvre_of, monte_carlo, sensitivities, simulate, sobol
-from pmmkit.simulation.ensemble import batch_of, spread_of
+from pmmkit.simulation.ensemble import batch_of
 from pmmkit.simulation.run import Gear, run_plan
+from pmmkit.simulation.spread import spread_of
 
 TANKER = load_model("kvlcc2-l7")
 SPEED = 1.179

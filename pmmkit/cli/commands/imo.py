@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, Spread, results_folder, stem
+from pmmkit.cli.options import (
+    Depth,
+    Extrapolate,
+    Follow,
+    Model,
+    Out,
+    Speed,
+    Spread,
+    results_folder,
+    stem,
+)
 from pmmkit.cli.output import Outcome
 from pmmkit.presentation import text_of
 
@@ -17,6 +27,7 @@ def imo(
     speed: Speed,
     ships: Annotated[int, typer.Option(help="Ships drawn for the probability of passing.")] = 2000,
     spread: Spread = None,
+    fn: Follow = "approach",
     depth: Depth = None,
     extrapolate: Extrapolate = False,
     out: Out = None,
@@ -31,7 +42,7 @@ def imo(
     folder = results_folder(out, f"{stem(model)}-imo")
     loaded = load_model(model)
     found = imo_verdicts(
-        loaded, speed, n=ships, spread=spread, depth=depth, extrapolate=extrapolate
+        loaded, speed, n=ships, spread=spread, fn=fn, depth=depth, extrapolate=extrapolate
     )
     rows = [asdict(item) for item in found]
     table = pd.DataFrame([{**row, "conditions": " ".join(row["conditions"])} for row in rows])

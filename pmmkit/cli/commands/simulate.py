@@ -10,6 +10,7 @@ from pmmkit.cli.options import (
     Depth,
     Extrapolate,
     Figures,
+    Follow,
     Manoeuvre,
     Model,
     More,
@@ -30,6 +31,7 @@ def simulate(
     model: Model,
     speed: Speed,
     manoeuvre: Manoeuvre = "turning",
+    fn: Follow = "approach",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
     heading_deg: Annotated[
@@ -71,6 +73,7 @@ def simulate(
         model,
         manoeuvre,
         speed=speed,
+        fn=fn,
         compiled=False,
         rudder_rate_deg=rudder_rate_deg,
         wind_speed=wind_speed,

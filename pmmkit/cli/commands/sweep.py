@@ -11,6 +11,7 @@ import typer
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
+    Follow,
     Manoeuvre,
     Model,
     More,
@@ -46,6 +47,7 @@ def sweep(
     ] = None,
     values: Annotated[str | None, typer.Option(help="Its values, such as 10,20,35.")] = None,
     manoeuvre: Manoeuvre = "turning",
+    fn: Follow = "approach",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
     more: More = None,
@@ -67,6 +69,7 @@ def sweep(
     settings = {
         "n": ships,
         "spread": spread,
+        "fn": fn,
         "extrapolate": extrapolate,
         "compiled": ships > 0,
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
@@ -88,13 +91,14 @@ def sweep(
     figure = metrics_over(found, metrics[:4])
     files = write_results(folder, [("sweep.csv", table), ("sweep.svg", partial(save, figure))])
     coordinates = [str(name) for name in found.coords]
+    columns = [*metrics, *(name for name in sweeps.SHARES if name in found)]
     cells = [
-        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in metrics]
+        [f"{row[name]:.4g}" for name in coordinates] + [_cell(row, name) for name in columns]
         for row in rows
     ]
     lines = [
         f"Scale: {loaded.scale}",
-        aligned([*coordinates, *metrics], cells),
+        aligned([*coordinates, *columns], cells),
         f"Results: {folder}",
     ]
     return Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines)
@@ -103,9 +107,11 @@ def sweep(
 def _told(found: xr.Dataset) -> list[str]:
     """The metrics worth a column: in ship lengths where they are, without those that stay empty."""
     from pmmkit.metrics import in_lengths
+    from pmmkit.simulation import sweeps
 
     names = [str(name) for name in found.data_vars if not str(name).endswith(("_low", "_high"))]
-    return [name for name in in_lengths(names) if found[name].notnull().any()][:MOST]
+    metrics = [name for name in in_lengths(names) if name not in sweeps.SHARES]
+    return [name for name in metrics if found[name].notnull().any()][:MOST]
 
 
 def _cell(row: Mapping[str, Any], name: str) -> str:

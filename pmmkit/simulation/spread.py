@@ -1,0 +1,206 @@
+"""How the values of a model differ between ships: what is known of their uncertainty, drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.effects.catalogue import effect_of
+from pmmkit.equations.following import known_speeds
+from pmmkit.equations.prepared import Numbers, values_at
+from pmmkit.errors import DataError, ModelError
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.numerics import Array
+from pmmkit.simulation.froude import Follow
+
+CHUNK: Final = 10_000
+"""Ships whose constants are held at a time."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """Values that differ between ships: a mean and a root of their covariance.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Derivatives, and values of other parts as ``rudder_mmg.aH``.
+    mean : array (speeds m,)
+        Their values at each speed, all names of one speed after another.
+    root : array (speeds m, q)
+        ``root @ root.T`` is the covariance.
+    origin : str
+        Where it comes from, in words.
+    speeds : int
+        1 for the approach alone.
+    """
+
+    names: tuple[str, ...]
+    mean: Array
+    root: Array
+    origin: str
+    speeds: int = 1
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance (m, m)."""
+        product: Array = self.root @ self.root.T
+        return product
+
+    def beside(self, other: Spread) -> Spread:
+        """Both, independent of each other."""
+        m, n = self.root.shape[1], other.root.shape[1]
+        root = np.block(
+            [
+                [self.root, np.zeros((len(self.mean), n))],
+                [np.zeros((len(other.mean), m)), other.root],
+            ]
+        )
+        places = np.split(np.arange(len(root)), [len(self.mean)])
+        by_speed = np.concatenate([own.reshape(self.speeds, -1) for own in places], axis=1).ravel()
+        return Spread(
+            names=(*self.names, *other.names),
+            mean=np.concatenate([self.mean, other.mean])[by_speed],
+            root=root[by_speed],
+            origin=f"{self.origin}; {other.origin}",
+            speeds=self.speeds,
+        )
+
+    def draw(self, seed: int, first: int, count: int) -> Array:
+        """Values (count, m) of the ships from number `first` on; the same whatever the chunks."""
+        blocks = []
+        for block in range(first // CHUNK, (first + count - 1) // CHUNK + 1):
+            generator = np.random.default_rng([seed, block])
+            blocks.append(generator.standard_normal((CHUNK, self.root.shape[1])))
+        start = first - first // CHUNK * CHUNK
+        normal = np.concatenate(blocks)[start : start + count]
+        drawn: Array = self.mean + np.einsum("ij,kj->ik", normal, self.root)
+        return drawn
+
+
+def spread_of(
+    model: Model,
+    speed: float,
+    spread: float | None = None,
+    *,
+    extrapolate: bool = False,
+    fn: Follow = "approach",
+) -> Spread:
+    """How the derivatives of a model differ between ships at a speed.
+
+    Parameters
+    ----------
+    model : Model
+        With a covariance, or without.
+    speed : float
+        Approach speed [m/s].
+    spread : float, optional
+        Relative standard deviation of each derivative of hull and added mass, independent; by
+        default the covariance of the model counts.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    fn : {"approach", "instant"}
+        At the approach speed, or at all speeds that the model has values at: a relative standard
+        deviation is then the same share at each, a covariance ties them together as it states.
+
+    Returns
+    -------
+    Spread
+
+    Raises
+    ------
+    ModelError
+        If the model has no covariance and `spread` is not given.
+    """
+    speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
+    values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
+    given = [
+        {
+            name: value
+            for effect in DERIVATIVE_PARTS
+            for name, value in own.get(effect, {}).items()
+            if effect_of(effect).parameter(name) is None
+        }
+        for own in values
+    ]
+    if spread is not None:
+        if not 0.0 < spread < 1.0:
+            raise DataError(f"spread = {spread} must lie between 0 and 1.")
+        names = tuple(given[0])
+        means = np.array([[own[name] for name in names] for own in given])
+        return Spread(
+            names=names,
+            mean=means.ravel(),
+            root=_alike(means, spread * np.abs(means)),
+            origin=f"{100 * spread:g} % of each derivative, independent",
+            speeds=len(speeds),
+        )
+    alone = _independent(model, values)
+    if model.covariance is None:
+        if alone is None:
+            raise ModelError(
+                f"Model {model.name!r} carries no covariance: give spread, the relative standard "
+                f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
+            )
+        return alone
+    froude = [model.ship.froude(each, model.water.g) for each in speeds]
+    weights = [
+        np.array(model.weights(each, extrapolate=extrapolate) if model.Fn else (1.0,))
+        for each in froude
+    ]
+    size, rows = len(model.covariance_names), len(weights[0])
+    full = model.covariance.reshape(rows, size, rows, size)
+    measured = np.nan_to_num(full)
+    covariance = np.block(
+        [[np.einsum("a,aibj,b->ij", one, measured, two) for two in weights] for one in weights]
+    )
+    positive = (np.diagonal(covariance) > 0).reshape(-1, size).all(axis=0)
+    known = np.isfinite(np.einsum("aiai->ai", full)).all(axis=0) & positive
+    names = tuple(name for name, there in zip(model.covariance_names, known, strict=True) if there)
+    places = np.tile(known, len(speeds))
+    chosen = covariance[np.ix_(places, places)]
+    scale = np.sqrt(np.diagonal(chosen))
+    eigenvalues, vectors = np.linalg.eigh(chosen / np.outer(scale, scale))
+    root = scale[:, None] * vectors * np.sqrt(np.maximum(eigenvalues, 0.0))
+    unknown = size - len(names)
+    tested = Spread(
+        names=names,
+        mean=np.array([own[name] for own in given for name in names]),
+        root=root,
+        origin="the covariance of the model"
+        + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
+        speeds=len(speeds),
+    )
+    return tested if alone is None else tested.beside(alone)
+
+
+def _alike(means: Array, std: Array) -> Array:
+    """Root (speeds m, m) of values (speeds, m) that are off by the same share at all speeds."""
+    side = np.where(means[0] < 0.0, -1.0, 1.0) * np.where(means < 0.0, -1.0, 1.0)
+    return np.concatenate([np.diag(row) for row in side * std])
+
+
+def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
+    """Values with an uncertainty of their own, such as estimates from particulars."""
+    named, means, stds = [], [], []
+    for effect, part in model.parts.items():
+        for name, std in part.std.items():
+            first = part.values[name]
+            stated = first[0] if isinstance(first, tuple) else first
+            mean = [float(own[effect][name]) for own in values]
+            named.append(name if effect in DERIVATIVE_PARTS else f"{effect}.{name}")
+            means.append(mean)
+            stds.append([std * abs(x / stated) if stated else std for x in mean])
+    if not named:
+        return None
+    return Spread(
+        names=tuple(named),
+        mean=np.array(means).T.ravel(),
+        root=_alike(np.array(means).T, np.array(stds).T),
+        origin=f"{len(named)} estimates with the spread that they have among ships",
+        speeds=len(values),
+    )
