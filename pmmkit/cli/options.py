@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import pmmkit.campaigns.run
     from pmmkit.checks import CheckFinding
 
-Out = Annotated[Path | None, typer.Option("--out", help="Folder of the results.")]
 Data = Annotated[
     Path | None,
     typer.Option("--data", help="Folder of measurements that do not lie beside the campaign file."),
@@ -84,15 +83,6 @@ Given = Annotated[
     str | None,
     typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
 ]
-
-
-def results_folder(out: Path | None, default: str) -> Path:
-    """The folder of the results, which can be written."""
-    from pmmkit.files import check_folder
-
-    folder = out or Path(default)
-    check_folder(folder)
-    return folder
 
 
 def sound_campaign(

@@ -7,17 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pmmkit.cli.options import (
-    Campaign,
-    Data,
-    Figures,
-    Model,
-    Out,
-    results_folder,
-    sound_campaign,
-    stem,
-)
+from pmmkit.cli.options import Campaign, Data, Figures, Model, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.outputs import Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.validation.comparison import Comparison

@@ -8,8 +8,8 @@ from typing import Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import Out, results_folder
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
 from pmmkit.presentation import ABSENT, WIDE, aligned, with_uncertainty
 

@@ -10,6 +10,7 @@ import typer
 
 from pmmkit.cli.options import Data, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import results_file
 
 
 class Format(StrEnum):
@@ -49,13 +50,14 @@ def export(
     from pmmkit.exports.subject import read_subject
     from pmmkit.exports.write import file_name
 
-    target = output
-    if target is None:
+    default: str | Path = ""
+    if output is None:
         if to is None:
             raise typer.BadParameter(
                 "Say what to write: --to mss, or -o with an ending such as .m."
             )
-        target = Path(file_name(read_subject(what, data=data), stem(what), to.value))
+        default = file_name(read_subject(what, data=data), stem(what), to.value)
+    target = results_file(output, default)
     files = exports.export(what, target, to.value if to else None, speed=speed, data=data)
     return Outcome(
         content={"files": [str(file) for file in files]},

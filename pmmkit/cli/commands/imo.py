@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, Spread, results_folder, stem
+from pmmkit.cli.options import Depth, Extrapolate, Model, Speed, Spread, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
 
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pmmkit.cli.options import Out
 from pmmkit.cli.output import Outcome, quoted
+from pmmkit.cli.outputs import Out
 
 if TYPE_CHECKING:
     from pmmkit.inspection import Look

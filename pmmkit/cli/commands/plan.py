@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from pmmkit.cli.options import Data, Given, Out, numbers, results_folder, stem, words
+from pmmkit.cli.options import Data, Given, numbers, stem, words
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:

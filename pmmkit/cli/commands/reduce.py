@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Out, stem
+from pmmkit.cli.options import Campaign, Data, stem
 from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned, table_lines
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ def reduce(
         float, typer.Option(min=1, help="Memory that they may take together in MB.")
     ] = 1000.0,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Reduce captive tests to a table of derivatives, a model and a report.
 
@@ -139,7 +141,7 @@ def reduce(
     """
     return reduced(
         campaign,
-        out or Path(f"{stem(campaign)}-reduced"),
+        results_folder(out, f"{stem(campaign)}-reduced", read=[parts, reference], force=force),
         structure=structure,
         fn=fn.value,
         cycles=_cycles(cycles),
@@ -196,7 +198,7 @@ def reduced(
     campaign, data : Path
         As for `open_campaign`.
     out : Path
-        The folder of the results.
+        The folder of the results, which can be written.
     structure, fn, cycles, method, library, fourier
         As for `reduce_campaign`.
     parts : str, optional
@@ -218,7 +220,6 @@ def reduced(
         Files, table, findings, notes, the model or why there is none.
     """
     from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.files import check_folder
     from pmmkit.loop.session import begin
     from pmmkit.models import load_model
     from pmmkit.progress import shown
@@ -228,7 +229,6 @@ def reduced(
     from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
 
-    check_folder(out)
     donor = load_model(parts) if parts else None
     beside = reference_of(reference, reference_name) if reference else None
     opened = open_campaign(campaign, data=data)

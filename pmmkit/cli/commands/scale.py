@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.options import Model, Out, results_folder, stem
+from pmmkit.cli.options import Model, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Force, Out, results_folder
 
 
 def scale(
@@ -27,13 +28,14 @@ def scale(
         bool, typer.Option("--froude-only", help="Correct neither friction nor wake.")
     ] = False,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Carry a model over to ship scale: Froude's law, friction and wake."""
     from pmmkit.files import write_results
     from pmmkit.models import full_scale, load_model, save_model, scaled
     from pmmkit.ship import Water
 
-    folder = results_folder(out, f"{stem(model)}-ship")
+    folder = results_folder(out, f"{stem(model)}-ship", read=[model], force=force)
     loaded = load_model(model)
     if froude_only:
         made = scaled(loaded, length)

@@ -13,16 +13,15 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
     Speed,
     SwitchDeg,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
 
 

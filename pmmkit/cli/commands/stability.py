@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
-from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, results_folder, stem
+from pmmkit.cli.options import Depth, Extrapolate, Model, Speed, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 
 
 def stability(

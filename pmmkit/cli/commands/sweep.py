@@ -14,17 +14,16 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
     Spread,
     SwitchDeg,
     numbers,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:

@@ -13,17 +13,16 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
     Speed,
     Spread,
     SwitchDeg,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
 
 
