@@ -31,9 +31,9 @@ class Outcome:
     status: int = 0
 
 
-def tell(outcome: Outcome, *, as_json: bool) -> None:
-    """The outcome on standard output: words, or JSON with the words on standard error."""
-    for line in outcome.lines:
+def tell(outcome: Outcome, *, as_json: bool, quiet: bool = False) -> None:
+    """The outcome on standard output: words unless `quiet`, or JSON, words on standard error."""
+    for line in () if quiet else outcome.lines:
         print(line, file=sys.stderr if as_json else sys.stdout)
     if as_json:
         emit(outcome.content)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.free_running.refit import FreeRefit
     from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
+
+
+EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -o model2.toml"
 
 
 def add(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -13,6 +13,9 @@ from pmmkit.cli.outputs import Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.validation.comparison import Comparison
+
+
+EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
 
 
 def compare(

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
 from pmmkit.cli.options import stated
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_file
+
+EXAMPLE: Final = "pmmkit convert derivatives.csv --system bis --format xlsx"
 
 
 class Format(StrEnum):

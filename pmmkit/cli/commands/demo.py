@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
+
+EXAMPLE: Final = "pmmkit demo --out my-demo"
 
 
 def demo(out: Out = None) -> Outcome:

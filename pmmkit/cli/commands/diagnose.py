@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
     from pmmkit.diagnosis.findings import Diagnosis
 
+EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
 ]

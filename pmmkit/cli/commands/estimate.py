@@ -13,6 +13,10 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
 from pmmkit.presentation import ABSENT, WIDE, aligned, with_uncertainty
 
+EXAMPLE: Final = (
+    "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
+    "--propeller 9.9 --rudder 137"
+)
 LINEAR: Final = ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
 from pmmkit.cli.options import Data, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import results_file
+
+EXAMPLE: Final = "pmmkit export kvlcc2 --to mss --speed 8"
 
 
 class Format(StrEnum):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.smoother import Smoothed
+
+
+EXAMPLE: Final = "pmmkit identify my-zigzags --model kvlcc2-l7 --derivatives 'Yv Yr Nv Nr'"
 
 
 class Method(StrEnum):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -11,6 +11,8 @@ from pmmkit.cli.options import Depth, Extrapolate, Model, Speed, Spread, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
 
 def imo(

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from enum import Enum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -16,6 +16,9 @@ from pmmkit.cli.outputs import Force, results_file
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
+
+
+EXAMPLE: Final = "pmmkit model set model.toml rudder.area=33 --because 'as built'"
 
 
 class Action(Enum):

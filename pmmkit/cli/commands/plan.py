@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from pmmkit.test_planning.next_run import Advice
     from pmmkit.test_planning.options import Limits, Option
     from pmmkit.test_planning.programme import Plan
+
+
+EXAMPLE: Final = "pmmkit plan cubic my-campaign"
 
 
 def plan(

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pmmkit.report import Loop, Reference, Turns
     from pmmkit.tables import DerivativeTable
 
+EXAMPLE: Final = "pmmkit reduce my-campaign --parts s175-3dof"
 MOST: Final = 8
 """Differences between methods that are printed."""
 ROUNDS: Final = 3

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
 from pmmkit.cli.options import Model, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Force, Out, results_folder
+
+EXAMPLE: Final = "pmmkit scale kvlcc2-l7 --length 320 --speed 8"
 
 
 def scale(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -23,6 +23,8 @@ from pmmkit.cli.options import (
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed 8"
 
 
 def simulate(

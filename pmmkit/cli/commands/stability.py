@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Final
 
 from pmmkit.cli.options import Depth, Extrapolate, Model, Speed, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
+
+EXAMPLE: Final = "pmmkit stability kvlcc2 --speed 8"
 
 
 def stability(

@@ -29,6 +29,7 @@ from pmmkit.presentation import aligned
 if TYPE_CHECKING:
     import xarray as xr
 
+EXAMPLE: Final = "pmmkit sweep kvlcc2 --speeds 6,8"
 MOST: Final = 5
 """Metrics in a table for the screen."""
 

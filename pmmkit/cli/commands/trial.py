@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
@@ -14,6 +14,9 @@ from pmmkit.cli.outputs import Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.trials import Trial
+
+
+EXAMPLE: Final = "pmmkit trial my-zigzags"
 
 
 def trial(

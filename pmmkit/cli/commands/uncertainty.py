@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -24,6 +24,8 @@ from pmmkit.cli.options import (
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000"
 
 
 def uncertainty(
