@@ -22,7 +22,6 @@ Campaign = Annotated[Path, typer.Argument(help="Folder with campaign.toml, such 
 Figures = Annotated[bool, typer.Option(help="Draw figures, which takes most of the time.")]
 DrawFigures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
 
-Speed = Annotated[float, typer.Option(help="Approach speed in m/s at the model's scale.")]
 Manoeuvre = Annotated[
     str,
     typer.Option(

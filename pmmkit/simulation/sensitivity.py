@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -12,7 +12,7 @@ import numpy as np
 
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.metrics import in_lengths, main_of
+from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
@@ -48,6 +48,8 @@ class Sensitivities(Described):
         The metrics.
     covariance : array (m, m) or None
         Of the derivatives, where the model or a spread gives it.
+    units : mapping of str to str
+        Of the metrics.
     """
 
     names: tuple[str, ...]
@@ -55,6 +57,7 @@ class Sensitivities(Described):
     slopes: Mapping[str, Array]
     nominal: Mapping[str, float]
     covariance: Array | None
+    units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def relative(self, metric: str) -> Array:
         """Change of a metric in per cent per per cent of each derivative."""
@@ -129,8 +132,9 @@ class Sensitivities(Described):
             for name, row in self.table(metric).head(most).iterrows()
         ]
         shares = ["share of the variance"] if self.covariance is not None else []
+        unit = self.units.get(metric, "").removeprefix("-")
         return Section(
-            title=f"What decides {metric}, which is {number(self.nominal[metric])}",
+            title=f"What decides {metric}, which is {number(self.nominal[metric])} {unit}".rstrip(),
             tables=[
                 Grid(
                     head=["derivative", *shares, "% per %"],
@@ -246,6 +250,7 @@ def sensitivities(
         slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
+        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in slopes}),
     )
 
 

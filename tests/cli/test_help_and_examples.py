@@ -32,7 +32,7 @@ test = "zigzag"
 file = "{name}.csv"
 speed = 1.179
 rudder_deg = {rudder}
-switch_deg = {rudder}
+switch_deg = 10
 """
 
 

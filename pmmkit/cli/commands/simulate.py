@@ -14,7 +14,6 @@ from pmmkit.cli.options import (
     Model,
     More,
     RudderDeg,
-    Speed,
     SwitchDeg,
     settings_of,
     stated,
@@ -22,9 +21,10 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed
 from pmmkit.presentation import text_of
 
-EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed 8"
+EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
 
 
 def simulate(
@@ -48,11 +48,11 @@ def simulate(
     rudder_rate_deg: Annotated[
         float | None, typer.Option(help="Rate of the steering gear in deg/s; the ship's if absent.")
     ] = None,
-    wind_speed: Annotated[float, typer.Option(help="True wind in m/s.")] = 0.0,
+    wind_speed: WindSpeed = 0.0,
     wind_direction_deg: Annotated[
         float, typer.Option(help="Where it comes from, from the bow of the approach.")
     ] = 0.0,
-    current_speed: Annotated[float, typer.Option(help="Current in m/s.")] = 0.0,
+    current_speed: CurrentSpeed = 0.0,
     current_direction_deg: Annotated[
         float, typer.Option(help="Where it flows to, from the bow of the approach.")
     ] = 0.0,
@@ -63,15 +63,17 @@ def simulate(
 ) -> Outcome:
     """Simulate a manoeuvre: track, metrics and figures."""
     from pmmkit.files import write_results
+    from pmmkit.models import load_model
     from pmmkit.simulation.imo import imo_turning, verdict_sections
     from pmmkit.simulation.results import metrics_of, track_files
     from pmmkit.simulation.simulate import simulate
 
     folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
+    loaded = load_model(model)
     track = simulate(
-        model,
+        loaded,
         manoeuvre,
-        speed=speed,
+        speed=speed.of(loaded.ship, loaded.water),
         compiled=False,
         rudder_rate_deg=rudder_rate_deg,
         wind_speed=wind_speed,
