@@ -14,7 +14,7 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Status
 from pmmkit.equations.prepared import packed, stacked, values_at
-from pmmkit.errors import DataError, ModelError
+from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -276,8 +276,14 @@ def spread_of(
     if model.covariance is None:
         if alone is None:
             raise ModelError(
-                f"Model {model.name!r} carries no covariance: give spread, the relative standard "
-                f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
+                Problem(
+                    message=f"Model {model.name!r} carries no covariance.",
+                    remedy=Remedy(
+                        "Give the relative standard deviation of its derivatives ({}), or reduce "
+                        "tests to a model.",
+                        (setting("spread", 0.05),),
+                    ),
+                )
             )
         return alone
     froude = model.ship.froude(speed, model.water.g)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.equations.prepared import values_at
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -164,7 +164,15 @@ class Sensitivities(Described):
 
     def _covariance(self) -> Array:
         if self.covariance is None:
-            raise DataError("The model has no covariance: give spread.")
+            raise DataError(
+                Problem(
+                    message="The model has no covariance.",
+                    remedy=Remedy(
+                        "Give the relative standard deviation of its derivatives ({}).",
+                        (setting("spread", 0.05),),
+                    ),
+                )
+            )
         return self.covariance
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 import typer
 
 from pmmkit.cli.options import Campaign, Data, stem
-from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.output import Outcome, say, words_of
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned, table_lines
 
@@ -312,7 +312,7 @@ def _model(found: Reduction, donor: Model | None, missing: Gaps) -> tuple[Model 
     try:
         model = model_of(found, donor, missing=missing)
     except (MissingPartError, ModelError) as error:
-        return None, [f"No model.toml: {error}"]
+        return None, [f"No model.toml: {words_of(error)}"]
     return model, [note for note in model.notes if note not in found.table.notes]
 
 
