@@ -6,6 +6,7 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
+from functools import cache
 from typing import Final
 
 from pmmkit.conventions import is_unit, unit_factor
@@ -133,8 +134,48 @@ def split_unit(header: str) -> tuple[str, str | None]:
     return found["name"], found["round"].strip()
 
 
+@cache
+def unit_in_name(name: str) -> tuple[str, str] | None:
+    """Channel and unit of a column whose name ends in its unit; None if it does not.
+
+    A stroke of the unit may be written as an underscore. ``in`` is no unit here, where it may say
+    what goes in.
+
+    Examples
+    --------
+    >>> unit_in_name("psi_deg"), unit_in_name("r_deg_s"), unit_in_name("u_knots")
+    (('psi', 'deg'), ('r', 'deg/s'), ('u', 'knots'))
+    >>> unit_in_name("FX_rudder"), unit_in_name("r_kg"), unit_in_name("r_filtered")
+    (None, None, None)
+    """
+    if name in DEGREE_CHANNELS:
+        return DEGREE_CHANNELS[name], "deg"
+    if name in CHANNEL_UNITS:
+        return None
+    for place in [found.start() for found in re.finditer("_", name)]:
+        channel, tail = name[:place], name[place + 1 :]
+        if channel not in CHANNEL_UNITS or tail in ("", "in"):
+            continue
+        for unit in (tail, tail.replace("_", "/")):
+            if is_unit(unit) and factor_to(unit, CHANNEL_UNITS[channel]) is not None:
+                return channel, unit
+    return None
+
+
+def channel_of(name: str) -> str:
+    """The channel that a column of that name becomes; any other name as it is.
+
+    Examples
+    --------
+    >>> channel_of("heel_deg"), channel_of("p_deg_s"), channel_of("drift_deg")
+    ('phi', 'p', 'drift_deg')
+    """
+    found = unit_in_name(name)
+    return name if found is None else found[0]
+
+
 def unit_of(name: str, *, table: bool) -> str | None:
-    """SI unit (degrees for ``_deg``) of a column of that name; None if the name is not known.
+    """SI unit, or the one in the name, of a column of that name; None if the name is not known.
 
     Parameters
     ----------
@@ -149,9 +190,10 @@ def unit_of(name: str, *, table: bool) -> str | None:
         part = harmonic_part(name)
         if part is not None:
             return CHANNEL_UNITS[part[0]]
-    if name in DEGREE_CHANNELS:
-        return "deg"
-    return CHANNEL_UNITS.get(name)
+    if name in CHANNEL_UNITS:
+        return CHANNEL_UNITS[name]
+    found = unit_in_name(name)
+    return None if found is None else found[1]
 
 
 def names_taken_unasked(*, table: bool) -> frozenset[str] | None:

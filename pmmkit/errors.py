@@ -4,6 +4,78 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
+
+Reader = Literal["python", "command"]
+"""Who reads an error: somebody who calls from Python, or who types commands."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """How something is asked for.
+
+    Parameters
+    ----------
+    python : str
+        In Python.
+    command : str
+        On the command line.
+    """
+
+    python: str
+    command: str
+
+
+def setting(name: str, value: str | float | bool | None = None) -> Way:
+    """An argument that is an option of a command by the same name.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument.
+    value : str, float or True, optional
+        An example of its value; True for an option that has none.
+
+    Examples
+    --------
+    >>> setting("missing", "zero"), setting("extrapolate", True)
+    (Way(python='missing="zero"', command='--missing zero'), \
+Way(python='extrapolate=True', command='--extrapolate'))
+    """
+    option = f"--{name.replace('_', '-')}"
+    if value is None or value is True:
+        return Way(f"{name}=" if value is None else f"{name}=True", option)
+    written = f'"{value}"' if isinstance(value, str) else f"{value:g}"
+    return Way(f"{name}={written}", f"{option} {value}")
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """What can be done, in the words of who reads it.
+
+    Parameters
+    ----------
+    text : str
+        With ``{}`` in the place of each way.
+    ways : tuple of Way
+        How it is asked for.
+
+    Examples
+    --------
+    >>> remedy = Remedy("Measure there, or say {}.", (setting("extrapolate", True),))
+    >>> str(remedy), remedy.said("command")
+    ('Measure there, or say extrapolate=True.', 'Measure there, or say --extrapolate.')
+    """
+
+    text: str
+    ways: tuple[Way, ...]
+
+    def said(self, reader: Reader) -> str:
+        """The remedy in the words of who reads it."""
+        return self.text.format(*(getattr(way, reader) for way in self.ways))
+
+    def __str__(self) -> str:
+        return self.said("python")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +90,7 @@ class Problem:
         Where: as far as known. Rows count from 1 as in the file, header included.
     entry : str, optional
         Table and key of a TOML file, e.g. ``[[runs]] #2 (id 'SD_2'), key 'speed'``.
-    remedy : str
+    remedy : str or Remedy
         What the user can do about it.
     """
 
@@ -27,7 +99,7 @@ class Problem:
     run: str | None = None
     column: str | None = None
     row: int | str | None = None
-    remedy: str | None = None
+    remedy: str | Remedy | None = None
     entry: str | None = None
 
     @property
@@ -42,9 +114,18 @@ class Problem:
         ]
         return ", ".join(part for part in parts if part)
 
-    def __str__(self) -> str:
+    def advice(self, reader: Reader) -> str | None:
+        """The remedy in the words of who reads it."""
+        return self.remedy.said(reader) if isinstance(self.remedy, Remedy) else self.remedy
+
+    def said(self, reader: Reader) -> str:
+        """Place, message and remedy in the words of who reads them."""
         text = f"{self.place}: {self.message}" if self.place else self.message
-        return f"{text} {self.remedy}" if self.remedy else text
+        advice = self.advice(reader)
+        return f"{text} {advice}" if advice else text
+
+    def __str__(self) -> str:
+        return self.said("python")
 
 
 class PmmkitError(Exception):
@@ -78,14 +159,15 @@ class DataError(PmmkitError, ValueError):
             Problem(message=item) if isinstance(item, str) else item for item in listed
         )
         self.title = title
-        super().__init__(self._text())
+        super().__init__(self.said("python"))
 
-    def _text(self) -> str:
+    def said(self, reader: Reader) -> str:
+        """The text in the words of who reads it."""
         if len(self.problems) == 1:
-            only = str(self.problems[0])
+            only = self.problems[0].said(reader)
             return f"{self.title}: {only}" if self.title else only
         head = f"{self.title or type(self).__name__} ({len(self.problems)} problems):"
-        lines = [f"  {number}. {item}" for number, item in enumerate(self.problems, start=1)]
+        lines = [f"  {number}. {x.said(reader)}" for number, x in enumerate(self.problems, start=1)]
         return "\n".join([head, *lines])
 
 
@@ -117,7 +199,7 @@ class UnknownNameError(DataError, KeyError):
     """A name is not known; the message lists what is."""
 
     def __str__(self) -> str:
-        return self._text()
+        return self.said("python")
 
 
 class SimulationError(PmmkitError, RuntimeError):

@@ -8,6 +8,7 @@ import shutil
 import uuid
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -158,6 +159,63 @@ def check_folder(path: Path) -> None:
     above = next(folder for folder in (target, *target.parents) if folder.exists())
     if not above.is_dir() or not os.access(above, os.W_OK):
         raise FileExists(f"{path} cannot be written: no permission. Choose another --out.")
+
+
+def is_empty_place(path: Path) -> bool:
+    """Whether nothing stands at a path, or an empty folder."""
+    return not path.exists() or (path.is_dir() and next(path.iterdir(), None) is None)
+
+
+def first_free(candidates: Iterable[Path]) -> Path:
+    """The first of some paths where nothing stands, or an empty folder.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> (folder / "model2.toml").touch()
+    >>> first_free(folder / f"model{n}.toml" for n in count(2)).name
+    'model3.toml'
+    """
+    return next(path for path in candidates if is_empty_place(path))
+
+
+def free_folder(path: Path) -> Path:
+    """A folder, or the same name with a number where it holds something.
+
+    A file of that name is left in the way, for `check_folder` to tell.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> (folder / "run-1.5").mkdir(), (folder / "run-1.5" / "track.csv").touch()
+    (None, None)
+    >>> free_folder(folder / "run-1.5").name, free_folder(folder / "run-2").name
+    ('run-1.5-2', 'run-2')
+    """
+    if path.is_file():
+        return path
+    return first_free(chain([path], (path.with_name(f"{path.name}-{n}") for n in count(2))))
+
+
+def free_file(path: Path) -> Path:
+    """A file, or the same name with a number where it is there.
+
+    The number comes after an underscore unless the name has hyphens: some names, such as those of
+    MATLAB's functions, must not have any.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> (folder / "kvlcc2.m").touch()
+    >>> free_file(folder / "kvlcc2.m").name
+    'kvlcc2_2.m'
+    """
+    join = "-" if "-" in path.stem else "_"
+    numbered = (path.with_name(f"{path.stem}{join}{n}{path.suffix}") for n in count(2))
+    return first_free(chain([path], numbered))
 
 
 def write_text(path: str | Path, text: str) -> None:

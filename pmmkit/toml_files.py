@@ -7,10 +7,11 @@ import re
 import textwrap
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from pmmkit.errors import DataError, ModelError, Problem
+from pmmkit.errors import DataError, ModelError, Problem, Remedy, Way
 from pmmkit.escaping import toml_string
 from pmmkit.numerics import ABSURD
 
@@ -187,6 +188,64 @@ def check_numbers(content: Mapping[str, Any], file: str, kind: type[DataError]) 
     ]
     if found:
         raise kind(found)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of TOML file of pmmkit, and who reads it."""
+
+    words: str
+    keys: frozenset[str]
+    remedy: Remedy
+
+
+CAMPAIGN: Final = Kind(
+    "a campaign file",
+    frozenset({"campaign", "runs", "tables"}),
+    Remedy(
+        "{}",
+        (
+            Way(
+                "pmmkit.open_campaign reads it.",
+                "Give it where a command asks for a campaign; pmmkit reduce makes a model of it.",
+            ),
+        ),
+    ),
+)
+MODEL: Final = Kind(
+    "a model file",
+    frozenset({"effects", "convention"}),
+    Remedy(
+        "{}", (Way("pmmkit.load_model reads it.", "Give it where a command asks for a model."),)
+    ),
+)
+
+
+def kind_of(content: Mapping[str, Any]) -> Kind | None:
+    """What kind of file this is the content of, by its tables; None if it may be several.
+
+    Examples
+    --------
+    >>> kind_of({"campaign": {}, "ship": {}}).words
+    'a campaign file'
+    """
+    found = [kind for kind in (CAMPAIGN, MODEL) if kind.keys & content.keys()]
+    return found[0] if len(found) == 1 else None
+
+
+def refuse_other(
+    content: Mapping[str, Any], wanted: Kind | None, file: str, error: type[DataError]
+) -> None:
+    """Refuse the content of another kind of file than is wanted, and say who reads it.
+
+    Raises
+    ------
+    DataError
+        Of the class `error`.
+    """
+    kind = kind_of(content)
+    if kind is not None and kind is not wanted:
+        raise error(Problem(message=f"this is {kind.words}.", file=file, remedy=kind.remedy))
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

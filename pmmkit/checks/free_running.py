@@ -274,7 +274,7 @@ def examine_samples(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterat
             f"{figure(item.facts['held_time'], 2)} s in {item.run.id}, "
             f"{100 * item.facts['held']:.1f} % of its samples"
         ),
-        "Use positions only where they are fresh (pmmkit.campaigns.segments.usable marks them).",
+        "Use positions only where they are fresh: identify leaves the others out.",
         ("held", "held_time"),
     )
 
@@ -289,7 +289,7 @@ def examine_stops(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator
         lambda item: (
             f"The propeller stands for the last {figure(item.facts['stopped'])} s of {item.run.id}"
         ),
-        'Cut it (pmmkit.campaigns.segments.usable, or a correction with action = "trim").',
+        'Cut it: a correction with action = "trim" in the campaign file.',
         ("stopped",),
     )
 
@@ -306,7 +306,7 @@ def examine_headings(_campaign: Campaign, summaries: Sequence[Summary]) -> Itera
             f"beyond what the yaw rate explains in {item.run.id} "
             f"({item.facts['turn_jumps']:.0f} in all)"
         ),
-        "Use the segments between the jumps (pmmkit.campaigns.segments.usable).",
+        "Use the segments between the jumps, or trim the record there.",
         ("turn_jump", "turn_jumps"),
     )
     turned = [item for item in summaries if "yaw_share" in item.facts]

@@ -136,8 +136,7 @@ def _jumps(items: Sequence[Summary]) -> Iterator[CheckFinding]:
             f"{figure(worst.facts['jump'], 2)} m in one sample beyond what the velocity explains "
             f"({worst.run.id}, {worst.facts['jumps']:.0f} jumps).",
             runs=tuple(item.run.id for item in torn),
-            remedy="Use the segments between the jumps (pmmkit.campaigns.segments.usable), or "
-            "trim the record there.",
+            remedy="Use the segments between the jumps, or trim the record there.",
             numbers={"jump": worst.facts["jump"], "jumps": worst.facts["jumps"]},
         )
 

@@ -4,21 +4,33 @@ from __future__ import annotations
 
 import functools
 import inspect
+import os
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext, redirect_stderr
 from importlib import import_module
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import typer
 
 from pmmkit.cli import commands
-from pmmkit.cli.output import Outcome, tell
+from pmmkit.cli.output import Outcome, say, tell
 from pmmkit.version import __version__
 
 Json = Annotated[
     bool,
     typer.Option("--json", help="One JSON object on standard output, words on standard error."),
 ]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No words but errors: results are in their files.")
+]
+FIRST: Final = """\
+Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres. Type first:
+
+  pmmkit inspect FOLDER   what your own files hold; its last line says what to type next
+  pmmkit demo             a demonstration: tests of a container ship to derivatives and a turn
+  pmmkit --help           all commands; pmmkit COMMAND --help has the options and an example"""
+"""What to type first."""
 
 
 def application(asked: str = "") -> typer.Typer:
@@ -32,8 +44,7 @@ def application(asked: str = "") -> typer.Typer:
     app = typer.Typer(
         name="pmmkit",
         help="Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres.",
-        no_args_is_help=True,
-        add_completion=False,
+        invoke_without_command=True,
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
     )
@@ -44,37 +55,46 @@ def application(asked: str = "") -> typer.Typer:
     }
     for name in [asked] if asked in found else found:
         module = import_module(f"{commands.__name__}.{found[name]}")
-        app.command(name)(_ending(getattr(module, found[name])))
+        command = _ending(getattr(module, found[name]))
+        app.command(name, epilog=f"Example: {module.EXAMPLE}")(command)
     return app
 
 
 def _ending(command: Callable[..., Outcome]) -> Callable[..., None]:
-    """A command with the option --json that tells its outcome and ends with its status."""
+    """A command with --quiet and --json that tells its outcome and ends with its status."""
 
     @functools.wraps(command)
-    def run(*, json: bool, **options: Any) -> None:
-        outcome = command(**options)
-        tell(outcome, as_json=json)
+    def run(*, quiet: bool, json: bool, **options: Any) -> None:
+        with _silence() if quiet else nullcontext():
+            outcome = command(**options)
+            tell(outcome, as_json=json, quiet=quiet)
         if outcome.status:
             raise typer.Exit(outcome.status)
 
     own = inspect.signature(command, eval_str=True)
-    asked = inspect.Parameter(
-        "json", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Json
-    )
-    run.__signature__ = own.replace(parameters=[*own.parameters.values(), asked])  # type: ignore[attr-defined]
+    asked = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=option)
+        for name, option in (("quiet", Quiet), ("json", Json))
+    ]
+    run.__signature__ = own.replace(parameters=[*own.parameters.values(), *asked])  # type: ignore[attr-defined]
     return run
 
 
-def _version(asked: bool) -> None:
-    if asked:
-        typer.echo(f"pmmkit {__version__}")
-        raise typer.Exit
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Words and progress, which go to standard error, are not shown; errors come after."""
+    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stderr(nowhere):
+        yield
 
 
 def _options(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
-    ] = False,
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
 ) -> None:
     """Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres."""
+    if version:
+        typer.echo(f"pmmkit {__version__}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        say(FIRST)
+        raise typer.Exit(2)

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     import pmmkit.campaigns.run
     from pmmkit.checks import CheckFinding
 
-Out = Annotated[Path | None, typer.Option("--out", help="Folder of the results.")]
 Data = Annotated[
     Path | None,
     typer.Option("--data", help="Folder of measurements that do not lie beside the campaign file."),
@@ -23,7 +22,6 @@ Campaign = Annotated[Path, typer.Argument(help="Folder with campaign.toml, such 
 Figures = Annotated[bool, typer.Option(help="Draw figures, which takes most of the time.")]
 DrawFigures = Annotated[bool, typer.Option("--figures/--no-figures", help="Draw figures.")]
 
-Speed = Annotated[float, typer.Option(help="Approach speed in m/s at the model's scale.")]
 Manoeuvre = Annotated[
     str,
     typer.Option(
@@ -92,15 +90,6 @@ Given = Annotated[
     str | None,
     typer.Option(help="Effects that are known to be there, such as fault_misalignment,memory."),
 ]
-
-
-def results_folder(out: Path | None, default: str) -> Path:
-    """The folder of the results, which can be written."""
-    from pmmkit.files import check_folder
-
-    folder = out or Path(default)
-    check_folder(folder)
-    return folder
 
 
 def sound_campaign(

@@ -31,9 +31,9 @@ class Outcome:
     status: int = 0
 
 
-def tell(outcome: Outcome, *, as_json: bool) -> None:
-    """The outcome on standard output: words, or JSON with the words on standard error."""
-    for line in outcome.lines:
+def tell(outcome: Outcome, *, as_json: bool, quiet: bool = False) -> None:
+    """The outcome on standard output: words unless `quiet`, or JSON, words on standard error."""
+    for line in () if quiet else outcome.lines:
         print(line, file=sys.stderr if as_json else sys.stdout)
     if as_json:
         emit(outcome.content)
@@ -61,7 +61,7 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
     as_json : bool
         Whether the command was asked for JSON.
     """
-    text = lines_of(str(error)) or type(error).__name__
+    text = lines_of(words_of(error)) or type(error).__name__
     if as_json:
         problems = error.problems if isinstance(error, DataError) else ()
         emit(
@@ -69,11 +69,19 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
                 "error": {
                     "type": type(error).__name__,
                     "message": text,
-                    "problems": [asdict(problem) for problem in problems],
+                    "problems": [
+                        {**asdict(problem), "remedy": problem.advice("command")}
+                        for problem in problems
+                    ],
                 }
             }
         )
     say(f"pmmkit: {_on_a_screen(text)}")
+
+
+def words_of(error: Exception) -> str:
+    """What an error says to who types commands."""
+    return error.said("command") if isinstance(error, DataError) else str(error)
 
 
 def _on_a_screen(text: str) -> str:

@@ -349,13 +349,13 @@ class Effect:
         if self.kind == "terms":
             names = ", ".join(name.removesuffix(BY_SPEED) for name in self.sizes(self.typical))
             return [
-                f"{self.name} stands for derivatives: give {names} to the polynomial of the hull "
-                f"(pmmkit.with_effect does)."
+                f"{self.name} stands for derivatives: give {names} to the polynomial of the hull, "
+                f"which adding the effect does."
             ]
         if self.kind == "freed":
             return [
-                f"{self.name} stands for values of {self.frees}: change them there "
-                f"(pmmkit.with_effect does)."
+                f"{self.name} stands for values of {self.frees}: change them there, which "
+                f"adding the effect does."
             ]
         found = []
         for name, word in options.items():

@@ -21,8 +21,9 @@ from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
 from pmmkit.equations.layouts import Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
-from pmmkit.errors import DataError, MissingPartError, ModelError
+from pmmkit.errors import DataError, MissingPartError, ModelError, Problem
 from pmmkit.models import Model
+from pmmkit.models.model import TAKE_PARTS
 from pmmkit.models.roles import in_role, lacking
 from pmmkit.numerics import Array
 
@@ -454,7 +455,9 @@ def _check_parts(model: Model) -> None:
     missing = missing_parts(model)
     if missing:
         raise MissingPartError(
-            f"Model {model.name!r} cannot be simulated: it has no part "
-            f"{', '.join(missing)}. Take parts from a library ship "
-            f'(to_model(table, parts="…")) or write them into the model file.'
+            Problem(
+                message=f"Model {model.name!r} cannot be simulated: it has no part "
+                f"{', '.join(missing)}.",
+                remedy=TAKE_PARTS,
+            )
         )

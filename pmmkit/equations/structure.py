@@ -12,7 +12,8 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.grammar import written_effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.equations.layouts import ROLLING, STATES, Constant
-from pmmkit.errors import MissingPartError, ModelError
+from pmmkit.errors import MissingPartError, ModelError, Problem
+from pmmkit.models.model import TAKE_PARTS
 
 POLYNOMIALS: Final = (HULL, RUDDER_POLYNOMIAL)
 FORCES: Final = ("X", "Y", "N", "K")
@@ -159,9 +160,11 @@ def in_order(used: Mapping[str, Used], name: str, conditions: frozenset[str]) ->
                 if any(signal in other.outputs for signal in lost)
             )
             raise MissingPartError(
-                f"{effect} of model {name!r} needs {', '.join(lost)}: it has no part "
-                f"{' or '.join(givers) or 'that gives it'}. Take parts from a library ship "
-                f'(to_model(table, parts="…")) or write them into the model file.'
+                Problem(
+                    message=f"{effect} of model {name!r} needs {', '.join(lost)}: it has no part "
+                    f"{' or '.join(givers) or 'that gives it'}.",
+                    remedy=TAKE_PARTS,
+                )
             )
     while waiting:
         ready = [

@@ -9,9 +9,9 @@ from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import HULL
 from pmmkit.equations import prepare
-from pmmkit.errors import ModelError, TableError
+from pmmkit.errors import ModelError, Problem, TableError
 from pmmkit.escaping import PYTHON_FIRST, comment, plain
-from pmmkit.exports.text import written_by
+from pmmkit.exports.text import WHICH_SPEED, written_by
 from pmmkit.models import Model
 from pmmkit.simulation.linear import stability
 from pmmkit.simulation.simulate import steering
@@ -79,8 +79,10 @@ def model_to_shipmmg(model: Model, *, speed: float | None = None) -> str:
     """
     if model.Fn and speed is None:
         raise ModelError(
-            f"Model {model.name!r} has values at {len(model.Fn)} Froude numbers. Say which speed "
-            f"(--speed, m/s)."
+            Problem(
+                message=f"Model {model.name!r} has values at {len(model.Fn)} Froude numbers.",
+                remedy=WHICH_SPEED,
+            )
         )
     _check_parts(model)
     at = model.ship.speed(0.2, model.water.g) if speed is None else speed

@@ -7,9 +7,12 @@ import re
 from collections.abc import Iterable
 from typing import Final
 
+from pmmkit.errors import Remedy, setting
 from pmmkit.escaping import comment, plain
 from pmmkit.version import __version__
 
+WHICH_SPEED: Final = Remedy("Say at which speed [m/s], such as {}.", (setting("speed", 8),))
+"""Where values depend on the speed and none was given."""
 _TAKEN: Final = frozenset(
     {
         "break",

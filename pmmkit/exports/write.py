@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.store import save_campaign
-from pmmkit.errors import DataError, FileExists, Problem, UnknownNameError
+from pmmkit.errors import DataError, FileExists, Problem, Remedy, UnknownNameError, Way
 from pmmkit.exports.campaign_csv import write_campaign_csv
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
@@ -47,6 +47,10 @@ ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
     }
 )
 """Ending of the files of each format."""
+
+AS_TABLE: Final = Remedy(
+    "A model's derivatives as a table: {}.", (Way("pmmkit.hull_table", "pmmkit model show MODEL"),)
+)
 
 
 def export(
@@ -195,9 +199,7 @@ def _format(kind: str, target: Path, to: str | None) -> str:
         raise DataError(
             Problem(
                 message=f"A {kind} is not written as {chosen}: {', '.join(FORMATS[kind])}.",
-                remedy="A model's derivatives as a table: pmmkit.hull_table."
-                if kind == "model"
-                else None,
+                remedy=AS_TABLE if kind == "model" else None,
             )
         )
     return chosen

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from pmmkit.equations.layouts import InputField, OverGround, State
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.numerics import Array
 
 KINDS: Final[Mapping[str, OverGround]] = {
@@ -177,8 +177,12 @@ def sensors_of(records: Sequence[FreeRecord], given: Mapping[str, float]) -> dic
         noise = float(np.nanmedian(noises)) if np.any(np.isfinite(noises)) else math.nan
         if math.isnan(noise) or not spans:
             raise DataError(
-                f"The noise of {name} cannot be told from the records: state it, "
-                f"sensors={{{name!r}: …}}."
+                Problem(
+                    message=f"The noise of {name} cannot be told from the records.",
+                    remedy=Remedy(
+                        "State it: {}.", (Way(f"sensors={{{name!r}: …}}", f"--sensors {name}=…"),)
+                    ),
+                )
             )
         found[name] = max(noise, 1e-3 * max(spans), 1e-9)
     return found

@@ -12,7 +12,15 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.channels import DEGREE_CHANNELS, harmonic_part, names_taken_unasked, split_unit, unit_of
+from pmmkit.channels import (
+    CHANNEL_UNITS,
+    DEGREE_CHANNELS,
+    channel_of,
+    harmonic_part,
+    names_taken_unasked,
+    split_unit,
+    unit_of,
+)
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
@@ -155,7 +163,7 @@ def _each_once(found: Sequence[Suggestion | None]) -> tuple[Suggestion | None, .
     for position, item in enumerate(found):
         if item is None:
             continue
-        name = DEGREE_CHANNELS.get(item.name, item.name)
+        name = channel_of(item.name)
         holder = found[best[name]] if name in best else None
         if holder is None or _RANK[item.certainty] < _RANK[holder.certainty]:
             best[name] = position
@@ -206,7 +214,7 @@ def _known(name: str, *, table: bool) -> bool:
     """Whether it is a name of ours that a file of that kind is read by without being mapped."""
     allowed = names_taken_unasked(table=table)
     if allowed is None:
-        return unit_of(name, table=table) is not None
+        return name in CHANNEL_UNITS or name in DEGREE_CHANNELS
     return name in allowed or harmonic_part(name) is not None
 
 

@@ -13,7 +13,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.added_mass import INERTIA, dimensional
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import MissingPartError, ModelError, Problem, TableError
+from pmmkit.errors import MissingPartError, ModelError, Problem, Remedy, TableError, setting
 from pmmkit.models.estimates import estimated_table
 from pmmkit.models.model import Model, Part, needs_roll
 from pmmkit.models.step import Step, Value
@@ -271,15 +271,22 @@ def _lack(name: str, table: DerivativeTable) -> str:
 
 def _way_out(refused: list[str], table: DerivativeTable) -> Problem:
     ways = []
+    asked = []
     partly = [item for item in refused if item in table and np.any(np.isfinite(table[item]))]
     if partly:
-        ways.append('reduce all speeds to one set (fn="pooled")')
+        ways.append("reduce all speeds to one set ({})")
+        asked.append(setting("fn", "pooled"))
     if not set(refused) <= set(NEEDED):
-        ways.append('take what is not essential as zero (missing="zero")')
+        ways.append("take what is not essential as zero ({})")
+        asked.append(setting("missing", "zero"))
     if any(map(_accelerates, refused)):
-        ways.append('take acceleration derivatives from the library ship (missing="library")')
+        ways.append("take acceleration derivatives from the library ship ({})")
+        asked.append(setting("missing", "library"))
     ways.append("choose a structure without the terms that the runs do not determine")
-    return Problem(message=f"What can be done without new tests: {'; '.join(ways)}.")
+    return Problem(
+        message="What can be done without new tests:",
+        remedy=Remedy(f"{'; '.join(ways)}.", tuple(asked)),
+    )
 
 
 def _borrow(name: str, table: DerivativeTable, donor: Model) -> float | None:

@@ -10,7 +10,7 @@ from typing import Literal, Protocol
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue, effect_of
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
-from pmmkit.errors import ModelError, UnknownNameError
+from pmmkit.errors import ModelError, Problem, Remedy, UnknownNameError, Way
 from pmmkit.models.changes import before_of, restored
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
@@ -203,9 +203,14 @@ def _found(finding: Found) -> Effect:
     lost = [label for label in finding.coefficients if not _derivative(label)]
     if lost:
         raise ModelError(
-            f"The finding {finding.effect} has coefficients that are no derivatives "
-            f"({', '.join(lost)}). Give the own effect itself, with coefficients = those of the "
-            f"finding, or register it first (pmmkit.register_effect)."
+            Problem(
+                message=f"The finding {finding.effect} has coefficients that are no derivatives "
+                f"({', '.join(lost)}).",
+                remedy=Remedy(
+                    "Give the own effect itself, with coefficients = those of the finding, or {}.",
+                    (Way("register it first (pmmkit.register_effect)", "its file with --own"),),
+                ),
+            )
         )
     return Effect(
         name=finding.effect,

@@ -18,7 +18,15 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.grammar import written_effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import ExtrapolationError, MissingPartError, ModelError, UnknownNameError
+from pmmkit.errors import (
+    ExtrapolationError,
+    MissingPartError,
+    ModelError,
+    Problem,
+    Remedy,
+    UnknownNameError,
+    Way,
+)
 from pmmkit.models.step import Step, Value
 from pmmkit.presentation import (
     WIDE,
@@ -33,6 +41,10 @@ from pmmkit.presentation import (
 from pmmkit.ship import Ship, Water
 
 DERIVATIVE_PARTS: Final = (HULL, RUDDER_POLYNOMIAL, INERTIA)
+TAKE_PARTS: Final = Remedy(
+    "Take parts from a library ship ({}) or write them into the model file.",
+    (Way('to_model(table, parts="…")', "pmmkit model replace MODEL PART --from SHIP"),),
+)
 FN_TOLERANCE: Final = 0.02
 """Share of a Froude number by which a speed may lie beside the range of the values, as those of
 runs on one carriage setting do; they hold at its edge."""
@@ -231,9 +243,11 @@ class Model(Described):
         """
         if effect not in self.parts:
             raise MissingPartError(
-                f"Model {self.name!r} has no part {effect!r}, which {need} needs. It has "
-                f"{', '.join(self.parts)}. Take the part from a library ship with "
-                f'to_model(table, parts="…") or write it into the model file.'
+                Problem(
+                    message=f"Model {self.name!r} has no part {effect!r}, which {need} needs. It "
+                    f"has {', '.join(self.parts)}.",
+                    remedy=TAKE_PARTS,
+                )
             )
         return self.parts[effect]
 

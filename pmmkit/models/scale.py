@@ -10,7 +10,7 @@ from typing import Any
 
 from pmmkit.effects.hull import HULL
 from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
-from pmmkit.errors import MissingPartError, ModelError
+from pmmkit.errors import MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.models.model import Model, Part
 from pmmkit.models.roles import drives
 from pmmkit.models.step import Step, Value
@@ -176,8 +176,11 @@ def full_scale(
     hull = carried.part(HULL, "the correction of friction").values
     if "Xuu" not in hull or not any(drives(part.known) for part in model.parts.values()):
         raise MissingPartError(
-            f"Model {model.name!r} does not keep the resistance of its hull (Xuu) apart from the "
-            f"thrust of a propeller: there is no friction to correct. Take scaled()."
+            Problem(
+                message=f"Model {model.name!r} does not keep the resistance of its hull (Xuu) "
+                f"apart from the thrust of a propeller: there is no friction to correct.",
+                remedy=Remedy("Take {}.", (Way("scaled()", "--froude-only"),)),
+            )
         )
     if length <= model.ship.L:
         raise ModelError(

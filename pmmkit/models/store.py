@@ -19,7 +19,7 @@ from pmmkit.models.old_files import steps_of_sentences
 from pmmkit.models.records import FileReader, entries
 from pmmkit.models.step import Step, Value
 from pmmkit.ship_library import read_ship, read_water, ship_file
-from pmmkit.toml_files import read_toml, toml_text
+from pmmkit.toml_files import MODEL, read_toml, refuse_other, toml_text
 
 SCHEMA: Final = 2
 """The second has ``steps``; a file without them is one of the first."""
@@ -73,7 +73,9 @@ def load_model(name_or_path: str | Path) -> Model:
         isinstance(name_or_path, str) and not text.endswith(".toml") and Path(text).name == text
     )
     path = ship_file(text) if is_name else Path(name_or_path)
-    return model_from(read_toml(path), str(path))
+    content = read_toml(path)
+    refuse_other(content, MODEL, str(path), ModelError)
+    return model_from(content, str(path))
 
 
 def save_model(model: Model, path: str | Path) -> None:

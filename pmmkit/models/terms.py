@@ -13,7 +13,7 @@ from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL_PART
-from pmmkit.errors import ModelError
+from pmmkit.errors import ModelError, Problem, Remedy, Way
 from pmmkit.models import Model, Part
 from pmmkit.models.changes import before_of, without_values
 from pmmkit.models.model import needs_roll
@@ -80,8 +80,14 @@ def with_terms(model: Model, asked: Asked) -> Model:
     roll = [label for label in sizes if needs_roll(label.removesuffix(BY_SPEED))]
     if roll and not model.rolls:
         raise ModelError(
-            f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} has no part "
-            f'{ROLL_PART!r}. Take a ship that rolls, as to_model(table, parts="s175") does.'
+            Problem(
+                message=f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} "
+                f"has no part {ROLL_PART!r}.",
+                remedy=Remedy(
+                    "Take a ship that rolls, as {} does.",
+                    (Way('to_model(table, parts="s175")', "pmmkit reduce … --parts s175"),),
+                ),
+            )
         )
     by_speed = {
         label.removesuffix(BY_SPEED): size

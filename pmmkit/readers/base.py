@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 import numpy as np
 
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.errors import CampaignError, Problem, Remedy, setting
 from pmmkit.numerics import ABSURD, Array
 
 Cell = str | float | None
@@ -25,9 +25,10 @@ WITHHELD: Final = (
     "this holds no measurements that are known. Nothing of it is shown, for it lies outside the "
     "folder of the campaign."
 )
-_BESIDE: Final = (
-    "Correct the path; or put the file beside the campaign file, or name its folder with --data "
-    "(data=), to be told what is wrong with it."
+_BESIDE: Final = Remedy(
+    "Correct the path; or put the file beside the campaign file, or name its folder with {}, to be "
+    "told what is wrong with it.",
+    (setting("data"),),
 )
 LISTED: Final = 10
 """Problems of one kind listed in full before the rest are only counted."""

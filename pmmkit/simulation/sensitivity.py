@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from pmmkit.equations.prepared import values_at
-from pmmkit.errors import DataError, UnknownNameError
-from pmmkit.metrics import in_lengths, main_of
+from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
+from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
@@ -49,6 +49,8 @@ class Sensitivities(Described):
         The metrics.
     covariance : array (m, m) or None
         Of the derivatives, where the model or a spread gives it.
+    units : mapping of str to str
+        Of the metrics.
     """
 
     names: tuple[str, ...]
@@ -56,6 +58,7 @@ class Sensitivities(Described):
     slopes: Mapping[str, Array]
     nominal: Mapping[str, float]
     covariance: Array | None
+    units: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
 
     def relative(self, metric: str) -> Array:
         """Change of a metric in per cent per per cent of each derivative."""
@@ -130,8 +133,9 @@ class Sensitivities(Described):
             for name, row in self.table(metric).head(most).iterrows()
         ]
         shares = ["share of the variance"] if self.covariance is not None else []
+        unit = self.units.get(metric, "").removeprefix("-")
         return Section(
-            title=f"What decides {metric}, which is {number(self.nominal[metric])}",
+            title=f"What decides {metric}, which is {number(self.nominal[metric])} {unit}".rstrip(),
             tables=[
                 Grid(
                     head=["derivative", *shares, "% per %"],
@@ -161,7 +165,15 @@ class Sensitivities(Described):
 
     def _covariance(self) -> Array:
         if self.covariance is None:
-            raise DataError("The model has no covariance: give spread.")
+            raise DataError(
+                Problem(
+                    message="The model has no covariance.",
+                    remedy=Remedy(
+                        "Give the relative standard deviation of its derivatives ({}).",
+                        (setting("spread", 0.05),),
+                    ),
+                )
+            )
         return self.covariance
 
 
@@ -252,6 +264,7 @@ def sensitivities(
         slopes=MappingProxyType(slopes),
         nominal=MappingProxyType({name: float(x[-1]) for name, x in metrics.items()}),
         covariance=covariance,
+        units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in slopes}),
     )
 
 

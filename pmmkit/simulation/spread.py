@@ -11,7 +11,7 @@ import numpy as np
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations.following import known_speeds
 from pmmkit.equations.prepared import Numbers, values_at
-from pmmkit.errors import DataError, ModelError
+from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.numerics import Array
@@ -143,8 +143,14 @@ def spread_of(
     if model.covariance is None:
         if alone is None:
             raise ModelError(
-                f"Model {model.name!r} carries no covariance: give spread, the relative standard "
-                f"deviation of its derivatives (spread=0.05), or reduce tests to a model."
+                Problem(
+                    message=f"Model {model.name!r} carries no covariance.",
+                    remedy=Remedy(
+                        "Give the relative standard deviation of its derivatives ({}), or reduce "
+                        "tests to a model.",
+                        (setting("spread", 0.05),),
+                    ),
+                )
             )
         return alone
     froude = [model.ship.froude(each, model.water.g) for each in speeds]

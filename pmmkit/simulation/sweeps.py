@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.metrics import unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
@@ -164,7 +164,12 @@ def sweep(
 
     if isinstance(model, Mapping):
         if over != "model" or not model:
-            raise DataError('Several models are swept with over="model".')
+            raise DataError(
+                Problem(
+                    message="There are several models.",
+                    remedy=Remedy("Sweep over them: {}.", (Way('over="model"', "--over model"),)),
+                )
+            )
         cases: list[tuple[Any, Any, dict[str, Any]]] = [
             (label, item, dict(settings)) for label, item in model.items()
         ]

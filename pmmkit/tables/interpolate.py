@@ -7,7 +7,7 @@ from typing import Final, Literal, get_args
 
 import numpy as np
 
-from pmmkit.errors import ExtrapolationError, Problem, TableError
+from pmmkit.errors import ExtrapolationError, Problem, Remedy, TableError, setting
 from pmmkit.numerics import Array
 from pmmkit.tables.linear import mapped
 from pmmkit.tables.table import DerivativeTable
@@ -85,7 +85,7 @@ def interpolate(
             raise ExtrapolationError(
                 Problem(
                     message=f"Fn {beyond} is outside of the table, which holds {span}.",
-                    remedy="Measure there, or say extrapolate=True.",
+                    remedy=Remedy("Measure there, or say {}.", (setting("extrapolate", True),)),
                 )
             )
         notes = (

@@ -158,8 +158,8 @@ def compare_captive(
         found.append(_compared(view, forces, predictor, campaign, rig, scatter, scale, floor))
     if outside:
         notes.append(
-            f"Outside the speeds of the model and left out: {', '.join(outside)}. Allow them with "
-            f"extrapolate=True."
+            f"Outside the speeds of the model and left out: {', '.join(outside)}. Extrapolation "
+            f"is not allowed unless it is asked for."
         )
     found, more = _judged(found, predictor.model)
     if not found:

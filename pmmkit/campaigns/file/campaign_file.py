@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
-from pmmkit.errors import CampaignError, Problem
+from pmmkit.errors import CampaignError, Problem, Remedy, setting
 from pmmkit.files import datasets_folder, matching
-from pmmkit.toml_files import check_numbers
+from pmmkit.readers.hdf5.guard import SIGNATURE
+from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
@@ -93,6 +94,7 @@ def open_campaign(
         return stored if runs else stored.with_(runs=(), excluded=())
     text, digest = _text(place)
     raw = _toml(text, place)
+    refuse_other(raw, CAMPAIGN, place.name, CampaignError)
     check_numbers(raw, place.name, CampaignError)
     _check_end(raw, place)
     if not runs:
@@ -144,7 +146,9 @@ class _Search:
         tried = ", ".join(str(folder) for folder in self.folders())
         remedy = None
         if self.data is None or self.folder:
-            remedy = f"--data (data=) or {DATA_VARIABLE} names the folder of the measurements."
+            remedy = Remedy(
+                f"{{}} or {DATA_VARIABLE} names the folder of the measurements.", (setting("data"),)
+            )
         return Problem(
             message=f"the file {file!r} is not there. Looked in: {tried}.",
             file=toml,
@@ -187,6 +191,14 @@ def _text(place: Path) -> tuple[str, str]:
     try:
         text = data.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
     except UnicodeDecodeError as error:
+        if data.startswith(SIGNATURE):
+            raise CampaignError(
+                Problem(
+                    message="this is an HDF5 file and no campaign file.",
+                    file=place.name,
+                    remedy=f"If it is a saved campaign, call it {place.stem}.h5.",
+                )
+            ) from error
         raise CampaignError(
             Problem(
                 message=f"byte {data[error.start]:#04x} is not UTF-8 text.",

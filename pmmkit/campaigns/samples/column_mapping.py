@@ -13,11 +13,13 @@ from pmmkit.channels import (
     DEGREE_CHANNELS,
     FORCE_CHANNELS,
     SETTING_UNITS,
+    channel_of,
     did_you_mean,
     factor_to,
     harmonic_part,
     names_taken_unasked,
     split_unit,
+    unit_in_name,
     unit_of,
 )
 from pmmkit.errors import DataError, Problem
@@ -111,7 +113,8 @@ def pick(
         Number of columns.
     specs : mapping of str to ColumnSpec
         The ``[columns]`` of the campaign file. Headers that are names of channels are taken
-        without being mapped, in their own spelling.
+        without being mapped, in their own spelling; of histories also those that end in their
+        unit, such as ``r_deg_s``, where no other column is the channel.
     request : Request
         The file, for messages.
     table : bool
@@ -132,14 +135,17 @@ def pick(
             if position is not None:
                 _add(picked, name, position, spec, headers, bare, request, problems, table=table)
     claimed = {column.position for column in picked.values()}
-    asked = {DEGREE_CHANNELS.get(name, name) for name in specs} | set(specs)
+    asked = {channel_of(name) for name in specs} | set(specs)
     allowed = names_taken_unasked(table=table)
+    plain = {name for name, _ in bare}
     for position, (name, _) in enumerate(bare):
         known = unit_of(name, table=table) is not None
         part = harmonic_part(name) if table else None
         taken = allowed is None or name in allowed or (part is not None and part[1] != "in")
-        channel = name if table and name in SETTING_UNITS else DEGREE_CHANNELS.get(name, name)
-        if known and taken and position not in claimed and not {name, channel} & asked:
+        channel = name if table and name in SETTING_UNITS else channel_of(name)
+        doubled = channel != name and name not in DEGREE_CHANNELS and channel in {*plain, *picked}
+        free = position not in claimed and not {name, channel} & asked
+        if known and taken and free and not doubled:
             _add(
                 picked, name, position, ColumnSpec(), headers, bare, request, problems, table=table
             )
@@ -152,6 +158,33 @@ def pick(
     return tuple(picked.values()), problems
 
 
+def unread(
+    headers: Sequence[str], picked: Iterable[Picked], specs: Mapping[str, ColumnSpec]
+) -> list[str]:
+    """What is said of columns that begin like a channel of which nothing was read.
+
+    Examples
+    --------
+    >>> unread(["t", "r_degs"], [Picked(name="t", position=0, title="t")], {})
+    ["column 'r_degs' is not read, for 'degs' is no unit of r: map it under [columns], r = …"]
+    """
+    taken = list(picked)
+    places = {column.position for column in taken}
+    known = {column.name for column in taken} | {channel_of(name) for name in specs}
+    found = []
+    for position, header in enumerate(headers):
+        name, _ = split_unit(header)
+        channel, line, tail = name.partition("_")
+        if position in places or not line or channel not in CHANNEL_UNITS or channel in known:
+            continue
+        if channel_of(name) == name and name not in CHANNEL_UNITS:
+            found.append(
+                f"column {header!r} is not read, for {tail!r} is no unit of {channel}: map it "
+                f"under [columns], {channel} = …"
+            )
+    return found
+
+
 def _usual_specs(
     usual: Mapping[str, str],
     specs: Mapping[str, ColumnSpec],
@@ -159,7 +192,7 @@ def _usual_specs(
 ) -> dict[str, ColumnSpec]:
     """Where channels usually stand, of those that nothing is said of and that are there."""
     titles = [title for title, _ in bare]
-    asked = {DEGREE_CHANNELS.get(name, name) for name in specs} | set(titles)
+    asked = {channel_of(name) for name in specs} | set(titles)
     return {
         name: ColumnSpec(name=header)
         for name, header in usual.items()
@@ -180,7 +213,7 @@ def _add(
     table: bool,
 ) -> None:
     title = headers[position] or str(position + 1)
-    channel = name if table and name in SETTING_UNITS else DEGREE_CHANNELS.get(name, name)
+    channel = name if table and name in SETTING_UNITS else channel_of(name)
     if channel in picked:
         problems.append(
             request.problem(
@@ -192,6 +225,8 @@ def _add(
         return
     unit = spec.unit if spec.unit is not None else bare[position][1]
     own = unit_of(name, table=table) or ""
+    if unit is None and name not in DEGREE_CHANNELS and unit_in_name(name) is not None:
+        unit = own  # it is stated, whatever the file is without dimension
     part = harmonic_part(channel)
     target = own if table and name in SETTING_UNITS else CHANNEL_UNITS[part[0] if part else channel]
     try:

@@ -13,7 +13,13 @@ import numpy as np
 from pmmkit.campaigns.motion.hull_path import PLACE, recorded_in, set_to
 from pmmkit.campaigns.motion.solver_axes import Solver, seen_from_hull, without_ramp
 from pmmkit.campaigns.run import Campaign, Correction, Kind, Run
-from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick, required_channels
+from pmmkit.campaigns.samples.column_mapping import (
+    ColumnSpec,
+    Picked,
+    pick,
+    required_channels,
+    unread,
+)
 from pmmkit.campaigns.samples.conversions import Frame, stacked_harmonics, to_ours
 from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
@@ -121,6 +127,7 @@ class HistoryLoader:
             for key, doubt in read.unsettled.items()
             if key not in self.context.solver.stated
         ]
+        notes += unread(read.headers, picked, self.columns)
         if read.dropped:
             notes.append(f"{read.dropped} of {count + read.dropped} rows without a value left out")
         values = {

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Out, Own, sound_campaign, stated
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign, stated
 from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.outputs import Force, Out, results_file, results_folder
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from pmmkit.diagnosis.free_running.refit import FreeRefit
     from pmmkit.loop.error_fall import ErrorFall
     from pmmkit.models import Model
+
+
+EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -o model2.toml"
 
 
 def add(
@@ -42,18 +46,21 @@ def add(
     figures: DrawFigures = True,
     data: Data = None,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
     from pmmkit.effects.grammar import own_effects
-    from pmmkit.files import check_folder, write_results
+    from pmmkit.files import write_results
     from pmmkit.loop.session import begin, undone
     from pmmkit.models import load_model, save_model
 
     if undo == bool(effects):
         raise typer.BadParameter("Name an effect to add, or say --undo.")
     if out is not None:
-        check_folder(out)
-    written = target or Path(f"{Path(model).stem}-extended.toml")
+        results_folder(out, out)
+    written = results_file(
+        target, f"{Path(model).stem}-extended.toml", read=[model, own], force=force
+    )
     before = load_model(model)
     effects_of_user = own_effects(own) if own else ()
     taken = ""

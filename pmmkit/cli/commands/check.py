@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
-from pmmkit.cli.options import Campaign, Data, Out
+from pmmkit.cli.options import Campaign, Data
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
+
+
+EXAMPLE: Final = "pmmkit check my-campaign"
 
 
 def check(campaign: Campaign, data: Data = None, out: Out = None) -> Outcome:

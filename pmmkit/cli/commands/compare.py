@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import (
-    Campaign,
-    Data,
-    Figures,
-    Model,
-    Out,
-    results_folder,
-    sound_campaign,
-    stem,
-)
+from pmmkit.cli.options import Campaign, Data, Figures, Model, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.outputs import Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.validation.comparison import Comparison
+
+
+EXAMPLE: Final = "pmmkit compare model.toml my-campaign"
 
 
 def compare(

@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import Out, stated
+from pmmkit.cli.options import stated
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_file
+
+EXAMPLE: Final = "pmmkit convert derivatives.csv --system bis --format xlsx"
 
 
 class Format(StrEnum):
@@ -45,6 +48,7 @@ def convert(
     if target.resolve() == table.resolve():
         raise FileExists(f"{table} is already that table: say a system, a convention or a format.")
     check_folder(folder)
+    target = results_file(None if out is None else target, target)
     write_table(made, target)
     return Outcome(
         content={"file": str(target), "convention": asdict(made.convention)},

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Final
 
-from pmmkit.cli.options import Out
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+
+EXAMPLE: Final = "pmmkit demo --out my-demo"
 
 
 def demo(out: Out = None) -> Outcome:
@@ -15,7 +17,7 @@ def demo(out: Out = None) -> Outcome:
 
     return reduced(
         datasets_folder() / "s175",
-        out or Path("pmmkit-demo"),
+        results_folder(out, "pmmkit-demo"),
         parts="s175-3dof",
         reference="s175-3dof",
         reference_name="Son and Nomoto 1981",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -17,11 +18,9 @@ from pmmkit.cli.options import (
     Floor,
     Given,
     Noise,
-    Out,
     Own,
     numbers,
     patterns,
-    results_folder,
     sensors_of,
     sound_campaign,
     stated,
@@ -29,12 +28,14 @@ from pmmkit.cli.options import (
     words,
 )
 from pmmkit.cli.output import Outcome, say, warned
+from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
     from pmmkit.diagnosis.findings import Diagnosis
 
+EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
 ]
@@ -105,6 +106,7 @@ def diagnose(
     figures: DrawFigures = True,
     data: Data = None,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Name the effect, or the fault of the measurement, that the model lacks."""
     from pmmkit.errors import DataError
@@ -120,7 +122,7 @@ def diagnose(
         "windage": _areas(windage),
         "judged": judged,
     }
-    folder = results_folder(out, f"{stem(campaign)}-diagnosed")
+    folder = results_folder(out, f"{stem(campaign)}-diagnosed", read=[model], force=force)
     opened, checked = sound_campaign(campaign, data)
     if opened.kind == "free-running":
         if words(given) or noise is not None or own is not None:
@@ -277,18 +279,20 @@ def _areas(text: str | None) -> tuple[float, float] | None:
 
 def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
+    from pmmkit.files import first_free, free_folder
     from pmmkit.structures import structures
 
     if not found.findings:
         return [f"Next: pmmkit plan {model} {campaign}"] if found.suspected else []
     names = " ".join(item.effect for item in found.findings)
+    better = first_free(Path(f"model{number}.toml") for number in count(2))
     if model in structures():
-        reduced = f"{stem(campaign)}-reduced"
+        reduced = free_folder(Path(f"{stem(campaign)}-reduced"))
         return [
             f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
-            f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o model2.toml",
+            f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o {better}",
         ]
-    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o model2.toml"]
+    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}"]
 
 
 def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:

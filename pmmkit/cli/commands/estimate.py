@@ -8,11 +8,16 @@ from typing import Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import Out, results_folder
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
 from pmmkit.empirical import METHODS, Estimate, Method, StraightLine
 from pmmkit.presentation import ABSENT, WIDE, aligned, with_uncertainty
 
+EXAMPLE: Final = (
+    "pmmkit estimate --length 320 --breadth 58 --draught 20.8 --block 0.81 --speed 8 "
+    "--propeller 9.9 --rudder 137"
+)
 LINEAR: Final = ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot")
 
 
@@ -21,7 +26,10 @@ def estimate(
     breadth: Annotated[float, typer.Option("--breadth", help="m")],
     draught: Annotated[float, typer.Option("--draught", help="Mean, m.")],
     block: Annotated[float, typer.Option("--block", help="Block coefficient.")],
-    speed: Annotated[float, typer.Option(help="Service speed in m/s.")],
+    speed: Annotated[
+        TypedSpeed,
+        typer.Option(parser=typed, metavar="SPEED", help=f"Service speed of the ship: {WAYS}."),
+    ],
     propeller: Annotated[float, typer.Option(help="Diameter of the propeller in m.")],
     rudder: Annotated[float, typer.Option(help="Area of the rudder in m².")],
     method: Annotated[
@@ -56,11 +64,12 @@ def estimate(
         Izz=mass * ((0.25 * length) ** 2 + xg**2),
         xG=xg,
     )
+    service = speed.of(ship, water)
     model = estimated_model(
-        ship, method, speed=speed, propeller_diameter=propeller, rudder_area=rudder, water=water
+        ship, method, speed=service, propeller_diameter=propeller, rudder_area=rudder, water=water
     )
     found = {item: empirical.estimate(ship, item) for item in empirical.METHODS}
-    track = simulate(model, "turning", speed=speed, compiled=False)
+    track = simulate(model, "turning", speed=service, compiled=False)
     turn = track.metrics
     straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
     rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
@@ -82,8 +91,8 @@ def estimate(
         f"Their uncertainty is how far ships lie from the formulas ("
         f"{_grounds(found[method], METHODS[method])}).",
         "",
-        f"Turning circle at {speed:g} m/s by {method}: advance {turn['advance_L']:.2f} L, tactical "
-        f"diameter {turn['tactical_diameter_L']:.2f} L.",
+        f"Turning circle at {service:g} m/s by {method}: advance {turn['advance_L']:.2f} L, "
+        f"tactical diameter {turn['tactical_diameter_L']:.2f} L.",
         *(f"warning: {method}: {text}." for text in found[method].notes),
         *(f"warning: {text}" for text in track.notes),
         f"Model: {path}",

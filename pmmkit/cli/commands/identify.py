@@ -6,22 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import (
-    Campaign,
-    Data,
-    Out,
-    patterns,
-    results_folder,
-    sensors_of,
-    sound_campaign,
-    stem,
-    words,
-)
+from pmmkit.cli.options import Campaign, Data, patterns, sensors_of, sound_campaign, stem, words
 from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.outputs import Force, Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.checks import CheckFinding
@@ -29,6 +20,9 @@ if TYPE_CHECKING:
     from pmmkit.identification.chosen import Chosen
     from pmmkit.identification.comparing import MethodComparison
     from pmmkit.identification.smoother import Smoothed
+
+
+EXAMPLE: Final = "pmmkit identify my-zigzags --model kvlcc2-l7 --derivatives 'Yv Yr Nv Nr'"
 
 
 class Method(StrEnum):
@@ -123,6 +117,7 @@ def identify(
     ] = False,
     data: Data = None,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Identify derivatives from free-running records, and predict runs that were held out."""
     from pmmkit.errors import UnknownNameError
@@ -141,7 +136,7 @@ def identify(
     if spread is not None and spread <= 0.0:
         raise typer.BadParameter(f"--spread {spread:g}: it is a positive share, such as 0.3.")
     stds = sensors_of(sensors)
-    folder = results_folder(out, f"{stem(campaign)}-identified")
+    folder = results_folder(out, f"{stem(campaign)}-identified", read=[model, prior], force=force)
     base = load_model(model)
     if lost := [name for name in stds or {} if name not in CHANNELS]:
         raise UnknownNameError(f"There is no channel {', '.join(lost)}: {', '.join(CHANNELS)}.")

@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import (
-    Depth,
-    Extrapolate,
-    Follow,
-    Model,
-    Out,
-    Speed,
-    Spread,
-    results_folder,
-    stem,
-)
+from pmmkit.cli.options import Depth, Extrapolate, Follow, Model, Spread, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import Speed
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
 
 def imo(
@@ -41,14 +35,15 @@ def imo(
 
     folder = results_folder(out, f"{stem(model)}-imo")
     loaded = load_model(model)
+    pace = speed.of(loaded.ship, loaded.water)
     found = imo_verdicts(
-        loaded, speed, n=ships, spread=spread, fn=fn, depth=depth, extrapolate=extrapolate
+        loaded, pace, n=ships, spread=spread, fn=fn, depth=depth, extrapolate=extrapolate
     )
     rows = [asdict(item) for item in found]
     table = pd.DataFrame([{**row, "conditions": " ".join(row["conditions"])} for row in rows])
     files = write_results(folder, [("imo.json", rows), ("imo.csv", table)])
     lines = [
-        f"{loaded.name}, {speed:g} m/s (Fn {loaded.ship.froude(speed, loaded.water.g):.3f})",
+        f"{loaded.name}, {pace:g} m/s (Fn {loaded.ship.froude(pace, loaded.water.g):.3f})",
         text_of(verdict_sections(found)),
         "",
         f"Results: {folder}",

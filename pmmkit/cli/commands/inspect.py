@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Out
 from pmmkit.cli.output import Outcome, quoted
+from pmmkit.cli.outputs import Out
 
 if TYPE_CHECKING:
     from pmmkit.inspection import Look
+
+
+EXAMPLE: Final = "pmmkit inspect my-files"
 
 
 def inspect(

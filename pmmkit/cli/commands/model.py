@@ -6,15 +6,19 @@ from collections.abc import Mapping
 from enum import Enum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from pmmkit.cli.options import stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Force, results_file
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
+
+
+EXAMPLE: Final = "pmmkit model set model.toml rudder.area=33 --because 'as built'"
 
 
 class Action(Enum):
@@ -47,6 +51,7 @@ def model(
         Path | None,
         typer.Option(help="New model file; the name with -changed beside it if absent."),
     ] = None,
+    force: Force = False,
 ) -> Outcome:
     """Show a model part by part with its sources, change values, or take a part of another ship.
 
@@ -72,7 +77,9 @@ def model(
                 "--from kvlcc2."
             )
         made = with_part_of(loaded, words[0], load_model(lender), because)
-    path = out or Path(f"{stem(model)}-changed.toml")
+    path = results_file(
+        out, f"{stem(model)}-changed.toml", read=[model, lender], force=force, option="--out"
+    )
     write_results(path.parent, [(path.name, partial(save_model, made))])
     done = made.history[len(loaded.history) :]
     return _shown(made, [*done, f"Model: {path.resolve()}"], str(path))

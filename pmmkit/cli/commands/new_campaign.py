@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -11,6 +11,9 @@ from pmmkit.cli.output import Outcome, quoted
 
 if TYPE_CHECKING:
     from pmmkit.inspection.drafts.draft import Draft
+
+
+EXAMPLE: Final = "pmmkit new-campaign my-files --ship s175"
 
 
 def new_campaign(

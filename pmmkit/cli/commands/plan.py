@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, Given, Out, numbers, results_folder, stem, words
+from pmmkit.cli.options import Data, Given, stem, words
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import TypedSpeed, typed_list
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -17,6 +19,9 @@ if TYPE_CHECKING:
     from pmmkit.test_planning.next_run import Advice
     from pmmkit.test_planning.options import Limits, Option
     from pmmkit.test_planning.programme import Plan
+
+
+EXAMPLE: Final = "pmmkit plan cubic my-campaign"
 
 
 def plan(
@@ -39,7 +44,12 @@ def plan(
     ] = None,
     runs: Annotated[int | None, typer.Option(help="A programme of so many runs.")] = None,
     hours: Annotated[float | None, typer.Option(help="A programme of so many hours.")] = None,
-    speeds: Annotated[str | None, typer.Option(help="Speeds in m/s, such as 1.0,1.5.")] = None,
+    speeds: Annotated[
+        str | None,
+        typer.Option(
+            help="Speeds of the model in the tank, such as 1.0,1.5 [m/s] or 'Fn 0.1,0.2'."
+        ),
+    ] = None,
     limits: Annotated[
         Path | None,
         typer.Option(help="TOML file with [limits] of tank and rig, or [[runs]] to choose from."),
@@ -67,7 +77,7 @@ def plan(
     from pmmkit.test_planning import programme
     from pmmkit.test_planning.next_run import next_runs
 
-    listed = numbers(speeds)
+    listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
     allowed, options = _limits(opened, model, limits, listed)
@@ -101,7 +111,7 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 
 
 def _limits(
-    campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[float] | None
+    campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[TypedSpeed] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
     from pmmkit.errors import DataError
     from pmmkit.models import load_model
@@ -109,8 +119,10 @@ def _limits(
     from pmmkit.test_planning.plan_file import read_plan_file
 
     found = limits_of(campaign) if campaign is not None and campaign.runs else None
-    if speeds is not None:
-        found = (found or Limits(speeds=(1.0,))).with_(speeds=tuple(speeds))
+    tested = load_model(model) if campaign is None and (speeds or file) else campaign
+    if speeds is not None and tested is not None:
+        pace = tuple(speed.of(tested.ship, tested.water) for speed in speeds)
+        found = (found or Limits(speeds=(1.0,))).with_(speeds=pace)
     if file is None:
         if found is None:
             raise DataError("Before any test a plan needs speeds: --speeds 1.0,1.5, or --limits.")

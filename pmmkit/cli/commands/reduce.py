@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Out, stem
-from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.options import Campaign, Data, stem
+from pmmkit.cli.output import Outcome, say, words_of
+from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned, table_lines
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from pmmkit.report import Loop, Reference, Turns
     from pmmkit.tables import DerivativeTable
 
+EXAMPLE: Final = "pmmkit reduce my-campaign --parts s175-3dof"
 MOST: Final = 8
 """Differences between methods that are printed."""
 ROUNDS: Final = 3
@@ -136,6 +138,7 @@ def reduce(
         float, typer.Option(min=1, help="Memory that they may take together in MB.")
     ] = 1000.0,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Reduce captive tests to a table of derivatives, a model and a report.
 
@@ -143,7 +146,7 @@ def reduce(
     """
     return reduced(
         campaign,
-        out or Path(f"{stem(campaign)}-reduced"),
+        results_folder(out, f"{stem(campaign)}-reduced", read=[parts, reference], force=force),
         structure=structure,
         fn=fn.value,
         cycles=_cycles(cycles),
@@ -200,7 +203,7 @@ def reduced(
     campaign, data : Path
         As for `open_campaign`.
     out : Path
-        The folder of the results.
+        The folder of the results, which can be written.
     structure, fn, cycles, method, library, fourier
         As for `reduce_campaign`.
     parts : str, optional
@@ -222,7 +225,6 @@ def reduced(
         Files, table, findings, notes, the model or why there is none.
     """
     from pmmkit.campaigns.file.campaign_file import open_campaign
-    from pmmkit.files import check_folder
     from pmmkit.loop.session import begin
     from pmmkit.models import load_model
     from pmmkit.progress import shown
@@ -233,7 +235,6 @@ def reduced(
     from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
 
-    check_folder(out)
     donor = load_model(parts) if parts else None
     beside = reference_of(reference, reference_name) if reference else None
     opened = open_campaign(campaign, data=data)
@@ -316,7 +317,7 @@ def _model(found: Reduction, donor: Model | None, missing: Gaps) -> tuple[Model 
     try:
         model = model_of(found, donor, missing=missing)
     except (MissingPartError, ModelError) as error:
-        return None, [f"No model.toml: {error}"]
+        return None, [f"No model.toml: {words_of(error)}"]
     return model, [note for note in model.notes if note not in found.table.notes]
 
 

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import Model, Out, results_folder, stem
+from pmmkit.cli.options import Model, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Force, Out, results_folder
+from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
+
+EXAMPLE: Final = "pmmkit scale kvlcc2-l7 --length 320 --speed 8"
 
 
 def scale(
     model: Model,
     length: Annotated[float, typer.Option("--length", help="Of the ship, m.")],
     speed: Annotated[
-        float | None,
-        typer.Option(help="Of the ship in m/s, where the model has one set for all speeds."),
+        TypedSpeed | None,
+        typer.Option(
+            parser=typed,
+            metavar="SPEED",
+            help=f"Of the ship at its new length, where the model has one set for all speeds: "
+            f"{WAYS}.",
+        ),
     ] = None,
     form: Annotated[float | None, typer.Option(help="Form factor k; estimated if absent.")] = None,
     wetted: Annotated[
@@ -27,19 +36,20 @@ def scale(
         bool, typer.Option("--froude-only", help="Correct neither friction nor wake.")
     ] = False,
     out: Out = None,
+    force: Force = False,
 ) -> Outcome:
     """Carry a model over to ship scale: Froude's law, friction and wake."""
     from pmmkit.files import write_results
     from pmmkit.models import full_scale, load_model, save_model, scaled
     from pmmkit.ship import Water
 
-    folder = results_folder(out, f"{stem(model)}-ship")
+    folder = results_folder(out, f"{stem(model)}-ship", read=[model], force=force)
     loaded = load_model(model)
-    if froude_only:
-        made = scaled(loaded, length)
-    else:
+    made = scaled(loaded, length)
+    if not froude_only:
         water = None if rho is None else Water(rho=rho, g=loaded.water.g)
-        made = full_scale(loaded, length, speed=speed, form=form, wetted=wetted, water=water)
+        pace = None if speed is None else speed.of(made.ship, made.water)
+        made = full_scale(loaded, length, speed=pace, form=form, wetted=wetted, water=water)
     write_results(folder, [("model.toml", partial(save_model, made))])
     steps = list(made.history[len(loaded.history) :])
     path = str(folder / "model.toml")

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from pmmkit.cli.output import Outcome
+
+EXAMPLE: Final = "pmmkit ships"
 
 
 def ships() -> Outcome:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -14,17 +14,18 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
-    Speed,
     SwitchDeg,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
 
 
 def simulate(
@@ -49,11 +50,11 @@ def simulate(
     rudder_rate_deg: Annotated[
         float | None, typer.Option(help="Rate of the steering gear in deg/s; the ship's if absent.")
     ] = None,
-    wind_speed: Annotated[float, typer.Option(help="True wind in m/s.")] = 0.0,
+    wind_speed: WindSpeed = 0.0,
     wind_direction_deg: Annotated[
         float, typer.Option(help="Where it comes from, from the bow of the approach.")
     ] = 0.0,
-    current_speed: Annotated[float, typer.Option(help="Current in m/s.")] = 0.0,
+    current_speed: CurrentSpeed = 0.0,
     current_direction_deg: Annotated[
         float, typer.Option(help="Where it flows to, from the bow of the approach.")
     ] = 0.0,
@@ -64,15 +65,17 @@ def simulate(
 ) -> Outcome:
     """Simulate a manoeuvre: track, metrics and figures."""
     from pmmkit.files import write_results
+    from pmmkit.models import load_model
     from pmmkit.simulation.imo import imo_turning, verdict_sections
     from pmmkit.simulation.results import metrics_of, track_files
     from pmmkit.simulation.simulate import simulate
 
     folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
+    loaded = load_model(model)
     track = simulate(
-        model,
+        loaded,
         manoeuvre,
-        speed=speed,
+        speed=speed.of(loaded.ship, loaded.water),
         fn=fn,
         compiled=False,
         rudder_rate_deg=rudder_rate_deg,

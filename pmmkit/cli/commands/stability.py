@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Final
 
-from pmmkit.cli.options import Depth, Extrapolate, Model, Out, Speed, results_folder, stem
+from pmmkit.cli.options import Depth, Extrapolate, Model, stem
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import Speed
+
+EXAMPLE: Final = "pmmkit stability kvlcc2 --speed 8"
 
 
 def stability(
@@ -24,11 +29,12 @@ def stability(
 
     folder = results_folder(out, f"{stem(model)}-stability")
     loaded = load_model(model)
-    found = linear.stability(loaded, speed, depth=depth, extrapolate=extrapolate)
-    curve = spiral_curve(loaded, speed, depth=depth, extrapolate=extrapolate)
+    pace = speed.of(loaded.ship, loaded.water)
+    found = linear.stability(loaded, pace, depth=depth, extrapolate=extrapolate)
+    curve = spiral_curve(loaded, pace, depth=depth, extrapolate=extrapolate)
     numbers = {
         "name": found.name,
-        "speed": speed,
+        "speed": pace,
         "stable": found.stable,
         "side": found.side,
         **found.constants(),
@@ -46,5 +52,5 @@ def stability(
             ("spiral.svg", partial(save, curve.plot())),
         ],
     )
-    lines = [str(found), "", curve.sentence(), f"Results: {folder}"]
+    lines = [str(found), "", curve.sentence(), f"Scale: {loaded.scale}", f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **numbers}, lines=lines)

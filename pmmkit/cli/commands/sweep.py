@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
@@ -15,22 +15,23 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
     Spread,
     SwitchDeg,
     numbers,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import typed_list
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     import xarray as xr
 
+EXAMPLE: Final = "pmmkit sweep kvlcc2 --speeds 6,8"
 MOST: Final = 5
 """Metrics in a table for the screen."""
 
@@ -39,7 +40,10 @@ def sweep(
     model: Model,
     speeds: Annotated[
         str | None,
-        typer.Option(help="Approach speeds in m/s, such as 6,9,12; those of the tests if absent."),
+        typer.Option(
+            help="Approach speeds of the ship in the model, at the model's own scale, such as "
+            "6,9,12 [m/s], '12,15 kn' or 'Fn 0.1,0.15'; those of the tests if absent."
+        ),
     ] = None,
     over: Annotated[
         str | None,
@@ -65,7 +69,7 @@ def sweep(
     from pmmkit.simulation import sweeps
     from pmmkit.simulation.results import sweep_frame
 
-    asked = numbers(speeds)
+    typed = None if speeds is None else typed_list(speeds)
     settings = {
         "n": ships,
         "spread": spread,
@@ -75,10 +79,11 @@ def sweep(
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
         **settings_of(more),
     }
-    if over is not None and (values is None or asked is None or len(asked) != 1):
+    if over is not None and (values is None or typed is None or len(typed) != 1):
         raise typer.BadParameter("--over needs --values and one approach speed, --speeds 8.")
     folder = results_folder(out, f"{stem(model)}-sweep")
     loaded = load_model(model)
+    asked = [speed.of(loaded.ship, loaded.water) for speed in typed] if typed else None
     if over is None or asked is None:
         found = sweeps.froude_sweep(loaded, asked, manoeuvre, **settings)
     else:
@@ -98,10 +103,23 @@ def sweep(
     ]
     lines = [
         f"Scale: {loaded.scale}",
-        aligned([*coordinates, *columns], cells),
+        aligned([*_heads(found, coordinates, metrics, manoeuvre), *columns[len(metrics) :]], cells),
         f"Results: {folder}",
     ]
     return Outcome(content={"out": str(folder), "files": files, "sweep": rows}, lines=lines)
+
+
+def _heads(
+    found: xr.Dataset, coordinates: Sequence[str], metrics: Sequence[str], manoeuvre: str
+) -> list[str]:
+    """Names of the columns, with their units."""
+    from pmmkit.metrics import unit_of
+    from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
+
+    known = manoeuvre_of(manoeuvre).metrics
+    units = {name: found[name].attrs.get("units", "") for name in coordinates}
+    units |= {name: unit_of(name, known) for name in metrics}
+    return [f"{name} [{unit}]" if unit else name for name, unit in units.items()]
 
 
 def _told(found: xr.Dataset) -> list[str]:

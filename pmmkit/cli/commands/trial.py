@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Out, numbers, results_folder, sound_campaign, stem
+from pmmkit.cli.options import Campaign, Data, numbers, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
+from pmmkit.cli.outputs import Out, results_folder
 
 if TYPE_CHECKING:
     from pmmkit.trials import Trial
+
+
+EXAMPLE: Final = "pmmkit trial my-zigzags"
 
 
 def trial(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Final
 
 import typer
 
@@ -13,18 +13,19 @@ from pmmkit.cli.options import (
     Manoeuvre,
     Model,
     More,
-    Out,
     RudderDeg,
-    Speed,
     Spread,
     SwitchDeg,
-    results_folder,
     settings_of,
     stated,
     stem,
 )
 from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import Speed
 from pmmkit.presentation import text_of
+
+EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000"
 
 
 def uncertainty(
@@ -56,8 +57,9 @@ def uncertainty(
 
     folder = results_folder(out, f"{stem(model)}-uncertainty")
     loaded = load_model(model)
+    pace = speed.of(loaded.ship, loaded.water)
     settings = {
-        "speed": speed,
+        "speed": pace,
         "spread": spread,
         "extrapolate": extrapolate,
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
@@ -88,7 +90,7 @@ def uncertainty(
         "files": files,
         "name": many.name,
         "manoeuvre": manoeuvre,
-        "speed": speed,
+        "speed": pace,
         "ships": ships,
         "failed": many.failed,
         "origin": many.origin,

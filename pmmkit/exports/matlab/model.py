@@ -17,7 +17,7 @@ from pmmkit.escaping import WIDTH, comment
 from pmmkit.exports.matlab.hull import hull_lines, mass_lines, motion_lines, variable
 from pmmkit.exports.matlab.transcribe import Line, Unwritable, needed, transcribe
 from pmmkit.exports.matlab.words import heading, meaning
-from pmmkit.exports.text import is_matlab_name, matlab_name, number, row
+from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number, row
 from pmmkit.models import Model
 from pmmkit.simulation.simulate import steering
 
@@ -165,9 +165,7 @@ def _check_speed(model: Model, speed: float | None, *, approach: bool) -> None:
     why = f"has values at {len(model.Fn)} Froude numbers"
     if not model.Fn:
         why = "is written about the approach speed"
-    raise ModelError(
-        Problem(message=f"Model {model.name!r} {why}.", remedy="Say which speed (--speed, m/s).")
-    )
+    raise ModelError(Problem(message=f"Model {model.name!r} {why}.", remedy=WHICH_SPEED))
 
 
 def _states(ready: Prepared) -> list[str]:

@@ -17,7 +17,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.settings import setting_key
 from pmmkit.campaigns.test_kinds.registry import kind_of, kind_with
 from pmmkit.campaigns.test_kinds.steady import RESISTANCE, STATIC_DRIFT
-from pmmkit.channels import CHANNEL_UNITS, DEGREE_CHANNELS, factor_to
+from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
@@ -270,7 +270,8 @@ def _factor(column: ColumnLook) -> float:
     item = column.suggestion
     if item is None:
         return 1.0
-    unit = item.unit or column.unit or ("deg" if item.name in DEGREE_CHANNELS else None)
+    named = unit_in_name(item.name)
+    unit = item.unit or column.unit or (named[1] if named else None)
     if unit is None:
         return item.scale
     try:
@@ -281,8 +282,7 @@ def _factor(column: ColumnLook) -> float:
 
 
 def _channel(column: ColumnLook) -> str:
-    name = column.suggestion.name if column.suggestion else ""
-    return DEGREE_CHANNELS.get(name, name)
+    return channel_of(column.suggestion.name) if column.suggestion else ""
 
 
 def _table(item: FileLook, base: str, length: float | None) -> RunDraft:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
-from pmmkit.errors import CampaignError, PmmkitError, Problem
+from pmmkit.errors import CampaignError, ModelError, PmmkitError, Problem
 from pmmkit.json_text import from_json
 from pmmkit.readers.hdf5.guard import LIBRARY_FAULTS
 from pmmkit.readers.saved.group import read_group, safe_names, text_of
+from pmmkit.toml_files import read_toml, refuse_other
 from pmmkit.version import __version__
 
 if TYPE_CHECKING:
@@ -84,6 +85,8 @@ def opened(path: Path) -> Iterator[Any]:
     """The file for reading; every fault of the library becomes a CampaignError."""
     import h5py
 
+    if path.is_dir() or path.suffix.lower() == ".toml":
+        _refuse_toml(path)
     if not path.is_file():
         raise CampaignError(Problem(message="there is no such file.", file=str(path)))
     try:
@@ -100,6 +103,16 @@ def opened(path: Path) -> Iterator[Any]:
                 remedy="Copy it again or save the campaign again from its source.",
             )
         ) from error
+
+
+def _refuse_toml(path: Path) -> None:
+    """Refuse a campaign that is not saved but described, and other TOML files by their name."""
+    file = path / "campaign.toml" if path.is_dir() else path
+    try:
+        content = read_toml(file)
+    except ModelError:
+        return
+    refuse_other(content, None, str(file), CampaignError)
 
 
 def _check_schema(file: Any, path: Path) -> None:

@@ -1,0 +1,170 @@
+"""What pmmkit says before anything is computed: first words, help, examples, completion, quiet."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shlex
+import subprocess
+import sys
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+import typer
+from commands import said
+from small_campaign import write_campaign
+
+import pmmkit as pk
+from pmmkit.cli import app, commands, main
+
+NAMES = sorted(
+    file.stem for file in Path(commands.__path__[0]).glob("*.py") if file.stem != "__init__"
+)
+DEMO = "demo"
+"""Its example is the command itself, which a test of its own runs."""
+ZIGZAG = """
+[[runs]]
+id = "{name}"
+test = "zigzag"
+file = "{name}.csv"
+speed = 1.179
+rudder_deg = {rudder}
+switch_deg = 10
+"""
+
+
+def example_of(name):
+    return import_module(f"{commands.__name__}.{name}").EXAMPLE
+
+
+def write_zigzags(folder):
+    """Zigzags of the library's 7 m model, with the noise of sensors."""
+    ship = pk.load_model("kvlcc2-l7").ship
+    particulars = "".join(
+        f"{key} = {getattr(ship, key)}\n" for key in ("L", "B", "d", "volume", "mass", "Izz", "xG")
+    )
+    text = f'[campaign]\nkind = "free-running"\n[ship]\nname = "model"\n{particulars}'
+    text += "[water]\nrho = 1000.0\n"
+    noise = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05)}
+    rng = np.random.default_rng(7)
+    folder.mkdir()
+    for rudder in (10, 20):
+        track = pk.simulate("kvlcc2-l7", "zigzag", rudder_deg=rudder, speed=1.179, dt=0.5)
+        columns = {key: getattr(track, key) + s * rng.normal(size=len(track))
+                   for key, s in noise.items()}  # fmt: skip
+        columns = {"t": track.t, **columns, "delta": track.delta, "n": track.n}
+        table = np.column_stack(list(columns.values()))
+        name = f"ZZ{rudder}"
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=",".join(columns),
+                   comments="")  # fmt: skip
+        text += ZIGZAG.format(name=name, rudder=rudder)
+    (folder / "campaign.toml").write_text(text, encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    """A folder with what the examples name."""
+    folder = tmp_path_factory.mktemp("desk")
+    write_campaign(folder / "my-campaign")
+    write_campaign(folder / "my-files")
+    (folder / "my-files" / "campaign.toml").unlink()
+    write_zigzags(folder / "my-zigzags")
+    model = pk.load_model("s175-3dof")
+    pk.save_model(model, folder / "model.toml")
+    table = pk.reduce(pk.open_campaign(folder / "my-campaign"), structure="linear")
+    pk.write_table(table, folder / "derivatives.csv")
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in NAMES if name != DEMO])
+def test_the_example_of_a_command_runs_as_it_is_typed(name, desk, monkeypatch, capsys):
+    monkeypatch.chdir(desk)
+    program, command, *arguments = shlex.split(example_of(name))
+    assert (program, command) == ("pmmkit", name.replace("_", "-"))
+    assert main([command, *arguments]) == 0, capsys.readouterr().err
+
+
+def test_the_example_stands_in_the_help(capsys):
+    for name in NAMES:
+        assert main([name.replace("_", "-"), "--help"]) == 0
+        text = " ".join(capsys.readouterr().out.split())
+        assert f"Example: {example_of(name)}" in text
+    assert example_of(DEMO).startswith("pmmkit demo")
+
+
+def test_pmmkit_alone_says_what_to_type_first(capsys):
+    assert main([]) == 2
+    words = capsys.readouterr().err
+    typed = [line.split() for line in words.splitlines() if line.startswith("  pmmkit ")]
+    assert [line[1] for line in typed] == ["inspect", "demo", "--help"]
+    named = {line[1] for line in typed if not line[1].startswith("-")}
+    assert named <= set(typer.main.get_command(app.application()).commands)
+
+
+@pytest.mark.parametrize(
+    ("typed", "meant"), [("simulat", "simulate"), ("reduse", "reduce"), ("diagnos", "diagnose")]
+)
+def test_a_command_that_is_mistyped_is_guessed(typed, meant, capsys):
+    assert main([typed]) == 2
+    assert f"'{meant}'" in capsys.readouterr().err
+
+
+def test_quiet_leaves_only_results_and_errors(tmp_path, capsys):
+    order = ["simulate", "kvlcc2-l7", "--speed", "1.179", "--no-figures", "--quiet", "--out"]
+    for _ in range(2):
+        assert main([*order, str(tmp_path / "turn")]) == 0
+    captured = capsys.readouterr()
+    assert (captured.out, captured.err) == ("", "")
+    assert (tmp_path / "turn" / "metrics.json").exists()
+    status, content, words = said(capsys, *order, tmp_path / "turn")
+    assert (status, words) == (0, "")
+    assert content["files"] == ["metrics.json", "track.csv"]
+    assert main(["simulate", "kvlcc3", "--speed", "1.179", "-q"]) == 1
+    assert "kvlcc3" in capsys.readouterr().err
+
+
+def test_every_command_can_be_quiet():
+    for command in typer.main.get_command(app.application()).commands.values():
+        assert "--quiet" in [name for item in command.params for name in item.opts]
+
+
+def completed(**environment):
+    """What the command says to a shell."""
+    return subprocess.run(
+        [sys.executable, "-m", "pmmkit", *environment.pop("arguments", ())],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, **environment},
+    ).stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("shell", "sign"),
+    [
+        ("bash", "complete -o default -F _pmmkit_completion pmmkit"),
+        ("zsh", "#compdef pmmkit"),
+        ("fish", "complete --command pmmkit"),
+        ("powershell", "Register-ArgumentCompleter"),
+    ],
+)
+def test_each_shell_gets_its_completion(shell, sign):
+    assert sign in completed(_PMMKIT_COMPLETE=f"source_{shell}")
+
+
+@pytest.mark.slow
+def test_a_shell_completes_commands_and_options():
+    asked = {"_PMMKIT_COMPLETE": "complete_bash"}
+    assert completed(**asked, COMP_WORDS="pmmkit sim", COMP_CWORD="1").split() == ["simulate"]
+    options = completed(**asked, COMP_WORDS="pmmkit simulate kvlcc2 --sp", COMP_CWORD="3")
+    assert options.split() == ["--speed"]
+
+
+def test_json_stays_the_last_option_and_the_same(capsys):
+    assert main(["ships", "--json"]) == 0
+    assert [*json.loads(capsys.readouterr().out)] == ["ships"]
