@@ -13,7 +13,7 @@ import numpy as np
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Status
-from pmmkit.equations.prepared import packed, stacked, values_at
+from pmmkit.equations.prepared import Prepared, packed, stacked, values_at
 from pmmkit.errors import DataError, ModelError
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
@@ -363,13 +363,7 @@ class Batch:
         advance: Callable[[int], object] | None = None,
     ) -> tuple[dict[str, Array], Array]:
         """Metrics (n,) by name, and the status of each ship, for values (n, len(names))."""
-        given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
-        for column, name in enumerate(names):
-            effect, dot, own = name.rpartition(".")
-            for home in (effect,) if dot else DERIVATIVE_PARTS:
-                if own in given.get(home, {}):
-                    given[home][own] = values[:, column]
-                    break
+        given = self._given(names, values)
         structure, k = packed(self.model, given, self.speed, self.conditions)
         settings = settings_for(
             structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
@@ -380,6 +374,25 @@ class Batch:
         with np.errstate(all="ignore"):
             metrics = {name: np.asarray(x) for name, x in self.plan.metrics_of(results).items()}
         return metrics, status
+
+    def ship(self, names: Sequence[str], values: Array) -> Prepared:
+        """One ship with values (len(names),) of its own, ready to be integrated."""
+        given = self._given(names, values)
+        structure, k = packed(self.model, given, self.speed, self.conditions)
+        return Prepared(
+            structure=structure, k=tuple(map(float, k)), speed=self.speed, name=self.model.name
+        )
+
+    def _given(self, names: Sequence[str], values: Array) -> dict[str, dict[str, Any]]:
+        """Values of all parts, some of them replaced; the last axis of `values` goes with names."""
+        given = values_at(self.model, self.speed, extrapolate=self.extrapolate)
+        for column, name in enumerate(names):
+            effect, dot, own = name.rpartition(".")
+            for home in (effect,) if dot else DERIVATIVE_PARTS:
+                if own in given.get(home, {}):
+                    given[home][own] = values[..., column]
+                    break
+        return given
 
 
 def batch_of(

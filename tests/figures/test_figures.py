@@ -199,13 +199,15 @@ def test_a_turn_to_port_is_the_mirror_image(track):
 
 
 def test_histories_show_speed_yaw_rate_and_drift(track):
-    speed, yaw, drift = figures.turn_histories([track]).axes
+    speed, yaw, drift, heading, rudder, _ = figures.turn_histories([track]).axes
     ratio = speed.lines[0].get_ydata()
     assert ratio[0] == pytest.approx(1.0)
     assert ratio[-1] == pytest.approx(track.metrics["speed_ratio"], rel=1e-3)
     assert drift.lines[0].get_ydata()[-1] == pytest.approx(
         track.metrics["steady_drift_deg"], rel=1e-3
     )
+    assert rudder.lines[0].get_ydata()[-1] == pytest.approx(track.rudder_deg, abs=0.1)
+    np.testing.assert_allclose(heading.lines[0].get_ydata(), np.degrees(np.unwrap(track.psi)))
     diameter = 2 * ratio[-1] / yaw.lines[0].get_ydata()[-1]
     assert diameter == pytest.approx(track.metrics["steady_diameter_L"], rel=1e-3)
 
