@@ -64,13 +64,13 @@ def forest(
     (title, first), *rest = tables.items()
     others = {label: _alike(first, table) for label, table in rest}
     half = _half(first)
-    shown = [row for row in range(len(first.Fn)) if np.isfinite(half[row]).any()]
+    shown = _rows(first, half, others)
     published = {} if reference is None else _published(first, reference)
     sources = {name: _sources(name, others, published, reference_name) for name in first.names}
     names = [
         name
         for name in first.names
-        if sources[name] and np.isfinite(half[:, first.index(name)]).any()
+        if sources[name] and np.isfinite(half[shown, first.index(name)]).any()
     ]
     if not names:
         raise TableError("No derivative has a value and an interval in two of the tables.")
@@ -143,6 +143,26 @@ def farthest(tables: Mapping[str, DerivativeTable]) -> list[str]:
     ]
 
 
+def _rows(
+    first: DerivativeTable, half: Array, others: Mapping[str, DerivativeTable]
+) -> list[int]:
+    """Froude numbers at which two sources have a derivative beside the first; all if none has.
+
+    Where a single one does it may be all that the first rests on, and agrees by construction.
+    """
+    known = [row for row in range(len(first.Fn)) if np.isfinite(half[row]).any()]
+    names = list(first.names)
+    several = []
+    for row in known:
+        froude = float(first.Fn[row])
+        there = [
+            np.isfinite(_column(names, table, table.value, froude)) for table in others.values()
+        ]
+        if np.any(np.sum(there, axis=0) > 1):
+            several.append(row)
+    return several or known
+
+
 def _alike(first: DerivativeTable, table: DerivativeTable) -> DerivativeTable:
     """A table in the convention and at the Froude numbers of the first."""
     same = table.pooled == first.pooled and set(table.Fn[~np.isnan(table.Fn)]) <= set(first.Fn)
@@ -205,7 +225,14 @@ def _bars(
     axis: Axes, value: Array, low: Array, high: Array, places: Array, number: int, label: str
 ) -> None:
     colour = style.colour(number)
-    axis.hlines(places, low.clip(-_LIMIT, _LIMIT), high.clip(-_LIMIT, _LIMIT), color=colour, lw=1.4)
+    axis.hlines(
+        places,
+        low.clip(-_LIMIT, _LIMIT),
+        high.clip(-_LIMIT, _LIMIT),
+        color=colour,
+        lw=1.4,
+        ls=style.dash(number // len(style.ORDERED)),
+    )
     inside = np.abs(value) <= _LIMIT
     axis.plot(
         value[inside],

@@ -48,7 +48,7 @@ def seen(figure: Figure) -> str:
 def _panel(axis: Axes) -> str:
     if axis.get_label() == "<colorbar>":
         return ""
-    name = plain(axis.get_title(loc="left") or axis.get_title() or axis.get_ylabel())
+    name = _name(axis)
     if axis.images or _meshes(axis):
         return "; ".join(text for text in (name, *_map(axis)) if text)
     bars = list(_bars(axis))
@@ -72,11 +72,32 @@ def _panel(axis: Axes) -> str:
 
 def _rows(axis: Axes) -> list[str]:
     """Names of the rows where the ordinates are no numbers."""
-    from matplotlib.ticker import FixedFormatter
+    from matplotlib.ticker import FixedLocator
 
-    if not isinstance(axis.yaxis.get_major_formatter(), FixedFormatter):
+    if not isinstance(axis.yaxis.get_major_locator(), FixedLocator):
         return []
     return [text for label in axis.get_yticklabels() if (text := plain(label.get_text()))]
+
+
+def _name(axis: Axes) -> str:
+    """Title and ordinate of a panel, else those at the head of its column and of its row."""
+    title, ylabel = _title(axis), axis.get_ylabel()
+    spec = axis.get_subplotspec()
+    figure = axis.get_figure()
+    if spec is not None and figure is not None:
+        for other in figure.axes:
+            place = other.get_subplotspec()
+            if place is None or place.get_gridspec() is not spec.get_gridspec():
+                continue
+            if place.colspan.start == spec.colspan.start and place.rowspan.start == 0:
+                title = title or _title(other)
+            if place.rowspan.start == spec.rowspan.start and place.colspan.start == 0:
+                ylabel = ylabel or other.get_ylabel()
+    return plain(", ".join(dict.fromkeys(filter(None, (title, ylabel)))))
+
+
+def _title(axis: Axes) -> str:
+    return axis.get_title(loc="left") or axis.get_title()
 
 
 def _xlabel(axis: Axes) -> str:
@@ -95,7 +116,10 @@ def _series(axis: Axes) -> Iterator[tuple[str, Array, Array]]:
         groups.setdefault("" if label.startswith("_") else plain(label), []).append(line)
     chosen = {label: own for label, own in groups.items() if label} or groups
     for label, own in chosen.items():
-        x = np.concatenate([np.asarray(line.get_xdata(), float).ravel() for line in own])
+        across = [line for line in own if line.get_transform() == axis.transData]
+        x = np.concatenate(
+            [np.asarray(line.get_xdata(), float).ravel() for line in across] or [np.empty(0)]
+        )
         y = np.concatenate([np.asarray(line.get_ydata(), float).ravel() for line in own])
         if np.isfinite(y).any():
             yield label, x, y
@@ -110,7 +134,7 @@ def _bars(axis: Axes) -> Iterator[str]:
     for container in axis.containers:
         if container.__class__.__name__ != "BarContainer" or not len(container):
             continue
-        sideways = container.orientation == "horizontal"
+        sideways = getattr(container, "orientation", "") == "horizontal"
         sizes = np.array([p.get_width() if sideways else p.get_height() for p in container])
         if not np.any(sizes):
             continue
@@ -136,7 +160,7 @@ def _meshes(axis: Axes) -> list[Any]:
 
 def _map(axis: Axes) -> Iterator[str]:
     picture: Any = axis.images[0] if axis.images else _meshes(axis)[0]
-    values = np.ma.filled(np.ma.asarray(picture.get_array(), float), np.nan)
+    values: Array = np.ma.filled(np.ma.asarray(picture.get_array(), float), np.nan)
     rows = [plain(label.get_text()) for label in axis.get_yticklabels()]
     columns = [plain(label.get_text()) for label in axis.get_xticklabels()]
     values = values.reshape(-1, values.shape[-1]) if values.ndim > 1 else values[None]
