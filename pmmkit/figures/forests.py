@@ -143,9 +143,7 @@ def farthest(tables: Mapping[str, DerivativeTable]) -> list[str]:
     ]
 
 
-def _rows(
-    first: DerivativeTable, half: Array, others: Mapping[str, DerivativeTable]
-) -> list[int]:
+def _rows(first: DerivativeTable, half: Array, others: Mapping[str, DerivativeTable]) -> list[int]:
     """Froude numbers at which two sources have a derivative beside the first; all if none has.
 
     Where a single one does it may be all that the first rests on, and agrees by construction.
