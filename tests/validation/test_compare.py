@@ -728,13 +728,13 @@ def test_every_figure_of_captive_tests_says_what_and_in_which_unit(lacking):
 @pytest.mark.slow
 def test_bars_of_errors_are_those_of_the_rows_over_the_rms_force(lacking):
     rows = pd.DataFrame(lacking.rows())
-    rows = rows[(rows["channel"] == "N") & (rows["test"] == "yaw_with_drift")]
-    fastest = rows[rows["Fn"] == rows["Fn"].max()]
+    rows = rows[(rows["channel"] == "N") & (rows["test"] == "yaw_drift")]
+    fastest = rows[rows["Fn"] > 0.28]
     whole = pd.DataFrame(lacking.rows()).query("channel == 'N'")["measured"]
     expected = 100 * np.sqrt(np.mean(fastest["error"] ** 2) / np.mean(whole**2))
     axis = errors_beside_uncertainty(lacking).axes[2]
     assert axis.get_title(loc="left") == "N"
-    names = [label.get_text() for label in axis.get_yticklabels()]
+    names = [label.get_text() for label in axis.figure.axes[0].get_yticklabels()]
     place = names.index("yaw with drift, Fn 0.290")
     lengths = {
         round(bar.get_y() + bar.get_height() / 2): bar.get_width()
@@ -761,7 +761,7 @@ def test_residuals_are_parted_by_kind_of_test_and_speed(lacking):
     runs = [r for r in lacking.captive if r.view.run.test == "static_drift" and r.Fn < 0.15]
     lengths = 0.5 * lacking.water.rho * lacking.ship.L**2
     error = [1e3 * float(r.error("X")[0]) / (lengths * r.view.speed**2) for r in runs]
-    np.testing.assert_allclose(points.get_ydata(), error, rtol=1e-9)
+    np.testing.assert_allclose(points.get_ydata(orig=False), error, rtol=1e-9)
     assert figure.axes[-len(kinds)].get_xlabel() == "sway velocity v' [-]"
 
 
