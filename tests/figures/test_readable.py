@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -15,6 +16,7 @@ from pmmkit import figures
 from pmmkit.errors import TableError
 from pmmkit.figures.correlations import correlated
 from pmmkit.figures.forests import farthest
+from pmmkit.figures.identification import window_figure
 from pmmkit.figures.residuals import summed_up
 from pmmkit.plotting import style
 from pmmkit.plotting.diagnosis import coverage, error_fall, evidence
@@ -359,3 +361,21 @@ def test_alternative_texts_of_the_report_say_numbers_beyond_the_caption(table):
     page_text = page("Tests", "", [], [Section(title="Derivatives", figures=[matrix])])
     assert str(escape(matrix.alt)) in page_text
     assert matrix.caption in page_text
+
+
+def test_a_prediction_that_runs_away_leaves_the_axes_not_the_measurement():
+    t = np.linspace(0.0, 60.0, 61)
+    measured = {"x": 3.0 * t, "y": 0.5 * t, "psi": 0.02 * t}
+    away = {"x": 1e24 * t, "y": 1e24 * t, "psi": 1e20 * t}
+    window = SimpleNamespace(
+        t=t,
+        L=10.0,
+        name="turn",
+        delta=0.1 + 0 * t,
+        measured=measured,
+        predicted={"before": measured, "ekf": away},
+    )
+    left, right = window_figure(window).axes
+    assert max(map(abs, (*left.get_xlim(), *left.get_ylim()))) < 100.0
+    assert max(map(abs, right.get_ylim())) < 500.0
+    assert right.get_title(loc="left") == "runs away: ekf"
