@@ -117,3 +117,21 @@ def _gram(basis: Array) -> tuple[Array, Array] | None:
     unit = gram / np.outer(scale, scale)
     values = np.linalg.eigvalsh(unit)
     return (unit, scale) if values[0] > WELL * values[-1] else None
+
+
+def turned(psi: Array) -> Array:
+    """Change of heading in the sense of the turn as a whole, never going back [rad].
+
+    Parameters
+    ----------
+    psi : array (n,)
+        Heading [rad], wrapped or not.
+
+    Examples
+    --------
+    >>> turned(np.array([0.1, 0.2, 0.5, 0.4, 1.0])).round(1).tolist()
+    [0.0, 0.1, 0.4, 0.4, 0.9]
+    """
+    change = np.unwrap(psi) - psi[0]
+    found: Array = np.maximum.accumulate(change * (1.0 if change[-1] >= 0 else -1.0))
+    return found

@@ -1,8 +1,10 @@
 """What people look at: each function gives a matplotlib Figure and changes nothing global."""
 
+from pmmkit.figures.correlations import correlations
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
-from pmmkit.figures.methods import forest
+from pmmkit.figures.forests import forest
+from pmmkit.plotting.bands import band_histories
 from pmmkit.plotting.histories import histories, path, spiral, zigzag
 from pmmkit.plotting.metrics import measures_over_froude, metrics_over
 from pmmkit.plotting.style import save, svg
@@ -11,7 +13,9 @@ from pmmkit.plotting.turns import trajectory, turn_histories
 __all__ = [
     "Cycle",
     "DriftPoints",
+    "band_histories",
     "beside_reference",
+    "correlations",
     "derivatives_over_froude",
     "forces_over_drift",
     "forest",

@@ -1,25 +1,27 @@
-"""A model beside captive tests: map of misfit, loops, residuals over each variable and in time."""
+"""A model beside captive tests: map of misfit, errors, loops, residuals in time."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.channels import CHANNEL_UNITS
-from pmmkit.conventions import force_unit
 from pmmkit.escaping import figure_text
 from pmmkit.figures.comparison_free import force_residuals
+from pmmkit.figures.errors import errors_beside_uncertainty
+from pmmkit.figures.residuals import residuals_over
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import places_of
 from pmmkit.plotting import style
 from pmmkit.signals import design_matrix
 from pmmkit.validation.captive import CaptiveRun
 from pmmkit.validation.comparison import Comparison
+from pmmkit.validation.uncertainty import rms_of
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from matplotlib.collections import PolyCollection
     from matplotlib.figure import Figure
 
 MEASURED, PREDICTED = style.ORDERED[0], style.ORDERED[2]
@@ -27,6 +29,8 @@ FINE: Final = 241
 """Points of a loop."""
 THIN: Final = 400
 """Samples shown of one record."""
+_PALE: Final = "#cfd6e6"
+EXPANDED: Final = "expanded uncertainty"
 
 
 def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
@@ -42,7 +46,11 @@ def comparison_figures(comparison: Comparison) -> dict[str, Figure]:
             "sailed": comparison.plot(),
             "force_residuals": force_residuals(comparison.worst_record()),
         }
-    found = {"misfit": comparison.plot(), "residuals": residuals_over(comparison)}
+    found = {
+        "misfit": comparison.plot(),
+        "errors": errors_beside_uncertainty(comparison),
+        "residuals": residuals_over(comparison),
+    }
     dynamic = [run for run in comparison.captive if run.view.run.dynamic]
     if dynamic:
         found["loops"] = loops(worst_of_each_test(dynamic))
@@ -102,7 +110,10 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
                     axis.set_ylabel(f"{channel} [{CHANNEL_UNITS[channel]}]")
                 if channel not in run.channels:
                     continue
-                axis.plot(whole, basis @ run.view.force[channel], color=MEASURED, label="measured")
+                measured = basis @ run.view.force[channel]
+                half = _band(run, channel, basis)
+                axis.add_collection(_around(whole, measured, half))
+                axis.plot(whole, measured, color=MEASURED, label="measured")
                 axis.plot(
                     whole,
                     basis @ run.predicted[channel],
@@ -116,6 +127,23 @@ def loops(runs: Sequence[CaptiveRun]) -> Figure:
             axes[-1, column].set_xlabel(what)
         style.legend_below(figure, list(axes.ravel()))
     return figure
+
+
+def _band(run: CaptiveRun, channel: str, basis: Array) -> Array:
+    """Expanded validation uncertainty along the cycle, that of its harmonics added up."""
+    found: Array = np.sqrt(basis**2 @ run.uncertainty(channel) ** 2)
+    return found
+
+
+def _around(x: Array, y: Array, half: Array) -> PolyCollection:
+    """A band about a closed curve: a quadrangle a step, opaque, since loops cross themselves."""
+    from matplotlib.collections import PolyCollection
+
+    low, high = np.stack([x, y - half], axis=1), np.stack([x, y + half], axis=1)
+    steps = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
+    return PolyCollection(
+        list(steps), color=_PALE, lw=0.3, zorder=1.5, label=f"{EXPANDED} of the error"
+    )
 
 
 def _basis_at_samples(run: CaptiveRun, order: int) -> Array:
@@ -135,117 +163,6 @@ def _velocity(run: CaptiveRun) -> tuple[Array, str]:
     return np.degrees(motion.r), "yaw rate r [deg/s]"
 
 
-def residuals_over(comparison: Comparison) -> Figure:
-    """Residual coefficients over what the runs vary: v', r', rudder, heel and Froude number.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Of captive tests.
-
-    Returns
-    -------
-    Figure
-        A row a channel, a column a variable. Oscillating runs are lines over their cycle, static
-        ones points; each stands where its kind of test varies the variable. The residual, predicted
-        less measured, is over ½ρL²U² (moments ½ρL³U²), U the carriage speed.
-    """
-    runs = comparison.captive
-    channels = list(dict.fromkeys(name for run in runs for name in run.channels))
-    tests = list(dict.fromkeys(run.view.run.test for run in runs))
-    variables = _varied(runs, comparison.ship.L)
-    with style.styled():
-        figure = style.canvas(1.9 * len(channels) + 0.9)
-        axes = figure.subplots(
-            len(channels), len(variables), squeeze=False, sharex="col", sharey="row"
-        )
-        for row, channel in enumerate(channels):
-            for column, (what, values) in enumerate(variables.items()):
-                axis = axes[row, column]
-                axis.axhline(0.0, color="#999999", lw=0.8)
-                for run, x in zip(runs, values, strict=True):
-                    if channel in run.channels and x is not None:
-                        _residual(axis, run, channel, x, comparison, tests)
-                if column == 0:
-                    axis.set_ylabel(f"error in $10^3\\,{channel}'$ [-]")
-                if row == len(channels) - 1:
-                    axis.set_xlabel(what)
-        style.legend_below(figure, list(axes.ravel()))
-    return figure
-
-
-def _varied(runs: Sequence[CaptiveRun], L: float) -> Mapping[str, list[Array | None]]:
-    """Histories of the variables that differ; None where a kind of test does not vary them."""
-    every = {
-        "sway velocity v' [-]": [run.view.motion.v / run.view.motion.speed for run in runs],
-        "yaw rate r' [-]": [run.view.motion.r * L / run.view.speed for run in runs],
-        "rudder δ [deg]": [np.degrees(run.view.motion.delta) for run in runs],
-        "heel φ [deg]": [np.degrees(run.view.motion.phi) for run in runs],
-        "Froude number [-]": [np.full_like(run.view.motion.u, run.Fn) for run in runs],
-    }
-    return {
-        name: [
-            x if _shown(run, x, runs, values) else None for run, x in zip(runs, values, strict=True)
-        ]
-        for name, values in every.items()
-        if np.ptp(np.concatenate(values)) > 1e-6
-    }
-
-
-def _shown(run: CaptiveRun, x: Array, runs: Sequence[CaptiveRun], values: Sequence[Array]) -> bool:
-    """Whether a variable changes within an oscillating run, or between the static runs of a kind;
-    the speed need only change between runs."""
-    test = run.view.run.test
-    alike = [y for other, y in zip(runs, values, strict=True) if other.view.run.test == test]
-    if run.view.run.dynamic and not np.all(x == run.Fn):
-        return bool(np.ptp(x) > 1e-6)
-    return bool(np.ptp(np.concatenate(alike)) > 1e-6)
-
-
-def _residual(
-    axis: Axes,
-    run: CaptiveRun,
-    channel: str,
-    x: Array,
-    comparison: Comparison,
-    tests: Sequence[str],
-) -> None:
-    view, ship, water = run.view, comparison.ship, comparison.water
-    scale = 1e3 / force_unit(
-        channel,
-        "prime",
-        L=ship.L,
-        d=ship.d,
-        volume=ship.volume,
-        rho=water.rho,
-        g=water.g,
-        U=view.speed,
-    )
-    number = tests.index(view.run.test)
-    look: dict[str, Any] = {"color": style.colour(number), "label": view.run.kind_of_test.title}
-    if not view.run.dynamic:
-        axis.plot(
-            [float(view.projection[0] @ x)],
-            [scale * float(run.error(channel)[0])],
-            ls="",
-            marker=style.marker(number),
-            ms=4,
-            **look,
-        )
-        return
-    order = max(int(label[1:]) for label in view.labels)
-    theta = np.linspace(0.0, 2 * np.pi, FINE)
-    basis = design_matrix(theta, order)
-    whole = np.linalg.lstsq(_basis_at_samples(run, order), x, rcond=None)[0]
-    axis.plot(
-        basis @ whole,
-        scale * (basis[:, places_of(run.view.labels)] @ run.error(channel)),
-        lw=0.8,
-        alpha=0.8,
-        **look,
-    )
-
-
 def residual_in_time(comparison: Comparison, run: str) -> Figure:
     """One run in time: measured and predicted forces, and below them what is left.
 
@@ -262,6 +179,7 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
     """
     table = comparison.residuals(run)
     channels = [name[0] for name in table.columns if name.endswith("_error")]
+    own = next(item for item in comparison.captive if item.view.run.id == run)
     thin = slice(None, None, max(1, len(table) // THIN))
     t = table["t"].to_numpy()[thin]
     with style.styled():
@@ -281,6 +199,10 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
                 lw=0.9,
                 label="predicted less measured",
             )
+            half = _in_time(own, channel)
+            right.axhspan(
+                -half, half, color=MEASURED, alpha=0.2, lw=0, label=f"{EXPANDED} of the error"
+            )
             right.axhline(0.0, color="#999999", lw=0.8)
         axes[0, 0].set_title(figure_text(run))
         axes[0, 1].set_title("what is left")
@@ -288,3 +210,8 @@ def residual_in_time(comparison: Comparison, run: str) -> Figure:
             axis.set_xlabel("time [s]")
         style.legend_below(figure, list(axes.ravel()))
     return figure
+
+
+def _in_time(run: CaptiveRun, channel: str) -> float:
+    """Root mean square in time of the expanded validation uncertainty."""
+    return rms_of(run.uncertainty(channel), run.view.labels)

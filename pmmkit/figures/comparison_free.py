@@ -36,15 +36,22 @@ def force_residuals(run: FreeRun) -> Figure:
         for (left, right), (channel, force) in zip(axes, run.force.items(), strict=True):
             half = COVERAGE * run.force_std[channel]
             predicted = run.force_predicted[channel]
-            left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.18, lw=0)
-            left.plot(t, force, color=MEASURED, lw=1.0, label="from the measured motion")
+            left.fill_between(t, force - half, force + half, color=MEASURED, alpha=0.25, lw=0)
+            left.plot(t, force, color=MEASURED, lw=0.5, label="from the measured motion")
             left.plot(t, predicted, color=SIMULATED, ls="--", label="model on that motion")
             left.set_ylabel(f"{channel} [{FORCE_UNITS[channel]}]")
             right.fill_between(
-                t, -half, half, color=MEASURED, alpha=0.18, lw=0, label="expanded uncertainty"
+                t,
+                -half,
+                half,
+                color=MEASURED,
+                alpha=0.3,
+                zorder=3,
+                lw=0,
+                label="expanded uncertainty",
             )
             right.plot(
-                t, predicted - force, color=style.LIMIT, lw=1.0, label="predicted less measured"
+                t, predicted - force, color=style.LIMIT, lw=0.5, label="predicted less measured"
             )
         axes[0, 0].set_title(f"{run.run.kind_of_test.title} {figure_text(run.name)}")
         axes[0, 1].set_title("what is left")

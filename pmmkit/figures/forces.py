@@ -118,10 +118,11 @@ def forces_over_drift(
                 scale = factor / divide
                 if table:
                     _curve(axis, table, channel, group, scale, style.colour(number))
+                known = np.isfinite(group.std[channel]).any()
                 axis.errorbar(
                     np.degrees(group.drift),
                     scale * group.force[channel],
-                    np.nan_to_num(WIDE * scale * group.std[channel]),
+                    np.nan_to_num(WIDE * scale * group.std[channel]) if known else None,
                     ls="",
                     marker=style.marker(number),
                     color=style.colour(number),
@@ -231,8 +232,9 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
                     np.degrees(fine), fit, color=style.ORDERED[0], label=f"harmonics 0 to {order}"
                 )
             axes[0, column].set_title(cycle.title)
-            axes[-1, column].set_xlabel("phase θ [deg], displacement ∝ sin θ")
+            axes[-1, column].set_xlabel("phase θ [deg]")
             axes[-1, column].set_xlim(0, 360)
             axes[-1, column].set_xticks([0, 90, 180, 270, 360])
+        figure.supxlabel("θ = 0 where the displacement passes zero upwards", fontsize=9)
         style.legend_below(figure, list(axes.ravel()))
     return figure

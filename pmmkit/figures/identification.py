@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 _COLUMNS: Final = 3
 _LAGS: Final = 40
+_FARTHEST: Final = 1.5
+"""Half height of the axes of a predicted window, over what was measured."""
 _AXES: Final = {
     "x": "x",
     "y": "y",
@@ -110,6 +112,7 @@ def parameter_histories(
             axis.set_title(f"{parameter_symbol(name, convention or Convention())} [{_unit(name)}]")
             axis.set_xlim(t[0], t[-1])
             axis.locator_params(axis="y", nbins=4)
+        style.in_powers(axes[: len(shown)])
         for axis in axes[len(shown) :]:
             axis.set_axis_off()
         for column in range(grid.shape[1]):
@@ -247,6 +250,7 @@ def window_figure(found: PredictedWindow) -> Figure:
         right.plot(t, np.degrees(found.delta), color="#9a9a9a", lw=1.0, ls=":", label="rudder δ")
         x, y = found.measured["y"][0] / found.L, found.measured["x"][0] / found.L
         open_mark(left, x, y, "start", color=style.INK)
+        _kept_in_view(left, right, found)
         left.set_aspect("equal", adjustable="datalim")
         left.set_xlabel("to east, y / L [-]")
         left.set_ylabel("to north, x / L [-]")
@@ -255,6 +259,28 @@ def window_figure(found: PredictedWindow) -> Figure:
         left.set_title(f"{figure_text(found.name)}, from t = {found.t[0]:.0f} s")
         style.legend_below(figure, [left, right], columns=6)
     return figure
+
+
+def _kept_in_view(path: Axes, angle: Axes, found: PredictedWindow) -> None:
+    """Axes about what was measured: a prediction that runs away leaves them, as the title says."""
+    reach = _FARTHEST * max(
+        1.0, *(float(np.ptp(found.measured[name])) / found.L for name in ("x", "y"))
+    )
+    middle = [float(np.mean(found.measured[name])) / found.L for name in ("y", "x")]
+    heading = np.degrees(found.measured["psi"])
+    span = _FARTHEST * max(float(np.ptp(heading)), 30.0)
+    away = [
+        name
+        for name, motion in found.predicted.items()
+        if not np.all(np.abs(motion["y"] / found.L - middle[0]) < reach)
+        or not np.all(np.abs(motion["x"] / found.L - middle[1]) < reach)
+        or not np.all(np.abs(np.degrees(motion["psi"]) - heading.mean()) < span)
+    ]
+    if away:
+        path.set_xlim(middle[0] - reach, middle[0] + reach)
+        path.set_ylim(middle[1] - reach, middle[1] + reach)
+        angle.set_ylim(heading.mean() - span, heading.mean() + span)
+        angle.set_title(f"runs away: {', '.join(away)}")
 
 
 def _one_after_another(records: Sequence[FreeRecord]) -> tuple[np.ndarray, list[float]]:

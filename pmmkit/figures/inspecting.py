@@ -14,7 +14,7 @@ from pmmkit.inspection import ColumnLook, FileLook, Group, Look
 from pmmkit.inspection.sampling import sample_of
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
-from pmmkit.plotting.style import INK, canvas, colour, in_powers, styled
+from pmmkit.plotting.style import INK, canvas, colour, in_powers, styled, widened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,9 +58,7 @@ def columns_over_time(
             axis = axes.flat[place]
             axis.plot(*envelope(time, values), color=colour(0), linewidth=1.0)
             axis.set_title(figure_text(label))
-            low, high = np.nanmin(values, initial=np.inf), np.nanmax(values, initial=-np.inf)
-            if low == high:
-                axis.set_ylim(low - max(abs(low), 1.0) * 0.1, low + max(abs(low), 1.0) * 0.1)
+            widened(axis)
         in_powers(axes.flat[: len(drawn)])
         for axis in axes.flat[len(drawn) :]:
             axis.set_visible(False)

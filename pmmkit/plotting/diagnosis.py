@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 _MOST: Final = 14
 """Effects in the figure of evidence."""
 _CERTAIN: Final = math.log(1000.0)
-_KINDS: Final = {False: ("ship and water", style.ORDERED[0]), True: ("measurement", "#e3871c")}
+_KINDS: Final = {
+    False: ("ship and water", style.ORDERED[0], style.hatch(0)),
+    True: ("measurement", style.ORDERED[2], style.hatch(1)),
+}
 
 
 def evidence(
@@ -46,20 +49,27 @@ def evidence(
     Figure
     """
     shown = sorted(range(len(sets)), key=lambda i: -log_evidence[i])[:_MOST]
+    lines = np.array([max(len(sets[i]), 1.6) for i in shown])
+    places = np.cumsum(lines) - lines / 2
     with style.styled():
-        figure = style.canvas(1.0 + 0.3 * len(shown))
+        figure = style.canvas(1.0 + 0.19 * float(lines.sum()))
         axis = figure.subplots()
-        for place, i in enumerate(shown):
-            label, colour = _KINDS[faults[i]]
-            axis.barh(
-                place, log_evidence[i], height=0.62, color=colour, alpha=1.0 if named[i] else 0.35
-            )
-            axis.barh(place, 0.0, color=colour, label=label)
+        for place, i in zip(places, shown, strict=True):
+            label, colour, hatch = _KINDS[faults[i]]
+            look: dict[str, Any] = {
+                "color": colour,
+                "hatch": hatch,
+                "edgecolor": "white",
+                "lw": 0.0,
+            }
+            axis.barh(place, log_evidence[i], height=1.0, alpha=1.0 if named[i] else 0.35, **look)
+            axis.barh(place, 0.0, label=label, **look)
         axis.axvline(0.0, color=style.INK, lw=0.8)
         axis.axvline(_CERTAIN, color=style.LIMIT, lw=1.0, ls="--", label="1000 to 1")
-        axis.set_yticks(range(len(shown)), [_words(sets[i]) for i in shown])
-        axis.set_ylim(len(shown) - 0.4, -0.6)
+        axis.set_yticks(places, [_words(sets[i]) for i in shown], linespacing=1.0)
+        axis.set_ylim(float(lines.sum()), 0.0)
         axis.set_xscale("symlog", linthresh=10.0)
+        axis.xaxis.set_major_formatter("{x:g}")
         axis.grid(visible=False, axis="y")
         axis.set_xlabel("ln evidence against no effect [-]   (full colour: named)")
         style.legend_below(figure, [axis])
@@ -95,12 +105,15 @@ def coverage(names: Sequence[str], hides: Sequence[float], shown: Sequence[bool]
                 color=colour,
                 label="these runs can show it" if shown[i] else "they cannot",
             )
+            if hides[i] > _LARGEST:
+                axis.plot(_LARGEST, place, ls="", marker=">", ms=4, color=style.INK)
         axis.axvline(1.0, color=style.INK, lw=0.8)
         axis.set_yticks(range(len(order)), [_words((names[i],)) for i in order])
         axis.set_ylim(len(order) - 0.4, -0.6)
         axis.set_xscale("log")
+        axis.xaxis.set_major_formatter("{x:g}")
         axis.grid(visible=False, axis="y")
-        axis.set_xlabel("size that could hide, over the usual size [-]")
+        axis.set_xlabel("size that could hide, over the usual size [-]; an arrow: larger still")
         style.legend_below(figure, [axis])
     return figure
 
@@ -165,7 +178,16 @@ def _bars(axis: Axes, steps: Sequence[str], values: list[list[float]], places: l
     for number, (step, heights) in enumerate(zip(steps, values, strict=True)):
         at = np.arange(len(places)) + (number - 0.5 * (len(steps) - 1)) * width
         label = _words((step,)) if number == 0 else f"+ {_words((step,))}"
-        axis.bar(at, heights, width=0.92 * width, color=style.colour(number), label=label)
+        axis.bar(
+            at,
+            heights,
+            width=0.92 * width,
+            color=style.colour(number),
+            hatch=style.hatch(number),
+            edgecolor="white",
+            lw=0.0,
+            label=label,
+        )
     axis.set_xticks(range(len(places)), places)
     axis.grid(visible=False, axis="x")
 

@@ -50,7 +50,15 @@ def zigzag(tracks: Sequence[History], names: Sequence[str] | None = None) -> Fig
         above, below = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
         for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
             colour = style.colour(number)
-            above.plot(track.t, np.degrees(track.psi), color=colour, label=f"{name}, heading")
+            above.plot(
+                track.t,
+                np.degrees(track.psi),
+                color=colour,
+                marker=style.marker(number) if len(tracks) > 1 else "",
+                markevery=max(1, len(track) // 20),
+                ms=3.5,
+                label=f"{name}, heading",
+            )
             above.plot(
                 track.t,
                 np.degrees(track.delta),
@@ -59,7 +67,11 @@ def zigzag(tracks: Sequence[History], names: Sequence[str] | None = None) -> Fig
                 lw=1.0,
                 label=f"{name}, rudder",
             )
-            below.plot(track.t, np.degrees(track.r), color=colour, label=f"{name}, heading")
+            below.plot(track.t, np.degrees(track.r), color=colour, ls=style.dash(number))
+            for instant in track.orders:
+                above.axvline(
+                    instant, color=colour, lw=0.8, ls=":", label=f"{name}, rudder ordered", zorder=1
+                )
         if len(tracks) == 1:
             _overshoots(above, tracks[0])
         above.axhline(0.0, color=style.REFERENCE, lw=0.6)
@@ -67,7 +79,7 @@ def zigzag(tracks: Sequence[History], names: Sequence[str] | None = None) -> Fig
         below.axhline(0.0, color=style.REFERENCE, lw=0.6)
         below.set_title("yaw rate r [deg/s]")
         below.set_xlabel("time from the first execute [s]")
-        style.legend_below(figure, [above])
+        style.legend_below(figure, [above], columns=3)
     return figure
 
 
@@ -211,7 +223,7 @@ def path(track: History) -> Figure:
 
 
 def histories(track: History) -> Figure:
-    """Speed, heading and rudder, yaw rate, and revolutions over time.
+    """Velocities, heading, rudder, yaw rate and revolutions over time, and when was ordered what.
 
     Parameters
     ----------
@@ -221,27 +233,37 @@ def histories(track: History) -> Figure:
     Returns
     -------
     Figure
-        A panel a quantity; heel too where the ship rolls.
+        A panel a quantity; heel too where the ship rolls. Dotted lines stand at the orders, where
+        these are few.
     """
     panels: list[tuple[str, list[tuple[str, np.ndarray]]]] = [
         ("velocity [m/s]", [("surge u", track.u), ("sway v", track.v)]),
-        (
-            "angle [deg]",
-            [("heading ψ", np.degrees(track.psi)), ("rudder δ", np.degrees(track.delta))],
-        ),
+        ("heading ψ [deg]", [("heading ψ", np.degrees(track.psi))]),
+        ("rudder δ [deg]", [("rudder δ", np.degrees(track.delta))]),
         ("yaw rate r [deg/s]", [("yaw rate r", np.degrees(track.r))]),
         ("revolutions n [1/s]", [("revolutions n", track.n)]),
     ]
     if np.any(track.phi):
         panels.append(("heel φ, starboard down [deg]", [("heel φ", np.degrees(track.phi))]))
     with style.styled():
-        figure = style.canvas(1.7 * len(panels))
+        figure = style.canvas(1.4 * len(panels) + 0.4)
         axes = figure.subplots(len(panels), 1, sharex=True)
         for axis, (title, lines) in zip(axes, panels, strict=True):
             for number, (name, values) in enumerate(lines):
-                axis.plot(track.t, values, color=style.colour(number), label=name)
+                several = name if len(lines) > 1 else None
+                axis.plot(
+                    track.t,
+                    values,
+                    color=style.colour(number),
+                    ls=style.dash(number),
+                    label=several,
+                )
+            for instant in track.orders if len(track.orders) <= style.FEW else ():
+                axis.axvline(
+                    instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1
+                )
+            style.widened(axis)
             axis.set_title(title)
-            if len(lines) > 1:
-                axis.legend(loc="best", fontsize=8)
         axes[-1].set_xlabel("time from the first order [s]")
+        style.legend_below(figure, list(axes))
     return figure

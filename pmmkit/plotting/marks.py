@@ -57,6 +57,8 @@ def dimension(axis: Axes, start: Place, end: Place, text: str, *, upright: bool)
         va="center" if upright else "bottom",
         fontsize=9,
         color=style.REFERENCE,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.8},
+        zorder=6,
     )
 
 

@@ -50,6 +50,7 @@ def record(title: str, t: Array, channels: Mapping[str, Array], units: Mapping[s
             unit = units[name]
             factor = 180.0 / math.pi if unit in _DEGREES else 1.0
             axis.plot(t[some], factor * values[some], color=style.colour(0), lw=1.1)
+            style.widened(axis)
             axis.set_title(f"{name} [{_DEGREES.get(unit, unit) or '-'}]")
         for axis in axes[len(channels) :]:
             axis.set_visible(False)
@@ -97,7 +98,7 @@ def programme(tests: Sequence[str], froude: Sequence[float]) -> Figure:
 def left_by_the_fit(
     channels: Mapping[str, Mapping[str, tuple[Array, Array]]], units: Mapping[str, str]
 ) -> Figure:
-    """What a fit leaves of the measured forces, over what was measured.
+    """What a fit leaves of the measured forces, over what was fitted.
 
     Parameters
     ----------
@@ -109,27 +110,39 @@ def left_by_the_fit(
     Returns
     -------
     Figure
-        A panel a channel; at zero the fit is what was measured.
+        A column a channel, a row a kind of test, all of a column to one scale; at zero the fit is
+        what was measured. In each panel stands its root mean square.
     """
     kinds = list(dict.fromkeys(kind for groups in channels.values() for kind in groups))
     with style.styled():
-        figure = style.canvas(3.6)
-        axes = np.atleast_1d(figure.subplots(1, len(channels)))
-        for axis, (channel, groups) in zip(axes, channels.items(), strict=True):
-            for kind, (measured, fitted) in groups.items():
-                number = kinds.index(kind)
+        figure = style.canvas(1.15 * len(kinds) + 0.7)
+        axes = figure.subplots(len(kinds), len(channels), squeeze=False, sharex="col", sharey="col")
+        for column, (channel, groups) in zip(axes.T, channels.items(), strict=True):
+            unit = units[channel]
+            for number, (axis, kind) in enumerate(zip(column, kinds, strict=True)):
+                axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
+                if kind not in groups:
+                    continue
+                measured, fitted = groups[kind]
+                left = measured - fitted
                 axis.plot(
-                    measured,
-                    measured - fitted,
+                    fitted,
+                    left,
                     ls="",
                     ms=3.5,
                     alpha=0.7,
+                    lw=0,
+                    markeredgewidth=0.0,
                     marker=style.marker(number),
                     color=style.colour(number),
                     label=kind,
                 )
-            axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
-            axis.set_title(f"{channel}: measured less fitted [{units[channel]}]")
-            axis.set_xlabel(f"measured [{units[channel]}]")
-        style.legend_below(figure, list(axes))
+                axis.set_title(
+                    f"rms {np.sqrt(np.nanmean(left**2)):.2g} {unit}", loc="right", fontsize=8.5
+                )
+            column[0].set_title(f"{channel} [{unit}]")
+            column[-1].set_xlabel(f"{channel} fitted [{unit}]")
+        for axis, kind in zip(axes[:, 0], kinds, strict=True):
+            axis.set_ylabel(kind.replace(" ", "\n", 1), rotation=0, ha="right", va="center")
+        figure.supylabel("measured less fitted", fontsize=10)
     return figure

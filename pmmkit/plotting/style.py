@@ -19,10 +19,14 @@ if TYPE_CHECKING:
 WIDTH: Final = 9.0
 """Width of a figure [inch]: a report column at 100 dots per inch."""
 
-ORDERED: Final = ("#12436d", "#1f9a8a", "#e3871c", "#8a2b5c", "#6b6b6b")
+ORDERED: Final = ("#0b2a6b", "#00a78d", "#f8a439", "#902f58", "#966852")
 """Colours for ordered sets (Froude numbers): told apart by hue and by lightness, whatever the
-reader's colour vision."""
-MARKERS: Final = ("o", "s", "^", "D", "v")
+reader's colour vision, and on paper without colour."""
+MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
+DASHES: Final = ("-", "--", "-.", ":")
+HATCHES: Final = ("", "///", "...", "\\\\\\")
+FEW: Final = 12
+"""Orders of a manoeuvre up to which a line is drawn at each."""
 INK: Final = "#222222"
 REFERENCE: Final = "#777777"
 LIMIT: Final = "#b3261e"
@@ -41,7 +45,8 @@ _STYLE: Final[Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.formatter.use_mathtext": False,
-    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.limits": (-3, 5),
+    "axes.formatter.useoffset": False,
     "text.color": INK,
     "xtick.color": "#444444",
     "ytick.color": "#444444",
@@ -98,6 +103,32 @@ def colour(number: int) -> str:
 def marker(number: int) -> str:
     """Marker of the n-th set, so that colour is never the only difference."""
     return MARKERS[number % len(MARKERS)]
+
+
+def dash(number: int) -> str:
+    """Dash of the n-th line, for the same reason."""
+    return DASHES[number % len(DASHES)]
+
+
+def hatch(number: int) -> str:
+    """Hatch of the n-th set of bars, for the same reason."""
+    return HATCHES[number % len(HATCHES)]
+
+
+def widened(axis: Axes, share: float = 1e-4) -> None:
+    """Widen ordinates that hold next to nothing but one value, so that ticks stay short.
+
+    Parameters
+    ----------
+    axis : Axes
+        After everything was drawn.
+    share : float
+        Least height of the axis over the value in its middle.
+    """
+    low, high = axis.get_ylim()
+    middle = (low + high) / 2
+    if abs(high - low) < share * abs(middle):
+        axis.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
 
 
 def symbol(name: str, convention: Convention) -> str:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, turned
 from pmmkit.plotting import style
+from pmmkit.plotting.bands import PALE, Band
 from pmmkit.plotting.marks import dimension, guide, path_axes
 
 if TYPE_CHECKING:
@@ -19,17 +20,20 @@ if TYPE_CHECKING:
 
     from pmmkit.plotting.history import History
 
-_DASHES: Final = ("-", "--", "-.", ":")
 _HALF: Final = ((-0.5, 0.36), (-0.47, 0.5), (0.2, 0.5), (0.38, 0.3), (0.5, 0.0))
 _OUTLINE: Final = np.array([*_HALF, *((x, -y) for x, y in _HALF[-2::-1])])
 """Waterline in lengths and breadths, bow at +0.5."""
 _SLENDER: Final = 0.145
 """Breadth over length of the outlines; they show the heading, not the ship."""
+_CLEAR: Final = 0.75
+"""Distance of the dimension lines from the path [L]: more than half a ship."""
 _EVERY: Final = np.pi / 4
 """Heading between two outlines of the ship [rad]."""
 
 
-def trajectory(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
+def trajectory(
+    tracks: Sequence[History], names: Sequence[str] | None = None, *, band: Band | None = None
+) -> Figure:
     """Paths of turning circles in ship lengths, approach upwards, midship at the origin.
 
     The origin is where the rudder is ordered. A filled mark stands where the heading has changed
@@ -42,6 +46,9 @@ def trajectory(tracks: Sequence[History], names: Sequence[str] | None = None) ->
         The tracks.
     names : sequence of str, optional
         Their names in the legend; Froude number and rudder angle by default.
+    band : Bands, optional
+        Where ships with other derivatives lie, as `bands_of` gives it; with one track the
+        intervals of the measures stand beside them.
 
     Returns
     -------
@@ -57,17 +64,20 @@ def trajectory(tracks: Sequence[History], names: Sequence[str] | None = None) ->
     with style.styled():
         figure = style.canvas(6.6, 7.6)
         axis = figure.subplots()
+        if band is not None:
+            _about(axis, band, tracks[0].L)
         for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
             _path(axis, track, number, name)
+        _marks_told(axis)
         if len(tracks) == 1:
-            _measures(axis, tracks[0])
+            _measures(axis, tracks[0], band.measures if band else {})
         path_axes(axis)
         style.legend_below(figure, [axis], columns=3)
     return figure
 
 
 def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None) -> Figure:
-    """Speed, yaw rate and drift angle in the turn, over the time in ship lengths.
+    """Speed, yaw rate, drift, heading, rudder and revolutions, over the time in ship lengths.
 
     Parameters
     ----------
@@ -88,21 +98,28 @@ def turn_histories(tracks: Sequence[History], names: Sequence[str] | None = None
     """
     labels = _labels(tracks, names)
     with style.styled():
-        figure = style.canvas(3.6)
-        axes = figure.subplots(1, 3)
+        figure = style.canvas(5.4)
+        axes = figure.subplots(2, 3, sharex=True).ravel()
         for number, (name, track) in enumerate(zip(labels, tracks, strict=True)):
             speed = np.hypot(track.u, track.v)
             approach, length = track.speed, track.L
-            look = {"color": style.colour(number), "ls": _DASHES[number % 4], "label": name}
+            look = {"color": style.colour(number), "ls": style.dash(number), "label": name}
             time = track.t * approach / length
             axes[0].plot(time, speed / approach, **look)
             axes[1].plot(time, track.r * length / approach, **look)
             axes[2].plot(time, np.degrees(np.arctan2(-track.v, track.u)), **look)
+            axes[3].plot(time, np.degrees(np.unwrap(track.psi)), **look)
+            axes[4].plot(time, np.degrees(track.delta), **look)
+            axes[5].plot(time, track.n, **look)
         axes[0].set_title("speed over approach speed U / U₀ [-]")
         axes[0].set_ylim(0, 1.05)
         axes[1].set_title("yaw rate r L / U₀ [-]")
         axes[2].set_title("drift angle β midship [deg]")
-        for axis in axes:
+        axes[3].set_title("heading ψ [deg]")
+        axes[4].set_title("rudder δ [deg]")
+        axes[5].set_title("revolutions n [1/s]")
+        for axis in axes[3:]:
+            style.widened(axis)
             axis.set_xlabel("time t U₀ / L [-]")
         style.legend_below(figure, list(axes))
     return figure
@@ -118,15 +135,15 @@ def _labels(tracks: Sequence[History], names: Sequence[str] | None) -> list[str]
 
 def _path(axis: Axes, track: History, number: int, name: str) -> None:
     length, colour = track.L, style.colour(number)
-    ahead, aside, turned = track.x / length, track.y / length, _turned(track)
-    axis.plot(aside, ahead, color=colour, ls=_DASHES[number % 4], label=name)
-    stops = np.arange(0.0, min(turned[-1], 2 * np.pi), _EVERY)
-    for index in np.searchsorted(turned, stops):
+    ahead, aside, reached = track.x / length, track.y / length, turned(track.psi)
+    axis.plot(aside, ahead, color=colour, ls=style.dash(number), label=name)
+    stops = np.arange(0.0, min(reached[-1], 2 * np.pi), _EVERY)
+    for index in np.searchsorted(reached, stops):
         outline = np.array([aside[index], ahead[index]]) + _outline(track.psi[index])
-        axis.fill(*outline.T, facecolor=colour, edgecolor="none", alpha=0.35)
+        axis.fill(*outline.T, facecolor=colour, edgecolor="none", alpha=0.35, zorder=1.8)
     for angle, face in ((np.pi / 2, colour), (np.pi, "white")):
-        index = int(np.searchsorted(turned, angle))
-        if index < len(turned):
+        index = int(np.searchsorted(reached, angle))
+        if index < len(reached):
             axis.plot(
                 aside[index],
                 ahead[index],
@@ -139,10 +156,31 @@ def _path(axis: Axes, track: History, number: int, name: str) -> None:
             )
 
 
-def _turned(track: History) -> Array:
-    """Change of heading in the sense of the turn, never going back [rad]."""
-    change = np.unwrap(track.psi) - track.psi[0]
-    return np.maximum.accumulate(change * (1.0 if change[-1] >= 0 else -1.0))
+def _about(axis: Axes, band: Band, length: float) -> None:
+    """The band of the path, a quadrangle between two headings."""
+    from matplotlib.collections import PolyCollection
+
+    inner, outer = band.inner[:, ::-1] / length, band.outer[:, ::-1] / length
+    steps = np.stack([inner[:-1], inner[1:], outer[1:], outer[:-1]], axis=1)
+    axis.add_collection(
+        PolyCollection(
+            list(steps), color=PALE, lw=0.3, zorder=1.5, label=f"95 % of {band.ships} ships"
+        )
+    )
+
+
+def _marks_told(axis: Axes) -> None:
+    """What the marks stand for, in the legend."""
+    for face, text in ((style.REFERENCE, "90° of heading"), ("white", "180°")):
+        axis.plot(
+            [],
+            [],
+            ls="",
+            marker="o",
+            markeredgecolor=style.REFERENCE,
+            markerfacecolor=face,
+            label=text,
+        )
 
 
 def _outline(heading: float) -> Array:
@@ -157,20 +195,30 @@ def _outline(heading: float) -> Array:
     )
 
 
-def _measures(axis: Axes, track: History) -> None:
-    """Advance, transfer and tactical diameter as dimension lines."""
-    length, turned = track.L, _turned(track)
-    quarter, half = np.searchsorted(turned, [np.pi / 2, np.pi])
-    if half >= len(turned):
+def _measures(axis: Axes, track: History, intervals: Mapping[str, tuple[float, float]]) -> None:
+    """Advance, transfer and tactical diameter as dimension lines, clear of the ship's outlines."""
+    length, reached = track.L, turned(track.psi)
+    quarter, half = np.searchsorted(reached, [np.pi / 2, np.pi])
+    if half >= len(reached):
         return
     aside, ahead = track.y / length, track.x / length
-    outer = aside[half] * 1.14
+    side = 1.0 if aside[half] >= 0 else -1.0
+    beyond = -_CLEAR * side
+    above = float(ahead.max()) + _CLEAR
+    below = min(float(ahead.min()), 0.0) - _CLEAR
     lines = (
-        ("advance", (outer, 0.0), (outer, ahead[quarter]), abs(ahead[quarter])),
-        ("transfer", (0.0, ahead[quarter]), (aside[quarter], ahead[quarter]), abs(aside[quarter])),
-        ("tactical diameter", (0.0, ahead[half]), (aside[half], ahead[half]), abs(aside[half])),
+        ("advance", (beyond, 0.0), (beyond, ahead[quarter]), abs(ahead[quarter])),
+        ("transfer", (0.0, above), (aside[quarter], above), abs(aside[quarter])),
+        ("tactical diameter", (0.0, below), (aside[half], below), abs(aside[half])),
     )
-    guide(axis, (aside[quarter], ahead[quarter]), (outer, ahead[quarter]))
+    guide(axis, (aside[quarter], ahead[quarter]), (beyond, ahead[quarter]))
+    guide(axis, (0.0, 0.0), (beyond, 0.0))
+    guide(axis, (0.0, ahead[0]), (0.0, above))
+    guide(axis, (aside[quarter], ahead[quarter]), (aside[quarter], above))
+    guide(axis, (0.0, 0.0), (0.0, below))
+    guide(axis, (aside[half], ahead[half]), (aside[half], below))
     for name, start, end, value in lines:
-        text = f"{name} {value:.2f} L"
+        low, high = intervals.get(f"{name.replace(' ', '_')}_L", (np.nan, np.nan))
+        around = f" ({low:.2f} to {high:.2f})" if np.isfinite(low) else ""
+        text = f"{name} {value:.2f} L{around}"
         dimension(axis, start, end, text, upright=name == "advance")

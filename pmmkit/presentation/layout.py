@@ -59,11 +59,14 @@ class Picture:
         The figure, and the line below it.
     narrow : bool
         Whether it needs but half of the width.
+    alt : str
+        What is seen, in words, for those who do not see it.
     """
 
     svg: str
     caption: str
     narrow: bool = False
+    alt: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.checks.finding import name_runs
-from pmmkit.figures import svg
 from pmmkit.files import write_text
-from pmmkit.presentation import Grid, Group, Picture, Section, counted, percent
+from pmmkit.presentation import Grid, Group, Section, counted, percent
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.agreement import differences
 from pmmkit.reduction.methods.registry import METHODS
 from pmmkit.report import pictures, tables
+from pmmkit.report.drawn import drawn
 from pmmkit.report.loop import Loop, loop_sections
 from pmmkit.report.page import page
 from pmmkit.report.reference import Reference, published_of
@@ -151,8 +151,25 @@ def _influence(reduction: Reduction) -> Section:
             "Each derivative with all runs less the same without one run, over half of its 95 % "
             "interval. Above 1 the interval hangs on that run.",
         ],
-        figures=[Picture(svg=svg(found.plot()), caption="Influence of each run.")],
+        figures=[
+            drawn(
+                found.plot(),
+                "Influence of each run; empty where a run says nothing of a derivative.",
+                facts=_strong(reduction),
+            )
+        ],
     )
+
+
+def _strong(reduction: Reduction) -> list[str]:
+    """Which runs move a derivative most, in a sentence."""
+    found = [
+        f"{item.run} moves {name} by {share:+.2g}"
+        for item, name, share in reduction.influences.strong()[:3]
+    ]
+    return [
+        f"{'; '.join(found)} half intervals." if found else "No run moves a derivative beyond 1."
+    ]
 
 
 def _done(reduction: Reduction) -> Section:
@@ -258,7 +275,7 @@ def _comparison(reduction: Reduction, beside: Reference | None) -> Section:
         ],
         points=[*(told or agree), *tests] if several else [],
         tables=[*tables.methods(reduction, beside), *tables.shares(reduction)],
-        figures=list(pictures.of_methods(reduction, beside)),
+        figures=[*pictures.of_families(reduction, beside), *pictures.of_methods(reduction, beside)],
     )
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
 from pmmkit.loop import ErrorFall, Session
-from pmmkit.plotting.style import svg
-from pmmkit.presentation import Picture, Section, counted
+from pmmkit.presentation import Section, counted
+from pmmkit.report.drawn import drawn
 from pmmkit.report.page import page
 from pmmkit.version import __version__
 
@@ -110,9 +110,9 @@ def loop_sections(loop: Loop) -> list[Section]:
             paragraphs=[f"Asked of {loop.base}: {found.sentence}", *_told(found)],
             tables=[found.table()] if found.findings else [],
             figures=[
-                Picture(
-                    svg=svg(found.plot()),
-                    caption="ln evidence of the best effects and sets against no effect; the price "
+                drawn(
+                    found.plot(),
+                    "ln evidence of the best effects and sets against no effect; the price "
                     "of the catalogue's size is taken off.",
                 )
             ],
@@ -123,10 +123,9 @@ def loop_sections(loop: Loop) -> list[Section]:
             paragraphs=["Whatever the forces are, an effect below these sizes stays hidden."],
             points=[f"{item.name}: {item.why}." for item in found.not_testable],
             figures=[
-                Picture(
-                    svg=svg(found.plot_coverage()),
-                    caption="Size that could hide from these runs, over the usual size of each "
-                    "effect.",
+                drawn(
+                    found.plot_coverage(),
+                    "Size that could hide from these runs, over the usual size of each effect.",
                 )
             ],
         ),
@@ -162,9 +161,5 @@ def _fall(loop: Loop) -> Section:
         ],
         points=[*fall.remarks(), *end],
         tables=[fall.table()],
-        figures=[
-            Picture(
-                svg=svg(fall.plot()), caption=f"Error after {counted(len(fall.steps) - 1, 'step')}."
-            )
-        ],
+        figures=[drawn(fall.plot(), f"Error after {counted(len(fall.steps) - 1, 'step')}.")],
     )

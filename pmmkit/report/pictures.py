@@ -10,19 +10,23 @@ import numpy as np
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
+from pmmkit.errors import TableError
 from pmmkit.escaping import figure_text
 from pmmkit.figures import (
     Cycle,
     DriftPoints,
     beside_reference,
+    correlations,
     derivatives_over_froude,
     forces_over_drift,
     forest,
     over_a_cycle,
-    svg,
 )
+from pmmkit.figures.correlations import correlated, strongest
+from pmmkit.figures.forests import farthest
 from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
+from pmmkit.report.drawn import drawn
 from pmmkit.report.reference import Reference
 from pmmkit.signals import whole_cycles
 
@@ -32,6 +36,9 @@ if TYPE_CHECKING:
     from pmmkit.tables import DerivativeTable
 
 _SHOWN: Final = ("X", "Y", "N")
+_WIDE: Final = 12
+"""Derivatives from which on their matrix takes the whole width."""
+_ALL: Final = "regression over all runs"
 
 
 def of_forces(reduction: Reduction) -> Iterator[Picture]:
@@ -44,16 +51,21 @@ def of_forces(reduction: Reduction) -> Iterator[Picture]:
     """
     points = drift_points(reduction)
     if points:
-        yield Picture(
-            svg=svg(forces_over_drift(points, reduction.table, channels=_channels(reduction))),
-            caption="Static drift: mean forces (95 % intervals as bars) and what the derivatives "
+        yield drawn(
+            forces_over_drift(points, reduction.table, channels=_channels(reduction)),
+            "Static drift: mean forces (95 % intervals as bars) and what the derivatives "
             "of all runs together make of them (lines, 95 % bands).",
         )
+    yield drawn(
+        reduction.plot(),
+        "What the fit leaves of means and harmonics, over what it fits: a row a kind of test, with "
+        "its root mean square. A curve or a slope means that the structure lacks something.",
+    )
     cycles = typical_cycles(reduction)
     if cycles:
-        yield Picture(
-            svg=svg(over_a_cycle(cycles, channels=_channels(reduction))),
-            caption="Oscillating tests: the cycles that count, on top of each other, and their "
+        yield drawn(
+            over_a_cycle(cycles, channels=_channels(reduction)),
+            "Oscillating tests: the cycles that count, on top of each other, and their "
             "harmonics. One run per kind of test is shown, that with the largest amplitude at "
             "the middle speed.",
         )
@@ -75,16 +87,37 @@ def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Itera
             reference=reference.table if reference else None,
             reference_name=reference.name if reference else "",
         )
-        yield Picture(
-            svg=svg(figure), caption="Derivatives over the Froude number with 95 % intervals."
+        yield drawn(figure, "Derivatives over the Froude number with 95 % intervals.")
+    matrix = correlation_of(table)
+    if matrix is not None:
+        names, values = correlated(table)
+        yield drawn(
+            matrix,
+            "Correlation of the derivatives: what stands near ±1 is known together, not apart.",
+            facts=strongest(names, values),
+            narrow=len(names) < _WIDE,
         )
     if reference is not None:
         figure = beside_reference(table, reference.table, reference_name=reference.name)
-        yield Picture(
-            svg=svg(figure),
-            caption=f"Each derivative over its value in {reference.name}, with its 95 % interval: "
+        yield drawn(
+            figure,
+            f"Each derivative over its value in {reference.name}, with its 95 % interval: "
             "at 1 they agree.",
         )
+
+
+def correlation_of(table: DerivativeTable) -> Figure | None:
+    """The correlation matrix of a table; none where fewer than two derivatives have a value.
+
+    Parameters
+    ----------
+    table : DerivativeTable
+        With its covariance.
+    """
+    try:
+        return correlations(table)
+    except TableError:
+        return None
 
 
 def forest_of(reduction: Reduction, beside: Reference | None) -> Figure:
@@ -104,6 +137,49 @@ def forest_of(reduction: Reduction, beside: Reference | None) -> Figure:
     )
 
 
+def families_of(reduction: Reduction, beside: Reference | None) -> Figure | None:
+    """All runs together beside each family of tests alone; none where no family has derivatives.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        What was found.
+    beside : Reference or None
+        Published values.
+    """
+    shared = {
+        title: table
+        for title, table in reduction.families.items()
+        if any(np.isfinite(table[name]).any() for name in table.names if name in reduction.table)
+    }
+    if not shared:
+        return None
+    return forest(
+        {_ALL: reduction.table, **shared},
+        reference=beside.table if beside else None,
+        reference_name=beside.name if beside else "",
+    )
+
+
+def of_families(reduction: Reduction, beside: Reference | None) -> Iterator[Picture]:
+    """The forest plot of the families of tests.
+
+    Parameters
+    ----------
+    reduction, beside
+        As for `families_of`.
+    """
+    figure = families_of(reduction, beside)
+    if figure is not None:
+        yield drawn(
+            figure,
+            "Each family of tests alone less all runs together, over half of the 95 % "
+            "interval of all runs (grey): bars are 95 % intervals, numbers stand for what lies "
+            "outside.",
+            facts=farthest({_ALL: reduction.table, **reduction.families}),
+        )
+
+
 def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Picture]:
     """The forest plot of a reduction by several methods.
 
@@ -113,10 +189,11 @@ def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Pictu
         As for `forest_of`.
     """
     if len(reduction.estimates) > 1:
-        yield Picture(
-            svg=svg(forest_of(reduction, beside)),
-            caption="Every method less the global regression, over half of the regression's 95 % "
+        yield drawn(
+            forest_of(reduction, beside),
+            "Every method less the global regression, over half of the regression's 95 % "
             "interval (grey): bars are 95 % intervals, numbers stand for what lies outside.",
+            facts=farthest({item.method: item.table for item in reduction.estimates.values()}),
         )
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from pmmkit.figures import trajectory
 from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
-from pmmkit.plotting.style import save
+from pmmkit.plotting.style import figure_files, save
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
 from pmmkit.reduction.methods.sparse import SHARE
 from pmmkit.report.build import write_report
 from pmmkit.report.loop import Loop
-from pmmkit.report.pictures import forest_of
+from pmmkit.report.pictures import correlation_of, families_of, forest_of
 from pmmkit.report.reference import Reference, published_of
 from pmmkit.report.turning import Turns
 from pmmkit.simulation.results import sweep_frame, track_files
@@ -27,6 +27,7 @@ from pmmkit.tables.compare import compare
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.figure import Figure
 
 
 def write_reduction(
@@ -65,7 +66,7 @@ def write_reduction(
         out,
         (
             *_tables(reduction, reference or published_of(reduction.table)),
-            *_forest(reduction, reference or published_of(reduction.table)),
+            *figure_files(_figures(reduction, reference or published_of(reduction.table))),
             *([("model.toml", partial(save_model, model))] if model else []),
             *(_turns(turns) if turns else ()),
             ("report.html", report),
@@ -146,7 +147,12 @@ def _with_shares(estimate: Estimate) -> pd.DataFrame:
     return whole
 
 
-def _forest(reduction: Reduction, beside: Reference | None) -> Iterator[tuple[str, Any]]:
-    """The forest plot, where there is more than one method."""
-    if len(reduction.estimates) > 1:
-        yield "methods.svg", partial(save, forest_of(reduction, beside))
+def _figures(reduction: Reduction, beside: Reference | None) -> dict[str, Figure]:
+    """What is seen best apart from the report, by the name of its file."""
+    found = {
+        "residuals": reduction.plot(),
+        "families": families_of(reduction, beside),
+        "correlation": correlation_of(reduction.table),
+        "methods": forest_of(reduction, beside) if len(reduction.estimates) > 1 else None,
+    }
+    return {name: figure for name, figure in found.items() if figure is not None}

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.figures import measures_over_froude, svg, trajectory, turn_histories
+from pmmkit.figures import measures_over_froude, trajectory, turn_histories
 from pmmkit.metrics import HARD_OVER, in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
-from pmmkit.presentation import Cell, Grid, Group, Picture, Section, number, percent
+from pmmkit.presentation import Cell, Grid, Group, Section, number, percent
+from pmmkit.report.drawn import drawn
 from pmmkit.report.reference import Reference
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
 from pmmkit.simulation.manoeuvres.turning import LENGTHS
@@ -92,6 +93,20 @@ def changes(tracks: Sequence[Track]) -> dict[str, float]:
     return {name: last[name] / first[name] - 1 for name in reversed(LENGTHS)}
 
 
+def _told(turns: Turns) -> list[str]:
+    """The measures of each turn in a sentence."""
+    sentences = []
+    for track in turns.tracks:
+        known = [
+            f"{name.removesuffix('_L').replace('_', ' ')} {track.metrics[name]:.2f} L"
+            for name in ("advance_L", "transfer_L", "tactical_diameter_L")
+            if np.isfinite(track.metrics.get(name, np.nan))
+        ]
+        if known:
+            sentences.append(f"At Fn {track.Fn:.3f}: {', '.join(known)}.")
+    return sentences
+
+
 def turning_section(turns: Turns) -> Section:
     """The section on turning circles.
 
@@ -112,22 +127,23 @@ def turning_section(turns: Turns) -> Section:
     ]
     notes = dict.fromkeys([*turns.notes, *(note for track in turns.tracks for note in track.notes)])
     pictures = [
-        Picture(
-            svg=svg(trajectory(turns.tracks)),
-            caption="Paths of midship in ship lengths. Filled marks: 90° of heading (advance, "
+        drawn(
+            trajectory(turns.tracks),
+            "Paths of midship in ship lengths. Filled marks: 90° of heading (advance, "
             "transfer); open marks: 180° (tactical diameter).",
+            facts=_told(turns),
             narrow=True,
         ),
-        Picture(
-            svg=svg(turn_histories(turns.tracks)),
-            caption="Speed, yaw rate and drift angle in the turn.",
+        drawn(
+            turn_histories(turns.tracks),
+            "Speed, yaw rate, drift, heading, rudder and revolutions in the turn.",
         ),
     ]
     if any(sweep.sizes["Fn"] > 1 for sweep in turns.sweeps.values()):
         pictures.append(
-            Picture(
-                svg=svg(measures_over_froude(turns.sweeps)),
-                caption="Measures of the turning circle over the Froude number of the approach.",
+            drawn(
+                measures_over_froude(turns.sweeps),
+                "Measures of the turning circle over the Froude number of the approach.",
             )
         )
     return Section(

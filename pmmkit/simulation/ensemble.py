@@ -13,7 +13,7 @@ import numpy as np
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.following import known_speeds, packed_following
 from pmmkit.equations.layouts import Status
-from pmmkit.equations.prepared import Numbers, packed, stacked, values_at
+from pmmkit.equations.prepared import Numbers, Prepared, packed, stacked, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.metrics import in_lengths, main_of, unit_of
@@ -252,6 +252,16 @@ class Batch:
             ready, self.plan, self.gear, rtol=self.rtol, fast=True, revolutions=self.revolutions
         )
         return froude_range(self.model, history)
+
+    def ship(self, names: Sequence[str], values: Array) -> Prepared:
+        """One ship with values of its own, as of one row of `run`, ready to be integrated."""
+        structure, k = self._packed(names, values[None])
+        return Prepared(
+            structure=structure,
+            k=tuple(float(np.asarray(x).item()) for x in k),
+            speed=self.speed,
+            name=self.model.name,
+        )
 
     def _packed(self, names: Sequence[str], values: Array) -> tuple[Structure, list[Any]]:
         speeds = known_speeds(self.model, self.speed) if self.fn == "instant" else ()

@@ -100,7 +100,7 @@ def compare(
     import pandas as pd
 
     if isinstance(reference, DerivativeTable):
-        other = _alike(table, reference)
+        other = alike(table, reference)
     else:
         other = _from_numbers(table, reference)
     chosen = [canonical(name) for name in names or [name for name in table.names if name in other]]
@@ -196,7 +196,7 @@ def worst_deviation(
     )
 
 
-def _alike(table: DerivativeTable, reference: DerivativeTable) -> DerivativeTable:
+def alike(table: DerivativeTable, reference: DerivativeTable) -> DerivativeTable:
     """The reference in the convention and at the Froude numbers of the table."""
     scale = reference.ship.L / table.ship.L
     if not np.isfinite(scale):

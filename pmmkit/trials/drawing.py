@@ -298,7 +298,7 @@ def _arrow(axis: Axes, trial: _Trial) -> None:
         return
     to = math.radians(current.direction_deg - trial.heading_deg)
     ahead, aside = 0.06 * math.cos(to), 0.06 * math.sin(to)
-    middle = (0.92, 0.9)
+    middle = (0.88, 0.92)
     axis.annotate(
         "",
         (middle[0] + aside, middle[1] + ahead),

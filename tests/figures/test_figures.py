@@ -199,13 +199,15 @@ def test_a_turn_to_port_is_the_mirror_image(track):
 
 
 def test_histories_show_speed_yaw_rate_and_drift(track):
-    speed, yaw, drift = figures.turn_histories([track]).axes
+    speed, yaw, drift, heading, rudder, _ = figures.turn_histories([track]).axes
     ratio = speed.lines[0].get_ydata()
     assert ratio[0] == pytest.approx(1.0)
     assert ratio[-1] == pytest.approx(track.metrics["speed_ratio"], rel=1e-3)
     assert drift.lines[0].get_ydata()[-1] == pytest.approx(
         track.metrics["steady_drift_deg"], rel=1e-3
     )
+    assert rudder.lines[0].get_ydata()[-1] == pytest.approx(track.rudder_deg, abs=0.1)
+    np.testing.assert_allclose(heading.lines[0].get_ydata(), np.degrees(np.unwrap(track.psi)))
     diameter = 2 * ratio[-1] / yaw.lines[0].get_ydata()[-1]
     assert diameter == pytest.approx(track.metrics["steady_diameter_L"], rel=1e-3)
 
@@ -349,8 +351,9 @@ def test_a_campaign_plots_how_many_runs_there_are_of_each_test(reduction):
 def test_a_reduction_plots_what_its_fit_leaves_which_is_noise(reduction):
     """Static means of 20 s at 10 Hz leave the noise of a mean of 200 samples, not the force."""
     noise = {"X": 0.4, "Y": 1.0, "N": 1.5}
-    for axis, channel in zip(drawn(reduction.plot()), noise, strict=True):
-        static_drift = axis.lines[0]
+    first_row = drawn(reduction.plot())[: len(noise)]
+    for axis, channel in zip(first_row, noise, strict=True):
+        static_drift = axis.lines[1]
         assert static_drift.get_label() == "static drift"
         assert len(static_drift.get_xdata()) == 12
         left = np.sqrt(np.mean(static_drift.get_ydata() ** 2))

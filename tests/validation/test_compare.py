@@ -6,10 +6,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import small_campaign
 import xarray as xr
 from hidden_effects import BASE, hidden_campaign
+from matplotlib.container import BarContainer
 
 import pmmkit as pk
 from pmmkit.campaigns.run import Campaign, Run
@@ -17,6 +19,8 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.figures.comparison import comparison_figures, loops, worst_of_each_test
+from pmmkit.figures.errors import errors_beside_uncertainty
+from pmmkit.figures.residuals import residuals_over
 from pmmkit.loop.session import begin
 from pmmkit.models.model import Part
 from pmmkit.observations.views import repeat_scatter, views_of
@@ -711,14 +715,54 @@ def test_hsva_zigzags_are_sailed(shared_data, datasets):
 @pytest.mark.slow
 def test_every_figure_of_captive_tests_says_what_and_in_which_unit(lacking):
     figures = comparison_figures(lacking)
-    assert set(figures) == {"misfit", "residuals", "loops", "in_time"}
-    for name in ("residuals", "loops", "in_time"):
+    assert set(figures) == {"misfit", "errors", "residuals", "loops", "in_time"}
+    for name in ("errors", "residuals", "loops", "in_time"):
         for axis in figures[name].axes:
             for text in (axis.get_xlabel(), axis.get_ylabel()):
                 assert not text or text.endswith("]")
     texts = {text.get_text() for axis in figures["misfit"].axes for text in axis.texts}
     loudest = max(cell.ratio for cell in lacking.cells())
     assert f"{loudest:.0f}" in texts
+
+
+@pytest.mark.slow
+def test_bars_of_errors_are_those_of_the_rows_over_the_rms_force(lacking):
+    rows = pd.DataFrame(lacking.rows())
+    rows = rows[(rows["channel"] == "N") & (rows["test"] == "yaw_drift")]
+    fastest = rows[rows["Fn"] > 0.28]
+    whole = pd.DataFrame(lacking.rows()).query("channel == 'N'")["measured"]
+    expected = 100 * np.sqrt(np.mean(fastest["error"] ** 2) / np.mean(whole**2))
+    axis = errors_beside_uncertainty(lacking).axes[2]
+    assert axis.get_title(loc="left") == "N"
+    names = [label.get_text() for label in axis.figure.axes[0].get_yticklabels()]
+    place = names.index("yaw with drift, Fn 0.290")
+    lengths = {
+        round(bar.get_y() + bar.get_height() / 2): bar.get_width()
+        for container in axis.containers
+        if isinstance(container, BarContainer)
+        for bar in container
+    }
+    assert lengths[place] == pytest.approx(expected, rel=1e-6)
+    beyond = {container.get_label(): len(container) for container in axis.containers}
+    assert beyond["E beyond $U_V$"] + beyond["E within $U_V$"] == len(names)
+    assert beyond["E beyond $U_V$"] >= 3
+
+
+@pytest.mark.slow
+def test_residuals_are_parted_by_kind_of_test_and_speed(lacking):
+    figure = residuals_over(lacking)
+    kinds = list(dict.fromkeys(run.view.run.test for run in lacking.captive))
+    assert len(figure.axes) == 3 * len(kinds)
+    heads = [axis.get_title(loc="left") for axis in figure.axes[: len(kinds)]]
+    assert heads == ["static drift", "pure sway", "pure yaw", "yaw with drift"]
+    drift = figure.axes[0]
+    assert [item.get_label() for item in drift.containers] == ["Fn 0.145", "Fn 0.217", "Fn 0.290"]
+    points = drift.containers[0][0]
+    runs = [r for r in lacking.captive if r.view.run.test == "static_drift" and r.Fn < 0.15]
+    lengths = 0.5 * lacking.water.rho * lacking.ship.L**2
+    error = [1e3 * float(r.error("X")[0]) / (lengths * r.view.speed**2) for r in runs]
+    np.testing.assert_allclose(points.get_ydata(orig=False), error, rtol=1e-9)
+    assert figure.axes[-len(kinds)].get_xlabel() == "sway velocity v' [-]"
 
 
 def test_the_measured_loop_is_that_of_its_harmonics(s175, truth):

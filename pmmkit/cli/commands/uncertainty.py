@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import Annotated, Final
 
@@ -50,8 +51,9 @@ def uncertainty(
     from pmmkit.files import write_results
     from pmmkit.metrics import main_of
     from pmmkit.models import load_model
-    from pmmkit.plotting.style import save
+    from pmmkit.plotting.style import figure_files, save
     from pmmkit.progress import shown
+    from pmmkit.simulation.bands import SHIPS, bands_of
     from pmmkit.simulation.ensemble import SHOWN, monte_carlo
     from pmmkit.simulation.sensitivity import sensitivities
 
@@ -73,6 +75,10 @@ def uncertainty(
             f"{manoeuvre} has no metric {chosen!r}; it has {', '.join(many.metrics)}."
         )
     found = sensitivities(loaded, manoeuvre, **settings)
+    bands = replace(
+        bands_of(loaded, manoeuvre, n=min(ships, SHIPS), seed=seed, **settings),
+        measures={name: many.interval(name) for name in many.metrics},
+    )
     summary, causes = many.summary(), found.table(chosen)
     drawn = [chosen, *(name for name in many.varying() if name != chosen)]
     files = write_results(
@@ -82,6 +88,7 @@ def uncertainty(
             ("causes.csv", causes.to_csv),
             ("distributions.svg", partial(save, many.plot(drawn[:SHOWN]))),
             ("causes.svg", partial(save, found.plot(chosen))),
+            *figure_files(bands.figures()),
         ],
     )
     lines = [str(many), "", text_of([found.describe(chosen)]), "", f"Results: {folder}"]

@@ -1,0 +1,95 @@
+"""Histories with the band in which other ships of the same tests lie."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from pmmkit.plotting.history import History
+
+PALE: Final = "#d3d9e6"
+"""Fill of a band; opaque, so that it may lie over itself."""
+
+
+class Band(Protocol):
+    """What is drawn of `Bands`."""
+
+    @property
+    def track(self) -> History:
+        """The ship as it is."""
+
+    @property
+    def low(self) -> Mapping[str, Array]:
+        """Lower ends of the band of each channel over time."""
+
+    @property
+    def high(self) -> Mapping[str, Array]:
+        """Upper ends."""
+
+    @property
+    def inner(self) -> Array:
+        """One edge of the band of the path, x and y [m]."""
+
+    @property
+    def outer(self) -> Array:
+        """The other edge."""
+
+    @property
+    def measures(self) -> Mapping[str, tuple[float, float]]:
+        """Central 95 % of the metrics."""
+
+    @property
+    def ships(self) -> int:
+        """How many."""
+
+
+def band_histories(band: Band) -> Figure:
+    """Heading, rudder, yaw rate and speed over time, each with its band of 95 %.
+
+    Parameters
+    ----------
+    band : Bands
+        From `bands_of`.
+
+    Returns
+    -------
+    Figure
+        A panel a quantity; dotted lines stand at the orders where these are few.
+    """
+    track = band.track
+    panels = (
+        ("heading ψ [deg]", "psi", np.degrees(np.unwrap(track.psi)), np.degrees(1.0)),
+        ("rudder δ [deg]", "delta", np.degrees(track.delta), np.degrees(1.0)),
+        ("yaw rate r [deg/s]", "r", np.degrees(track.r), np.degrees(1.0)),
+        ("surge velocity u [m/s]", "u", track.u, 1.0),
+        ("sway velocity v [m/s]", "v", track.v, 1.0),
+    )
+    with style.styled():
+        figure = style.canvas(1.35 * len(panels) + 0.6)
+        axes = figure.subplots(len(panels), 1, sharex=True)
+        for axis, (title, channel, values, factor) in zip(axes, panels, strict=True):
+            axis.fill_between(
+                track.t,
+                factor * band.low[channel],
+                factor * band.high[channel],
+                color=PALE,
+                lw=0,
+                label=f"95 % of {band.ships} ships",
+            )
+            axis.plot(track.t, values, color=style.colour(0), label="as it is")
+            for instant in track.orders if len(track.orders) <= style.FEW else ():
+                axis.axvline(
+                    instant, color=style.REFERENCE, lw=0.8, ls=":", label="order", zorder=1.6
+                )
+            axis.set_title(title)
+        axes[-1].set_xlabel("time from the first order [s]")
+        style.legend_below(figure, list(axes))
+    return figure
