@@ -7,6 +7,7 @@ from typing import Annotated, Final
 
 import typer
 
+from pmmkit.channels import did_you_mean
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
@@ -70,7 +71,8 @@ def uncertainty(
     chosen = metric or main_of(many.metrics)
     if chosen not in many.metrics:
         raise UnknownNameError(
-            f"{manoeuvre} has no metric {chosen!r}; it has {', '.join(many.metrics)}."
+            f"{manoeuvre} has no metric {chosen!r}{did_you_mean(chosen, many.metrics) or '.'} It "
+            f"has {', '.join(many.metrics)}."
         )
     found = sensitivities(loaded, manoeuvre, **settings)
     summary, causes = many.summary(), found.table(chosen)
