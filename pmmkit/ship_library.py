@@ -8,6 +8,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.channels import did_you_mean
 from pmmkit.errors import ModelError, Problem, UnknownNameError
 from pmmkit.files import datasets_folder
 from pmmkit.ship import Ship, Water
@@ -37,8 +38,8 @@ def ship_file(name: str) -> Path:
     """
     if name not in ships():
         raise UnknownNameError(
-            f"The library has no ship {name!r}; it has {', '.join(ships())}. For a file of your "
-            f"own write its path with the ending .toml."
+            f"The library has no ship {name!r}{did_you_mean(name, ships()) or '.'} It has "
+            f"{', '.join(ships())}. For a file of your own write its path with the ending .toml."
         )
     return datasets_folder() / "ships" / f"{name}.toml"
 

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final, Literal
 
 from pmmkit.bibliography import cite
+from pmmkit.channels import did_you_mean
 from pmmkit.conventions import CHANNELS, canonical, parse_derivative
 from pmmkit.errors import UnknownNameError
 from pmmkit.plugins import offered
@@ -167,8 +168,10 @@ def structure_of(choice: str | Iterable[str] | Structure) -> Structure:
         return Structure(name="custom", derivatives=_ordered(names))
     except UnknownNameError as error:
         known = ", ".join(structures())
+        guess = did_you_mean(choice, structures()) if isinstance(choice, str) else ""
         raise UnknownNameError(
-            f"{choice!r} is neither a structure ({known}) nor a list of derivatives: {error}"
+            f"{choice!r} is neither a structure ({known}) nor a list of derivatives{guess or ':'} "
+            f"{error}"
         ) from error
 
 

@@ -13,7 +13,7 @@ from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.channels import CHANNEL_UNITS, did_you_mean
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.ship import Ship, Water
@@ -307,7 +307,8 @@ class Campaign(Described):
             if run.id == run_id:
                 return run
         raise UnknownNameError(
-            f"Campaign {self.title!r} has no run {run_id!r}; it has "
+            f"Campaign {self.title!r} has no run {run_id!r}"
+            f"{did_you_mean(run_id, [run.id for run in self.runs]) or '.'} It has "
             f"{', '.join(run.id for run in self.runs[:12])}{' …' if len(self) > 12 else ''}."
         )
 

@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
 from pmmkit.bibliography import cite
+from pmmkit.channels import did_you_mean
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.seen import Move, Observed, Vessel
 from pmmkit.errors import UnknownNameError
@@ -371,7 +372,10 @@ class Effect:
         if unknown:
             known = ", ".join(item.name for item in self.parameters)
             more = " and derivatives" if self.derivatives else ""
-            found.append(f"{self.name} takes no {', '.join(unknown)}; it takes {known}{more}.")
+            guess = did_you_mean(unknown[0], [item.name for item in self.parameters]) or "."
+            found.append(
+                f"{self.name} takes no {', '.join(unknown)}{guess} It takes {known}{more}."
+            )
         missing = [name for name in self.required(options) if name not in values]
         if missing:
             found.append(f"{self.name} lacks {', '.join(missing)}.")

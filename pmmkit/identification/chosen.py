@@ -9,6 +9,7 @@ from typing import Any, Final, Literal
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.segments import Cut, usable
+from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord
@@ -174,7 +175,8 @@ def _matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:
     ]
     if lost:
         raise UnknownNameError(
-            f"No run is called {', '.join(lost)}; there are "
+            f"No run is called {', '.join(lost)}"
+            f"{did_you_mean(lost[0], [run.id for run in campaign]) or '.'} There are "
             f"{', '.join(run.id for run in campaign)}."
         )
     return [

@@ -11,6 +11,7 @@ import numpy as np
 
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.segments import GAP, usable
+from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
 from pmmkit.models import Model
@@ -93,7 +94,8 @@ def _record(
         absent = [name for name in channels if name not in known]
         if absent:
             raise DataError(
-                f"Run {run.id} has no {', '.join(absent)} to measure by; it has {', '.join(known)}."
+                f"Run {run.id} has no {', '.join(absent)} to measure by"
+                f"{did_you_mean(absent[0], known) or '.'} It has {', '.join(known)}."
             )
         known = list(channels)
     measured = {name: columns[name].copy() for name in known}

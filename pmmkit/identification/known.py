@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, UnknownNameError
@@ -53,7 +54,8 @@ def parameters_of(model: Model, asked: Sequence[str] | None) -> tuple[str, ...]:
     lost = [name for name in found if name not in there]
     if lost:
         raise UnknownNameError(
-            f"Model {model.name!r} has no {', '.join(lost)} to identify; it has {', '.join(there)}."
+            f"Model {model.name!r} has no {', '.join(lost)} to identify"
+            f"{did_you_mean(lost[0], there) or '.'} It has {', '.join(there)}."
         )
     return tuple(dict.fromkeys(found))
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Literal, Protocol
 
+from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue, effect_of
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
@@ -182,8 +183,8 @@ def _asked(
     stray = [label for label in given or {} if entry.typical and label not in entry.typical]
     if stray:
         raise UnknownNameError(
-            f"{entry.name} has no coefficient {', '.join(stray)}; it has "
-            f"{', '.join(entry.typical)}."
+            f"{entry.name} has no coefficient {', '.join(stray)}"
+            f"{did_you_mean(stray[0], entry.typical) or '.'} It has {', '.join(entry.typical)}."
         )
     sizes = dict(given or {})
     if coefficients == "typical":

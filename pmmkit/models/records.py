@@ -17,6 +17,7 @@ from typing import (
     get_type_hints,
 )
 
+from pmmkit.channels import did_you_mean
 from pmmkit.errors import ModelError, Problem
 from pmmkit.models.step import Value
 from pmmkit.ship_library import number
@@ -42,7 +43,11 @@ class FileReader:
         """Names the entries that have no place in a section."""
         stray = [key for key in data if key not in tuple(names)]
         if stray:
-            self.fault(f"{place} has no {', '.join(map(repr, stray))}; it has {', '.join(names)}.")
+            there = tuple(names)
+            guess = did_you_mean(stray[0], there) or "."
+            self.fault(
+                f"{place} has no {', '.join(map(repr, stray))}{guess} It has {', '.join(there)}."
+            )
 
     def section(self, data: Mapping[str, Any], key: str, place: str) -> Mapping[str, Any]:
         """A section inside another; empty where it is absent."""

@@ -113,7 +113,8 @@ def part_of(model: Model, words: str) -> str:
     found = [name for name, part in model.parts.items() if does is not None and does(part.known)]
     if len(found) != 1:
         raise UnknownNameError(
-            f"Model {model.name!r} has no part {words!r}; it has {', '.join(model.parts)}."
+            f"Model {model.name!r} has no part {words!r}"
+            f"{did_you_mean(words, model.parts) or '.'} It has {', '.join(model.parts)}."
         )
     return found[0]
 

@@ -15,6 +15,7 @@ from pathlib import Path, PurePath
 from types import MappingProxyType
 from typing import Final, Literal
 
+from pmmkit.channels import did_you_mean
 from pmmkit.errors import UnknownNameError
 from pmmkit.plugins import offered
 from pmmkit.readers.base import Cells, Choose, Columns, Options, Request, columns_of, head_of
@@ -91,7 +92,10 @@ def reader_of(name: str) -> Reader:
     True
     """
     if name not in readers():
-        raise UnknownNameError(f"Format {name!r} is not known: {', '.join(readers())}.")
+        guess = did_you_mean(name, readers()) or "."
+        raise UnknownNameError(
+            f"Format {name!r} is not known{guess} Known: {', '.join(readers())}."
+        )
     return readers()[name]
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from pmmkit.channels import did_you_mean
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
 from pmmkit.metrics import in_lengths, main_of, unit_of
@@ -159,7 +160,8 @@ class Sensitivities(Described):
     def _slopes(self, metric: str) -> Array:
         if metric not in self.slopes:
             raise UnknownNameError(
-                f"There is no metric {metric!r}; there are: {', '.join(self.slopes)}."
+                f"There is no metric {metric!r}{did_you_mean(metric, self.slopes) or '.'} There "
+                f"are: {', '.join(self.slopes)}."
             )
         return self.slopes[metric]
 

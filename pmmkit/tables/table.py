@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.channels import did_you_mean
 from pmmkit.conventions import CHANNELS, Convention, canonical
 from pmmkit.errors import TableError, UnknownNameError
 from pmmkit.numerics import Array, coverage_factor
@@ -125,7 +126,10 @@ class DerivativeTable(Described):
         """Column of a derivative, factors in any order."""
         wanted = canonical(name)
         if wanted not in self.names:
-            raise UnknownNameError(f"The table has no {name}; it has {', '.join(self.names)}.")
+            guess = did_you_mean(wanted, self.names) or "."
+            raise UnknownNameError(
+                f"The table has no {name}{guess} It has {', '.join(self.names)}."
+            )
         return self.names.index(wanted)
 
     def __contains__(self, name: str) -> bool:

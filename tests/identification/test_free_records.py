@@ -206,7 +206,7 @@ def test_errors_say_what_to_do():
     values = columns()
     with pytest.raises(DataError, match=r"Z20 has no delta and no n: .* must be measured"):
         free_records(run_of(without(values, "delta", "n")), TANKER)
-    with pytest.raises(DataError, match=r"Z20 has no sog to measure by; it has x, y, psi"):
+    with pytest.raises(DataError, match=r"Z20 has no sog to measure by\. It has x, y, psi"):
         free_records(run_of(values), TANKER, channels=["x", "sog"])
     with pytest.raises(DataError, match=r"has no phi to measure by"):
         free_records(run_of(values | {"phi": values["r"]}), TANKER, channels=["phi"])

@@ -306,7 +306,10 @@ def test_what_cannot_be_added_is_refused_with_the_reason():
         pk.with_effect(model, "waterjet")
     with pytest.raises(UnknownNameError, match="hull_polynomial"):
         pk.with_effect(model, "memmory")
-    with pytest.raises(UnknownNameError, match="no coefficient Yv_lat; it has Yv_late, Nv_late"):
+    with pytest.raises(
+        UnknownNameError,
+        match=r"no coefficient Yv_lat; did you mean 'Yv_late'\? It has Yv_late, Nv_late",
+    ):
         pk.with_effect(model, "memory", coefficients={"Yv_lat": 1.0})
     with pytest.raises(ModelError, match="nothing of asymmetry"):
         pk.without_effect(model, "asymmetry")

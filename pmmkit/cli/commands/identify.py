@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.channels import did_you_mean
 from pmmkit.cli.options import Campaign, Data, patterns, sensors_of, sound_campaign, stem, words
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
@@ -139,7 +140,10 @@ def identify(
     folder = results_folder(out, f"{stem(campaign)}-identified", read=[model, prior], force=force)
     base = load_model(model)
     if lost := [name for name in stds or {} if name not in CHANNELS]:
-        raise UnknownNameError(f"There is no channel {', '.join(lost)}: {', '.join(CHANNELS)}.")
+        raise UnknownNameError(
+            f"There is no channel {', '.join(lost)}{did_you_mean(lost[0], CHANNELS) or '.'} There "
+            f"are {', '.join(CHANNELS)}."
+        )
     opened, findings = sound_campaign(campaign, data)
     used, held_out = chosen_records(
         opened,

@@ -8,6 +8,7 @@ from typing import Annotated, Final
 
 import typer
 
+from pmmkit.channels import did_you_mean
 from pmmkit.cli.options import (
     Depth,
     Extrapolate,
@@ -72,7 +73,8 @@ def uncertainty(
     chosen = metric or main_of(many.metrics)
     if chosen not in many.metrics:
         raise UnknownNameError(
-            f"{manoeuvre} has no metric {chosen!r}; it has {', '.join(many.metrics)}."
+            f"{manoeuvre} has no metric {chosen!r}{did_you_mean(chosen, many.metrics) or '.'} It "
+            f"has {', '.join(many.metrics)}."
         )
     found = sensitivities(loaded, manoeuvre, **settings)
     bands = replace(

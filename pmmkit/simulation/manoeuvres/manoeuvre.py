@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from pmmkit.channels import did_you_mean
 from pmmkit.metrics import Metric
 from pmmkit.simulation.plan import Plan
 
@@ -128,7 +129,8 @@ class Manoeuvre:
         ]
         for name, value in given.items():
             if name not in known:
-                found.append(f"{self.name} has no {name}; it has {', '.join(known)}.")
+                guess = did_you_mean(name, known) or "."
+                found.append(f"{self.name} has no {name}{guess} It has {', '.join(known)}.")
             elif value is not None and (wrong := known[name].problem(value)):
                 found.append(wrong)
         return found
