@@ -48,6 +48,8 @@ class RunDraft:
         What is wrong with its file.
     motion : str or None
         Where the motion of the hull lies beside its forces.
+    sheet : str, int or None
+        Sheet of the workbook that holds the run, where it has several.
     """
 
     id: str
@@ -57,6 +59,7 @@ class RunDraft:
     settings: tuple[Setting, ...]
     problems: tuple[str, ...] = ()
     motion: str | None = None
+    sheet: str | int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -208,10 +211,10 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
     clock = group.first.known["t"]
     drafts = []
     for item in group.files:
-        named = facts_of(_stem(item.shown))
+        named = facts_of(_name(item))
         columns = {**wanted, "t": clock}
         channels, problems = _channels(
-            replace(group.first, path=item.path, shown=item.shown), columns
+            replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
         )
         time = channels.pop("t", np.zeros(0))
         moved = motion_facts(time, channels, named.test) if len(time) else Moved()
@@ -221,8 +224,9 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         settings = settled(test, named, moved, length=length)
         drafts.append(
             RunDraft(
-                id=PurePosixPath(_stem(item.shown)).name,
-                file=base + item.shown,
+                id=PurePosixPath(_name(item)).name,
+                file=base + _file(item),
+                sheet=item.options.sheet,
                 look=group.first,
                 test=test,
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
@@ -301,6 +305,7 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
         file=base + file,
+        sheet=item.options.sheet,
         look=item,
         test=test,
         settings=tuple(setting for setting in settings if setting.key not in known),
@@ -357,7 +362,7 @@ def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple
     """Ids of their own: with the folders, where files of several folders have the same name."""
     counted = Counter([run.id for run in runs] + list(taken))
     apart = [
-        replace(run, id=_stem(run.file).replace("../", "").replace("/", "_"))
+        replace(run, id=_with_folders(run))
         if counted[run.id] > 1
         else run
         for run in runs
@@ -368,6 +373,22 @@ def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple
         seen[run.id] += 1
         out.append(run if seen[run.id] == 1 else replace(run, id=f"{run.id}_{seen[run.id]}"))
     return tuple(out)
+
+
+def _file(item: FileLook) -> str:
+    """The file of a look, without the sheet."""
+    return item.shown.partition(", sheet ")[0]
+
+
+def _name(item: FileLook) -> str:
+    """What names a run: the file without suffix, and the sheet where there are several."""
+    sheet = item.options.sheet
+    return _stem(item.shown) if sheet is None else f"{_stem(item.shown)}/{sheet}"
+
+
+def _with_folders(run: RunDraft) -> str:
+    stem = _stem(run.file).replace("../", "").replace("/", "_")
+    return stem if run.sheet is None else f"{stem}_{run.sheet}"
 
 
 def _stem(shown: str) -> str:

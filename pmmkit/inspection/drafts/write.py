@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign, Run
@@ -59,6 +59,7 @@ def written(draft: Draft) -> Written:
         From `draft_of`.
     """
     base = None if draft.saved else _largest(draft)
+    apart = len({entry.sheet for entry in draft.runs if entry.look is base}) > 1
     todo = _Todo()
     lines = [
         "# A draft made from the files that lie here. Check every line; TODO marks what the files",
@@ -71,7 +72,8 @@ def written(draft: Draft) -> Written:
     if any(reader_of(entry.look.format).computed for entry in draft.runs):
         lines += ["", *_cfd(todo)]
     if base is not None:
-        lines += ["", "[source]", *_source(base, base.options)]
+        shared = replace(base.options, sheet=None) if apart else base.options
+        lines += ["", "[source]", *_source(base, shared)]
         lines += ["", "[columns]                        # our name = theirs"]
         lines += _columns(base, draft.kind, todo, table=False)
     elif draft.saved:
@@ -80,7 +82,7 @@ def written(draft: Draft) -> Written:
         for run in campaign:
             lines += ["", *_saved_run(file, run)]
     for entry in draft.runs:
-        lines += ["", *_entry(entry, "runs", base, draft.kind, todo)]
+        lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart)]
     for entry in draft.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
     lines += [*_unused(draft), "", "[end]"]
@@ -247,7 +249,8 @@ def _source(look: FileLook, options: Options, *, every: bool = False) -> list[st
         if look.layout is not None:
             values |= {"encoding": options.encoding or "utf-8"} if options.encoding or every else {}
             values |= {"delimiter": options.delimiter, "decimal": options.decimal}
-        values |= {"header": options.header} if options.header is False or every else {}
+        stated = options.header is not None and every
+        values |= {"header": options.header} if options.header is False or stated else {}
         values |= {"units_row": True} if options.units_row else {}
         values |= {"sheet": options.sheet} if options.sheet else {}
     return [f"{key} = {toml(value)}" for key, value in values.items()]
@@ -299,7 +302,16 @@ def _theirs(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
     return toml(column.title) if list(parts) == ["name"] else toml(parts)
 
 
-def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: _Todo) -> list[str]:
+def _entry(
+    entry: RunDraft,
+    table: str,
+    base: FileLook | None,
+    kind: str,
+    todo: _Todo,
+    *,
+    apart: bool = False,
+) -> list[str]:
+    """An entry; `apart` where each run of the shared layout has a sheet of its own."""
     lines = [f"[[{table}]]"]
     identity = entry.id
     if table == "tables":
@@ -316,12 +328,15 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     lines.append(f"file = {toml(entry.file)}")
     if entry.motion is not None:
         lines.append(_aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
+    if entry.look is base and entry.sheet is not None and apart:
+        lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if entry.look is not base:
-        source = _source(entry.look, entry.look.options, every=base is not None)
+        options = replace(entry.look.options, sheet=entry.sheet)
+        source = _source(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
         if table == "tables":
             lines += _conventions(entry, todo)

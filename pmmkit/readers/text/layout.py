@@ -209,5 +209,5 @@ def _names(
 
 def _is_unit(text: str) -> bool:
     bare = text.strip()
-    inside = bare.strip("[]() ")
-    return bare != inside or is_unit(inside)
+    bracketed = bare[:1] + bare[-1:] in ("[]", "()")
+    return bracketed or is_unit(bare.strip("[]() "))
