@@ -62,11 +62,12 @@ def check_workbook(request: Request) -> None:
     data = request.path.read_bytes()
     if not data.startswith(ZIP):
         return
-    bare = replace(request, run=None, options=Options())
+    bare = replace(request, shown="", run=None, options=Options())
     try:
         _check(bare, hashlib.sha256(data).digest())
     except CampaignError as error:
-        raise request.error(*(replace(item, run=request.run) for item in error.problems)) from error
+        told = [replace(item, file=request.shown, run=request.run) for item in error.problems]
+        raise request.error(*told) from error
 
 
 @lru_cache(maxsize=32)
