@@ -237,9 +237,7 @@ def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[Group, ...], list[Problem
     groups: dict[object, list[FileLook]] = {}
     for item in looks:
         groups.setdefault(_key(item), []).append(item)
-    found = [
-        Group(files=(with_numbers(members[0]), *members[1:])) for members in groups.values()
-    ]
+    found = [Group(files=(with_numbers(members[0]), *members[1:])) for members in groups.values()]
     return tuple(found), [problem for group in found for problem in group.first.problems]
 
 

@@ -322,9 +322,12 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
     """Every entry of ``[[runs]]`` and ``[[tables]]``."""
     from pmmkit.campaigns.file import schema
     from pmmkit.campaigns.file.assembly import add_run, add_table
+    from pmmkit.campaigns.file.defaults import read_defaults, with_defaults
 
-    for index, item in enumerate(_list(raw, "runs", setup.toml, out), start=1):
-        label = _label("runs", index, item)
+    defaults = read_defaults(raw.get("defaults", {}), setup.toml, out.problems)
+    for index, listed in enumerate(_list(raw, "runs", setup.toml, out), start=1):
+        label = _label("runs", index, listed)
+        item = with_defaults(listed, defaults)
         entry = schema.read_entry(
             schema.RunEntry, item, file=setup.toml, entry=label, problems=out.problems
         )
@@ -332,8 +335,10 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
             add_run(entry, label, setup, out)
         elif isinstance(item, Mapping) and isinstance(item.get("id"), str):
             out.claim(item["id"], label, setup.toml)
-    for index, item in enumerate(_list(raw, "tables", setup.toml, out), start=1):
-        label = _label("tables", index, item)
+    for index, listed in enumerate(_list(raw, "tables", setup.toml, out), start=1):
+        label = _label("tables", index, listed)
+        own = listed.get("columns", {}) if isinstance(listed, Mapping) else {}
+        item = with_defaults(listed, defaults, mapped={*setup.columns, *own})
         table = schema.read_entry(
             schema.TableEntry, item, file=setup.toml, entry=label, problems=out.problems
         )

@@ -220,15 +220,20 @@ class NumericalEntry(Entry):
     K: Annotated[float, Field(ge=0)] | None = None
 
 
-class CfdEntry(Entry):
-    """``[cfd]``."""
+class ComputedEntry(Entry):
+    """What ``[cfd]`` may say of one run."""
 
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
-    moment_centre: float | None = None
     moment_centre_moves: bool | None = None
     forces_in: Literal["body", "earth"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
+
+
+class CfdEntry(ComputedEntry):
+    """``[cfd]``."""
+
+    moment_centre: float | None = None
     U_SN: NumericalEntry | None = None
 
 
@@ -287,14 +292,25 @@ class SettingsEntry(Entry):
         }
 
 
-class FileEntry(SettingsEntry):
+class DefaultsEntry(SettingsEntry):
+    """``[defaults]``, and what it says of one kind of test."""
+
+    source: SourceEntry | None = None
+    columns: dict[str, ColumnEntry] = {}
+    cfd: ComputedEntry | None = None
+
+    @field_validator("columns")
+    @classmethod
+    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return known_columns(value)
+
+
+class FileEntry(DefaultsEntry):
     """What runs and tables share."""
 
     id: Annotated[str, Field(min_length=1)]
     test: str
     file: Annotated[str, Field(min_length=1)]
-    source: SourceEntry | None = None
-    columns: dict[str, ColumnEntry] = {}
     rows: Annotated[int, Field(ge=1)] | None = None
 
     @field_validator("test")
@@ -303,11 +319,6 @@ class FileEntry(SettingsEntry):
         if value not in kinds():
             raise ValueError(not_a_kind(value))
         return value
-
-    @field_validator("columns")
-    @classmethod
-    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
-        return known_columns(value)
 
 
 class RunEntry(FileEntry):
@@ -421,6 +432,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "trial": TrialEntry,
     "uncertainty": None,
     "corrections": CorrectionEntry,
+    "defaults": DefaultsEntry,
     "runs": RunEntry,
     "tables": TableEntry,
     "end": EndEntry,
@@ -532,6 +544,7 @@ def _options(expected: str) -> Iterable[str]:
 def _keys(model: type[Entry], place: list[str]) -> list[str]:
     nested: dict[str, type[Entry]] = {
         "source": SourceEntry,
+        "cfd": ComputedEntry,
         "U_SN": NumericalEntry,
         "columns": ColumnEntry,
     }

@@ -361,12 +361,7 @@ _NO_DRIFT: Final = Setting(key="drift_deg", value=0.0, reason="no drift is recor
 def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple[RunDraft, ...]:
     """Ids of their own: with the folders, where files of several folders have the same name."""
     counted = Counter([run.id for run in runs] + list(taken))
-    apart = [
-        replace(run, id=_with_folders(run))
-        if counted[run.id] > 1
-        else run
-        for run in runs
-    ]
+    apart = [replace(run, id=_with_folders(run)) if counted[run.id] > 1 else run for run in runs]
     seen = Counter(taken)
     out = []
     for run in apart:
