@@ -1,4 +1,4 @@
-"""What runs have in common is stated once: ``[defaults]``, its tables for kinds of test, ``cfd``."""
+"""What runs have in common is stated once: ``[defaults]``, its tables for kinds, ``cfd``."""
 
 from __future__ import annotations
 

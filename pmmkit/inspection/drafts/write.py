@@ -13,6 +13,7 @@ from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import split_unit
 from pmmkit.escaping import toml_comment, toml_string
 from pmmkit.inspection import ColumnLook, FileLook
+from pmmkit.inspection.drafts.common import Common, in_common
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.guessing import Suggestion
@@ -81,9 +82,11 @@ def written(draft: Draft) -> Written:
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *_saved_run(file, run)]
-    for entry in draft.runs:
+    common = in_common(draft.runs, draft.tables)
+    lines += _defaults(common, todo)
+    for entry in common.runs:
         lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart)]
-    for entry in draft.tables:
+    for entry in common.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
     lines += [*_unused(draft), "", "[end]"]
     entries = (
@@ -379,12 +382,32 @@ def _id_column(look: FileLook) -> str:
     return (named or varied or list(look.columns))[0].title
 
 
+def _defaults(common: Common, todo: _Todo) -> list[str]:
+    """What runs have in common, and what is asked for all of them at once."""
+    tables = {"defaults": common.every}
+    tables |= {f"defaults.{test}": items for test, items in common.of_kind.items()}
+    lines = []
+    for name, items in tables.items():
+        if not items:
+            continue
+        lines += ["", f"[{name}]"]
+        for item in items:
+            lines.append(_line(item))
+            if item.todo:
+                todo.add(f"[{name}] {_question(item)}.")
+    return lines
+
+
 def _setting(setting: Setting, run_id: str, todo: _Todo) -> str:
+    if setting.todo:
+        todo.of_run(_question(setting), run_id)
+    return _line(setting)
+
+
+def _line(setting: Setting) -> str:
     value = "..." if setting.value is None else toml(setting.value)
     mark = "" if setting.active else "# "
     asked = f"TODO {setting.todo}" if setting.todo else ""
-    if setting.todo:
-        todo.of_run(_question(setting), run_id)
     note = "; ".join(filter(None, (setting.reason, asked)))
     return _aligned(f"{mark}{setting.key} = {value}", note)
 
