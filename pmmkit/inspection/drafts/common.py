@@ -71,7 +71,7 @@ def _shared(entries: Sequence[RunDraft]) -> tuple[Setting, ...]:
         for key, items in found.items()
         if len(items) > 1
         and len({(item.value, item.todo, item.active) for item in items}) == 1
-        and (items[0].active and not items[0].todo or key in _ASKED_ONCE and not items[0].value)
+        and ((items[0].active and not items[0].todo) or (key in _ASKED_ONCE and not items[0].value))
     )
 
 
