@@ -348,6 +348,34 @@ class TableEntry(FileEntry):
     skip: list[Annotated[int, Field(ge=1)]] = []
 
 
+class MatrixEntry(SettingsEntry):
+    """``[[matrix]]``."""
+
+    file: Annotated[str, Field(min_length=1)]
+    source: SourceEntry | None = None
+    id: Annotated[str, Field(min_length=1)]
+    test: Annotated[str, Field(min_length=1)]
+    tests: dict[str, str] = {}
+    run: Annotated[str, Field(min_length=1)]
+    run_sheet: Annotated[str, Field(min_length=1)] | None = None
+    columns: dict[str, ColumnEntry] = {}
+    where: dict[str, Plain] = {}
+    skip: list[Annotated[int, Field(ge=1)]] = []
+
+    @field_validator("columns")
+    @classmethod
+    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        wrong = [name for name in value if name not in SETTING_UNITS]
+        if wrong:
+            raise ValueError(
+                "; ".join(
+                    f"{name!r} is no setting of a test{did_you_mean(name, SETTING_UNITS)}"
+                    for name in wrong
+                )
+            )
+        return value
+
+
 class CorrectionEntry(SettingsEntry):
     """``[[corrections]]``."""
 
@@ -433,6 +461,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "uncertainty": None,
     "corrections": CorrectionEntry,
     "defaults": DefaultsEntry,
+    "matrix": MatrixEntry,
     "runs": RunEntry,
     "tables": TableEntry,
     "end": EndEntry,
