@@ -15,6 +15,7 @@ from typing import Final
 from pmmkit.campaigns.test_kinds.free_running import ZIGZAG
 from pmmkit.campaigns.test_kinds.kind import SWAY, YAW, TestKind
 from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kinds
+from pmmkit.vocabulary import meanings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,6 +155,9 @@ def _test_of(part: str) -> str | None:
     for test, pattern in _phrases():
         if pattern.search(plain):
             return test
+    in_other_words = [test for test, _ in meanings("test", part) if test in kinds()]
+    if in_other_words:
+        return in_other_words[0]
     codes = _codes()
     for token in re.split(r"[_\s-]+", part):
         found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
