@@ -152,3 +152,23 @@ def test_a_wrong_default_is_said_once_beside_all_other_problems(text, said, tmp_
     words = str(raised.value)
     assert words.count(said) == 1
     assert words.count("the period") == 2
+
+
+def test_a_yaw_test_may_be_set_by_the_amplitude_of_its_path(tmp_path):
+    """The hull crosses the middle of the tank along its path: tan ψ0 = aω/U."""
+    found = campaign(
+        tmp_path,
+        """
+[defaults]
+speed = 1.2
+yaw_amplitude_deg = 3.0
+[[runs]]
+id = "a"
+test = "pure_yaw"
+file = "a.csv"
+period = 9.0
+path_amplitude_m = 0.25
+""",
+    )
+    slope = math.tan(found["a"].settings.yaw_amplitude)
+    assert slope == pytest.approx(0.25 * 2 * math.pi / 9.0 / 1.2)

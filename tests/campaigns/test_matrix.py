@@ -107,6 +107,5 @@ def test_a_csv_file_of_tests_and_files_beside_it(tmp_path):
 def test_what_is_wrong_with_a_matrix_is_said(matrix, said, tmp_path):
     workbook(tmp_path)
     with pytest.raises(CampaignError) as raised:
-        found = opened(tmp_path, matrix + ("skip = [7]\n" if "skip" not in matrix else ""))
-        assert found["R103"].data
+        opened(tmp_path, matrix + "skip = [7]\n")
     assert said in str(raised.value)

@@ -16,7 +16,7 @@ _ALTERNATIVES: Final = (
     frozenset({"period", "frequency_hz"}),
     frozenset({"yaw_rate", "radius"}),
     frozenset({"amplitude_m", "v_amplitude", "vdot_amplitude"}),
-    frozenset({"yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"}),
+    frozenset({"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"}),
 )
 """Settings of which one stands for the others: a run that states one takes none by default."""
 
@@ -143,6 +143,8 @@ def _uses(kind: TestKind, name: str) -> bool:
         return kind.sways or kind.surges
     if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
         return kind.yaws
+    if name == "path_amplitude_m":
+        return kind.yaws and not kind.sways
     if name in ("yaw_rate", "radius"):
         return kind.circles
     return name != "switch_deg" or "switch" in kind.needs

@@ -266,6 +266,7 @@ class SettingsEntry(Entry):
     frequency_hz: Positive | None = None
     amplitude_m: Positive | None = None
     yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
+    path_amplitude_m: Positive | None = None
     phase_deg: float | None = None
     yaw_rate: float | None = None
     radius: float | None = None

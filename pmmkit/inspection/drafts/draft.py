@@ -298,7 +298,7 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"period"}
     if known & {"v_amplitude", "vdot_amplitude"}:
         known |= {"amplitude_m"}
-    if known & {"r_amplitude", "rdot_amplitude"}:
+    if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:
         known |= {"yaw_amplitude_deg"}
     test = named.test or _test_of_table(known)
     settings = settled(test, named, Moved(), length=length)

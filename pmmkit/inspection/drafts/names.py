@@ -115,11 +115,13 @@ def facts_of(name: str) -> Named:
             for key, value in _values(token):
                 (marks if key.startswith("hint") else settings).setdefault(key, (value, token))
     test = _refined(test, settings)
+    settings = _along_the_path(test, settings)
     return Named(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
 
 
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
+    part = re.sub(rf"(?<=[A-Za-zβδψφ])=(?={_NUMBER})", "", part)
     parts = re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)
     pieces = [piece for piece in parts if piece]
     joined = [
@@ -191,6 +193,18 @@ def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str
         if name in stated and stated >= set(kind.held):
             kind = held_too(kind, name)
     return kind.name
+
+
+def _along_the_path(
+    test: str | None, settings: Mapping[str, tuple[float, str]]
+) -> dict[str, tuple[float, str]]:
+    """An amplitude in metres of a test that only yaws is that of its path."""
+    kind = None if test is None else kind_of(test)
+    if kind is None or kind.swings != (YAW,):
+        return dict(settings)
+    value, token = settings.get("amplitude_m", (0.0, ""))
+    left = {key: item for key, item in settings.items() if key != "amplitude_m"}
+    return {**left, "path_amplitude_m": (value, token)} if token.endswith("m") else left
 
 
 def _kept(
