@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import Final, Literal, get_args
 
 Subject = Literal["channel", "setting", "test"]
+_SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)
 _UMLAUTS: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
 _LATIN: Final = re.compile(r"[a-z]")
 
@@ -26,10 +27,13 @@ def vocabulary() -> Mapping[Subject, Mapping[str, tuple[str, ...]]]:
     ('querkraft', 'seitenkraft', '横力')
     """
     text = files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8")
+    found = tomllib.loads(text)
     return MappingProxyType(
         {
-            subject: MappingProxyType({name: tuple(words) for name, words in listed.items()})
-            for subject, listed in tomllib.loads(text).items()
+            subject: MappingProxyType(
+                {name: tuple(words) for name, words in found[subject].items()}
+            )
+            for subject in _SUBJECTS
         }
     )
 

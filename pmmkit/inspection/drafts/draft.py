@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -27,6 +28,7 @@ from pmmkit.inspection.drafts.settle import Setting, settled
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
+from pmmkit.readers import reader_of
 from pmmkit.ship import Ship
 
 
@@ -50,6 +52,8 @@ class RunDraft:
         Where the motion of the hull lies beside its forces.
     sheet : str, int or None
         Sheet of the workbook that holds the run, where it has several.
+    computation : mapping of str to float
+        What lies beside it and says what ``[cfd]`` asks.
     """
 
     id: str
@@ -60,6 +64,7 @@ class RunDraft:
     problems: tuple[str, ...] = ()
     motion: str | None = None
     sheet: str | int | None = None
+    computation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,6 +237,7 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
+                computation=reader_of(item.format).computation(item.request),
             )
         )
     return drafts

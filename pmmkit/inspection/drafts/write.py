@@ -60,6 +60,7 @@ def written(draft: Draft) -> Written:
         From `draft_of`.
     """
     base = None if draft.saved else _largest(draft)
+    stated: Mapping[str, float] = {}
     apart = len({entry.sheet for entry in draft.runs if entry.look is base}) > 1
     todo = _Todo()
     lines = [
@@ -71,7 +72,8 @@ def written(draft: Draft) -> Written:
         *_ship(draft, todo),
     ]
     if any(reader_of(entry.look.format).computed for entry in draft.runs):
-        lines += ["", *_cfd(todo)]
+        stated = _of_all(draft.runs)
+        lines += ["", *_cfd(draft.runs, stated, todo)]
     if base is not None:
         shared = replace(base.options, sheet=None) if apart else base.options
         lines += ["", "[source]", *_source(base, shared)]
@@ -85,7 +87,7 @@ def written(draft: Draft) -> Written:
     common = in_common(draft.runs, draft.tables)
     lines += _defaults(common, todo)
     for entry in common.runs:
-        lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart)]
+        lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart, stated=stated)]
     for entry in common.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
     lines += [*_unused(draft), "", "[end]"]
@@ -199,7 +201,17 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     return [*lines, "", "[water]", rho]
 
 
-def _cfd(todo: _Todo) -> list[str]:
+def _of_all(runs: Sequence[RunDraft]) -> Mapping[str, float]:
+    """What all computations say alike."""
+    first = runs[0].computation
+    return {
+        key: value
+        for key, value in first.items()
+        if all(run.computation.get(key) == value for run in runs)
+    }
+
+
+def _cfd(runs: Sequence[RunDraft], stated: Mapping[str, float], todo: _Todo) -> list[str]:
     """What forces that were computed need."""
     todo.add(
         "[axes] which way the axes of the mesh point; [cfd] the point of the moments, whether "
@@ -210,14 +222,41 @@ def _cfd(todo: _Todo) -> list[str]:
         '# y = "-y"                       # x forward and z up: y to port (x aft, z up: x = "-x")',
         '# z = "-z"',
         "",
-        "# [cfd]                          # TODO of forces that were computed",
+        f"{'' if stated else '# '}[cfd]".ljust(33) + "# TODO of forces that were computed",
         '# forces_in = "earth"            # TODO if they stay along the tank while the hull moves',
         "# moment_centre = 0.0            # TODO where moments refer at rest, forward of midship",
         "# moment_centre_moves = false    # TODO if that point stays behind while the hull moves",
         "# ramp_s = ...                   # TODO start-up of the computation, cut off every run",
         "# symmetry_factor = 2.0          # TODO if half a ship was computed",
-        "# rho_inf = ...                  # TODO density of the computation, if it is another",
+        *_density(stated.get("rho_inf"), todo),
         "# U_SN = { X = ..., Y = ..., N = ... }  # TODO numerical uncertainty [N, N m], if known",
+        *_otherwise(runs),
+    ]
+
+
+def _density(rho_inf: float | None, todo: _Todo) -> list[str]:
+    if rho_inf is None:
+        return [
+            "# rho_inf = ...                  # TODO density of the computation, if it is another"
+        ]
+    if rho_inf != 1.0:
+        return [_aligned(f"rho_inf = {toml(rho_inf)}", "rhoInf beside the results")]
+    todo.add("[cfd] rho_inf = 1: are the forces per density, or multiplied by it already?")
+    why = "rhoInf beside the results: forces per density; TODO else take the line away"
+    return [_aligned("rho_inf = 1.0", why)]
+
+
+def _otherwise(runs: Sequence[RunDraft]) -> list[str]:
+    """A hint that tests of one kind may have been computed in another way."""
+    steady = [run.test for run in runs if run.test is not None and kinds()[run.test].steady]
+    if not steady or len(steady) == len(runs):
+        return []
+    return [
+        "",
+        f"# [defaults.{steady[0]}.cfd]".ljust(33)
+        + "# TODO if these were computed otherwise, e.g. by rotated inflow",
+        '# forces_in = "body"',
+        "# moment_centre_moves = true",
     ]
 
 
@@ -313,8 +352,12 @@ def _entry(
     todo: _Todo,
     *,
     apart: bool = False,
+    stated: Mapping[str, float] | None = None,
 ) -> list[str]:
-    """An entry; `apart` where each run of the shared layout has a sheet of its own."""
+    """An entry; `apart` where each run of the shared layout has a sheet of its own.
+
+    What `stated` holds of the computation stands in ``[cfd]``.
+    """
     lines = [f"[[{table}]]"]
     identity = entry.id
     if table == "tables":
@@ -331,6 +374,9 @@ def _entry(
     lines.append(f"file = {toml(entry.file)}")
     if entry.motion is not None:
         lines.append(_aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
+    own = {key: value for key, value in entry.computation.items() if key not in (stated or {})}
+    if own:
+        lines.append(f"cfd = {toml(own)}")
     if entry.look is base and entry.sheet is not None and apart:
         lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
@@ -345,13 +391,13 @@ def _entry(
             lines += _conventions(entry, todo)
         lines.append(f"[{table}.columns]")
         lines += _columns(entry.look, kind, todo, table=table == "tables")
-        own = {
+        here = {
             name
             for name, column in entry.look.known.items()
             if column.suggestion and column.suggestion.certainty != "perhaps"
         }
         for name in () if base is None else base.known:
-            if name not in own:
+            if name not in here:
                 lines.append(f"{name} = false")
     return lines
 
