@@ -317,8 +317,13 @@ def cases(folder: Path, densities: dict[str, float]) -> None:
     for name, density in densities.items():
         results = folder / name / "postProcessing" / "forces" / "0"
         results.mkdir(parents=True)
-        rows = "".join(f"{0.5 * k:g} ((1 2 3) (0 0 0)) ((0 0 4) (0 0 0))\n" for k in range(1, 60))
-        (results / "forces.dat").write_text(f"# Forces\n{rows}", encoding="utf-8")
+        head = "# Time\t" + "\t".join(
+            f"{part}_x {part}_y {part}_z" for part in ("total", "pressure", "viscous")
+        )
+        rows = "".join(f"{0.5 * k:g} 1 2 3 1 2 3 0 0 0\n" for k in range(1, 60))
+        for part in ("Force", "Moment"):
+            text = f"# {part}\n# CofR : (0 0 0)\n#\n{head}\n{rows}"
+            (results / f"{part.lower()}.dat").write_text(text, encoding="utf-8")
         (folder / name / "system").mkdir()
         (folder / name / "system" / "controlDict").write_text(
             f"functions {{ forces {{ type forces; rho rhoInf; rhoInf {density}; }} }}\n",
