@@ -22,6 +22,7 @@ from pmmkit.channels import CHANNEL_UNITS, DEGREE_CHANNELS, factor_to
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import Setting, settled
@@ -54,6 +55,8 @@ class RunDraft:
         Sheet of the workbook that holds the run, where it has several.
     computation : mapping of str to float
         What lies beside it and says what ``[cfd]`` asks.
+    listed : bool
+        Whether a matrix says what it was set to.
     """
 
     id: str
@@ -65,6 +68,7 @@ class RunDraft:
     motion: str | None = None
     sheet: str | int | None = None
     computation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    listed: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +85,8 @@ class Draft:
         Ship of the library.
     runs, tables : tuple of RunDraft
         Histories; tables whose rows are runs.
+    matrix : MatrixDraft or None
+        A table that lists runs.
     saved : tuple of (str, Campaign)
         Saved campaigns by their files.
     unused : tuple of str
@@ -97,6 +103,7 @@ class Draft:
     saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
+    matrix: MatrixDraft | None = None
 
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
@@ -158,6 +165,9 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
                 remedy=f"See what they hold: pmmkit inspect {folder}",
             )
         )
+    matrix = _matrix(seen, base, runs)
+    if matrix is not None:
+        runs = [_as_listed(run, matrix) for run in runs]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
         run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
@@ -174,6 +184,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
+        if matrix is None or item.path != matrix.look.path or item.options != matrix.look.options
     ]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
@@ -185,6 +196,35 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
+        matrix=matrix,
+    )
+
+
+def _matrix(seen: Look, base: str, runs: Sequence[RunDraft]) -> MatrixDraft | None:
+    """The table that lists the runs of the layout that most of them have."""
+    counted = Counter(id(run.look) for run in runs)
+    likes = [run for run in runs if id(run.look) == max(counted, key=lambda key: counted[key])]
+    books = {run.file for run in likes if run.sheet is not None}
+    if len(books) > 1 or (books and any(run.sheet is None for run in likes)):
+        return None
+    looks = [
+        item for group in seen.groups if group.first.kind == "unknown" for item in _read_all(group)
+    ]
+    places = [str(run.sheet) if books else run.file for run in likes if not run.problems]
+    return matrix_of(looks, base, places, next(iter(books), None))
+
+
+def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:
+    """A run with what a matrix says of it; only a speed that it does not say is still asked."""
+    place = run.file if matrix.run_sheet is None else str(run.sheet)
+    if place not in matrix.runs or (matrix.run_sheet is not None and run.file != matrix.run):
+        return run
+    left = () if "speed" in matrix.settings else ("speed",)
+    return replace(
+        run,
+        test=matrix.runs[place],
+        settings=tuple(item for item in run.settings if item.key in left),
+        listed=True,
     )
 
 
@@ -355,7 +395,7 @@ def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
         return list(runs)
     return [
         replace(run, test=STATIC_DRIFT.name, settings=(*run.settings, _NO_DRIFT))
-        if run.test == RESISTANCE.name and facts_of(_stem(run.file)).test is None
+        if run.test == RESISTANCE.name and not run.listed and facts_of(_stem(run.file)).test is None
         else run
         for run in runs
     ]

@@ -105,7 +105,7 @@ def facts_of(name: str) -> Named:
     {'v_amplitude': (0.08, 'v0.08, if it is the sway velocity over U')}
     """
     parts = list(reversed(name.split("/")))
-    test = next((found for part in parts if (found := _test_of(part)) is not None), None)
+    test = next((found for part in parts if (found := test_named(part)) is not None), None)
     settings: dict[str, tuple[float, str]] = {}
     marks: dict[str, tuple[float, str]] = {}
     for part in parts:
@@ -151,7 +151,14 @@ def _values(token: str) -> Iterable[tuple[str, float]]:
         return
 
 
-def _test_of(part: str) -> str | None:
+def test_named(part: str) -> str | None:
+    """Kind of test that a text names, or None; `part` is a part of a name, or a cell.
+
+    Examples
+    --------
+    >>> test_named("Pure sway, large amplitude"), test_named("Schrägschlepp"), test_named("No. 4")
+    ('pure_sway', 'static_drift', None)
+    """
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", part)
     plain = " ".join(re.findall(r"[A-Za-z]+", words)).lower()
     for test, pattern in _phrases():

@@ -15,6 +15,7 @@ from pmmkit.escaping import toml_comment, toml_string
 from pmmkit.inspection import ColumnLook, FileLook
 from pmmkit.inspection.drafts.common import Common, in_common
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
+from pmmkit.inspection.drafts.matrix import MatrixDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import Options, reader_of
@@ -86,7 +87,11 @@ def written(draft: Draft) -> Written:
             lines += ["", *_saved_run(file, run)]
     common = in_common(draft.runs, draft.tables)
     lines += _defaults(common, todo)
+    if draft.matrix is not None:
+        lines += ["", *_matrix(draft.matrix, todo)]
     for entry in common.runs:
+        if entry.listed:
+            continue
         lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart, stated=stated)]
     for entry in common.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
@@ -428,6 +433,43 @@ def _id_column(look: FileLook) -> str:
     return (named or varied or list(look.columns))[0].title
 
 
+def _matrix(matrix: MatrixDraft, todo: _Todo) -> list[str]:
+    """The table that lists the tests."""
+    look = matrix.look
+    lines = ["[[matrix]]", _aligned(f"file = {toml(matrix.file)}", "each row is a run")]
+    source = _source(look, look.options)
+    lines += [f"source = {{ {', '.join(source)} }}", f"id = {toml(matrix.id)}"]
+    lines += [f"test = {toml(matrix.test)}", f"run = {toml(matrix.run)}"]
+    if matrix.run_sheet is not None:
+        lines.append(f"run_sheet = {toml(matrix.run_sheet)}")
+    if matrix.skip:
+        lines.append(_aligned(f"skip = {toml(matrix.skip)}", "rows of which no run is there"))
+    lines.append("[matrix.columns]")
+    for column in look.columns:
+        item = column.suggestion
+        if item is not None and column.numbers:
+            sure = item.name in matrix.settings
+            note = f"{item.certainty}: {item.reason}"
+            theirs = f"{item.name} = {_theirs(column, item, look)}"
+            lines.append(
+                _aligned(theirs if sure else f"# {theirs}", note if sure else f"TODO {note}")
+            )
+            if not sure:
+                todo.add(f"[matrix.columns] {item.name}: is it {column.label!r} of {look.shown}?")
+        else:
+            lines.append(f"# not used: {toml_comment(column.label)}")
+    lines.append("[matrix.tests]                   # their word = our kind of test")
+    for word, test in matrix.tests.items():
+        if test is None:
+            lines.append(
+                _aligned(f"# {toml_string(word)} = ...", f"TODO one of {', '.join(kinds())}")
+            )
+            todo.add(f"[matrix.tests] which kind of test is {word!r}?")
+        elif test != word:
+            lines.append(f"{toml_string(word)} = {toml(test)}")
+    return lines
+
+
 def _defaults(common: Common, todo: _Todo) -> list[str]:
     """What runs have in common, and what is asked for all of them at once."""
     tables = {"defaults": common.every}
@@ -497,7 +539,9 @@ def _saved_run(file: str, run: Run) -> list[str]:
 
 def _unused(draft: Draft) -> list[str]:
     lines = [f"# {toml_comment(text)}" for text in draft.unused]
-    lines += [f"# {toml_comment(str(problem))}" for problem in draft.look.problems]
+    matrix = None if draft.matrix is None else draft.matrix.look.shown
+    problems = [problem for problem in draft.look.problems if problem.file != matrix]
+    lines += [f"# {toml_comment(str(problem))}" for problem in problems]
     return ["", "# Files that are not used:", *lines] if lines else []
 
 
