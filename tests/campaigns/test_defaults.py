@@ -10,6 +10,7 @@ from small_campaign import HEAD
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.errors import CampaignError
+from pmmkit.exports import export
 
 T = np.arange(0.0, 40.0, 0.05)
 
@@ -131,6 +132,10 @@ cfd = { forces_in = "earth", ramp_s = 10.0, rho_inf = 99.91, symmetry_factor = 2
     np.testing.assert_allclose(turned["t"], late)
     expected = 20 * (-20 * cosine + 10 * np.cos(0.5 * late) * sine)
     np.testing.assert_allclose(turned["X"], expected, atol=1e-6)
+    export(found, tmp_path / "again")
+    again = open_campaign(tmp_path / "again")
+    for name in "ab":
+        np.testing.assert_array_equal(again[name].data["X"], found[name].data["X"])
 
 
 @pytest.mark.parametrize(
