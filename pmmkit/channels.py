@@ -76,6 +76,7 @@ SETTING_UNITS: Final[dict[str, str]] = {
     "frequency_hz": "1/s",
     "amplitude_m": "m",
     "yaw_amplitude_deg": "deg",
+    "path_amplitude_m": "m",
     "phase_deg": "deg",
     "yaw_rate": "rad/s",
     "radius": "m",

@@ -184,12 +184,15 @@ def _listed(value: Any) -> Any:
 
 
 def _cfd(campaign: Campaign) -> dict[str, Any]:
-    """``[cfd]`` with factors of one: they have been applied."""
-    found = {key: value for key, value in campaign.cfd.items() if key != "U_SN"}
-    if "rho_inf" in found:
-        found["rho_inf"] = campaign.water.rho
-    if "symmetry_factor" in found:
-        found["symmetry_factor"] = 1.0
+    """``[cfd]`` with nothing left to do: factors, axes and start-up have been applied."""
+    done = {
+        "rho_inf": campaign.water.rho,
+        "symmetry_factor": 1.0,
+        "forces_in": "body",
+        "moment_centre_moves": True,
+        "ramp_s": 0.0,
+    }
+    found = {key: done.get(key, value) for key, value in campaign.cfd.items() if key != "U_SN"}
     return found | ({"U_SN": dict(campaign.numerical)} if campaign.numerical else {})
 
 

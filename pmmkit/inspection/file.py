@@ -98,12 +98,30 @@ def _size(path: Path) -> int:
 
 
 def _text(look: FileLook, layout: Layout, numbers: bool) -> FileLook:
-    """A text file; of a large one a sample is read."""
+    """A text file."""
     units = layout.units or ("",) * len(layout.headers)
     columns = _columns(layout.headers, units, layout.numeric)
     look = replace(look, layout=layout, options=layout.options, columns=columns)
-    if not numbers:
-        return judged(look, {})
+    return with_numbers(look) if numbers else judged(look, {})
+
+
+def with_numbers(look: FileLook) -> FileLook:
+    """A file of which layout and headers are known, with its numbers; of a large text a sample.
+
+    Parameters
+    ----------
+    look : FileLook
+        As `look_at` gave it, with its columns.
+    """
+    if look.layout is not None:
+        return _text_numbers(look, look.layout)
+    values = values_of(look)
+    rows = max((len(column) for column in values.numbers.values()), default=0)
+    look = replace(look, rows=rows, problems=values.problems, notes=values.notes)
+    return judged(look, values.numbers)
+
+
+def _text_numbers(look: FileLook, layout: Layout) -> FileLook:
     if layout.encoding == "utf-16" and look.size >= LARGE:
         return _with_problem(look, "UTF-16 text of this size is not looked into.")
     try:
@@ -151,11 +169,7 @@ def _sheet(look: FileLook, count: int, numbers: bool) -> FileLook:
     if sum(numeric) < 2:
         return _with_problem(look, "the sheet has no rows of numbers in columns.")
     look = replace(look, columns=_columns(cells.headers, ("",) * len(numeric), numeric))
-    if not numbers:
-        return judged(look, {})
-    values = values_of(look)
-    rows = max((len(column) for column in values.numbers.values()), default=0)
-    return judged(replace(look, rows=rows, problems=values.problems), values.numbers)
+    return with_numbers(look) if numbers else judged(look, {})
 
 
 def _other(look: FileLook, numbers: bool) -> FileLook:
@@ -163,12 +177,7 @@ def _other(look: FileLook, numbers: bool) -> FileLook:
     headers = reader_of(look.format).names(look.request)
     columns = _columns(headers, ("",) * len(headers), (True,) * len(headers))
     look = replace(look, columns=columns)
-    if not numbers:
-        return judged(look, {})
-    values = values_of(look)
-    rows = max((len(column) for column in values.numbers.values()), default=0)
-    look = replace(look, rows=rows, problems=values.problems, notes=values.notes)
-    return judged(look, values.numbers)
+    return with_numbers(look) if numbers else judged(look, {})
 
 
 def _columns(

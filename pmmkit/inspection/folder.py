@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
 from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.inspection.file import look_at
+from pmmkit.inspection.file import look_at, with_numbers
 from pmmkit.inspection.seen import FileLook
 from pmmkit.readers import reader_of, readers, recognise
 
@@ -167,14 +167,14 @@ def look(path: str | Path) -> Look:
         raise CampaignError(Problem(message="this is neither file nor folder.", file=str(place)))
     if place.suffix == ".toml":
         return Look(path=place, campaigns=(_campaign(place, place.name),))
-    looks = look_at(place, place.name)
+    looks = look_at(place, place.name, numbers=False)
     if looks[0].is_campaign:
         return Look(path=place, campaigns=(_campaign(place, place.name),))
-    good = [item for item in looks if item.columns]
-    problems = tuple(problem for item in looks for problem in item.problems)
-    if not good:
+    found, problems = _grouped([item for item in looks if item.columns])
+    problems = [*(fault for item in looks for fault in item.problems), *problems]
+    if not found:
         raise CampaignError(problems)
-    return Look(path=place, groups=tuple(Group(files=(item,)) for item in good), problems=problems)
+    return Look(path=place, groups=found, problems=tuple(problems))
 
 
 def _look_folder(folder: Path) -> Look:
@@ -182,7 +182,7 @@ def _look_folder(folder: Path) -> Look:
     campaigns = [_campaign(folder, FILE_NAME)] if (folder / FILE_NAME).is_file() else []
     others: Counter[str] = Counter()
     problems: list[Problem] = []
-    groups: dict[object, list[FileLook]] = {}
+    looks: list[FileLook] = []
     for path in files:
         shown = path.relative_to(folder).as_posix()
         if not _is_text(shown):
@@ -195,21 +195,18 @@ def _look_folder(folder: Path) -> Look:
             if item.is_campaign:
                 campaigns.append(_campaign(path, shown))
             elif item.columns:
-                groups.setdefault(_key(item), []).append(item)
+                looks.append(item)
             elif item.format or not item.size or _refused(item):
                 problems += item.problems
             else:
                 others[path.suffix.lower()] += 1
-    if not (groups or campaigns):
+    if not (looks or campaigns):
         raise _nothing(folder, others, problems)
-    found = []
-    for members in groups.values():
-        read = _read_first(members)
-        found.append(Group(files=(read, *members[1:])))
-        problems += read.problems
+    groups, damaged = _grouped(looks)
+    problems += damaged
     return Look(
         path=folder,
-        groups=tuple(found),
+        groups=groups,
         campaigns=tuple(campaigns),
         others=MappingProxyType(dict(others)),
         problems=tuple(problems),
@@ -235,18 +232,17 @@ def _refused(item: FileLook) -> bool:
     return any("cannot be read" in problem.message for problem in item.problems)
 
 
+def _grouped(looks: Sequence[FileLook]) -> tuple[tuple[Group, ...], list[Problem]]:
+    """Files and sheets of the same layout and headers, the first of each with its numbers."""
+    groups: dict[object, list[FileLook]] = {}
+    for item in looks:
+        groups.setdefault(_key(item), []).append(item)
+    found = [Group(files=(with_numbers(members[0]), *members[1:])) for members in groups.values()]
+    return tuple(found), [problem for group in found for problem in group.first.problems]
+
+
 def _key(item: FileLook) -> tuple[object, ...]:
-    return item.format, item.titles, item.options
-
-
-def _read_first(members: list[FileLook]) -> FileLook:
-    """The first of some files with its numbers."""
-    first = members[0]
-    return next(
-        item
-        for item in look_at(first.path, first.shown.partition(", sheet ")[0])
-        if item.shown == first.shown
-    )
+    return item.format, item.titles, replace(item.options, sheet=None)
 
 
 def _files(folder: Path) -> tuple[list[Path], int]:

@@ -24,6 +24,7 @@ from pmmkit.channels import (
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.vocabulary import meanings, same
 
 Certainty = Literal["surely", "probably", "perhaps"]
 
@@ -207,6 +208,23 @@ def _by_name(
             unit=own,
             scale=-1.0 if drag else 1.0,
         )
+    return _in_other_words(plain, unit, table=table)
+
+
+def _in_other_words(header: str, unit: str | None, *, table: bool) -> Suggestion | None:
+    """By a word of another language; surer where it is all of the header."""
+    found = [*meanings("setting", header)] if table else []
+    for channel, word in meanings("channel", header):
+        held = _SETTINGS_OF.get(channel) if table else None
+        found.append((held or channel, word))
+    for name, word in found:
+        told = unit is not None or name != "yaw_rate"
+        if _known(name, table=table) and _fits(name, unit, table=table) and told:
+            return Suggestion(
+                name=name,
+                certainty="probably" if same(word, header) else "perhaps",
+                reason=f"{word!r} is a word for it",
+            )
     return None
 
 
@@ -372,6 +390,8 @@ _TABLE_NAMES: Final = tuple(
         "propeller_rps": "rps|rpm|n|prop(?:eller)? (?:rps|rev(?:olution)?s?)",
         "frequency_hz": "freq|frequency|f",
         "period": "period",
+        "yaw_amplitude_deg": "(?:yaw|heading|psi)(?: angle)? ampl?(?:itude)?|psi ?[a0]|ψ ?[a0]",
+        "amplitude_m": "(?:sway |motion |y )?ampl?(?:itude)?|y ?[a0]",
         "vdot_amplitude": "vdot|v dot",
         "rdot_amplitude": "rdot|r dot",
         "v_amplitude": "v",
@@ -383,6 +403,14 @@ _TABLE_NAMES: Final = tuple(
         "FY_rudder": "r ?y",
     }.items()
 )
+
+_SETTINGS_OF: Final = {
+    "delta": "rudder_deg",
+    "phi": "heel_deg",
+    "n": "propeller_rps",
+    "r": "yaw_rate",
+}
+"""What a table whose rows are runs holds of a channel."""
 
 _HARMONIC: Final = re.compile(
     r"(?P<channel>[XYNKTQ]|R[XYxy])_?(?P<part>(?P<mean>mean|std)|sin|cos|in|out)_?(?P<order>[1-9]?)'?"

@@ -123,6 +123,10 @@ class Reader(ABC):
         """Names of the sheets among which the key ``sheet`` chooses."""
         return ()
 
+    def computation(self, request: Request) -> Mapping[str, float]:  # noqa: ARG002
+        """What lies beside the files of a computation and says what ``[cfd]`` asks, by its keys."""
+        return MappingProxyType({})
+
     def is_one_run(self, folder: Path) -> bool:  # noqa: ARG002
         """Whether a folder of the format is one measurement, and not one measurement a file."""
         return True

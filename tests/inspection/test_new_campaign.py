@@ -312,6 +312,43 @@ def test_cases_of_openfoam_are_runs(tmp_path, capsys):
     np.testing.assert_array_equal(run.data["Y"], np.full(len(t), 6.0))
 
 
+def cases(folder: Path, densities: dict[str, float]) -> None:
+    """Cases of OpenFOAM, each with the density of its controlDict."""
+    for name, density in densities.items():
+        results = folder / name / "postProcessing" / "forces" / "0"
+        results.mkdir(parents=True)
+        head = "# Time\t" + "\t".join(
+            f"{part}_x {part}_y {part}_z" for part in ("total", "pressure", "viscous")
+        )
+        rows = "".join(f"{0.5 * k:g} 1 2 3 1 2 3 0 0 0\n" for k in range(1, 60))
+        for part in ("Force", "Moment"):
+            text = f"# {part}\n# CofR : (0 0 0)\n#\n{head}\n{rows}"
+            (results / f"{part.lower()}.dat").write_text(text, encoding="utf-8")
+        (folder / name / "system").mkdir()
+        (folder / name / "system" / "controlDict").write_text(
+            f"functions {{ forces {{ type forces; rho rhoInf; rhoInf {density}; }} }}\n",
+            encoding="utf-8",
+        )
+
+
+def test_the_density_of_a_computation_is_read(tmp_path, capsys):
+    cases(tmp_path, {"drift_U1.2_b+00": 1.0, "drift_U1.2_b+06": 1.0})
+    _, content, _ = drafted(capsys, tmp_path)
+    assert any("rho_inf = 1" in item for item in content["todo"]), "a person is asked"
+    filled_in(tmp_path)
+    run = open_campaign(tmp_path)["drift_U1.2_b+06"]
+    np.testing.assert_allclose(run.data["Y"], 2.0 * 999.1)
+
+
+def test_densities_that_differ_stand_with_their_runs(tmp_path, capsys):
+    cases(tmp_path, {"drift_U1.2_b+00": 1.0, "drift_U1.2_b+06": 998.0})
+    drafted(capsys, tmp_path)
+    filled_in(tmp_path)
+    found = open_campaign(tmp_path)
+    np.testing.assert_allclose(found["drift_U1.2_b+00"].data["Y"], 2.0 * 999.1)
+    np.testing.assert_allclose(found["drift_U1.2_b+06"].data["Y"], 2.0 * 999.1 / 998.0)
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="names that Windows does not allow")
 @settings(max_examples=40)

@@ -109,6 +109,27 @@ def merged(options: Options, entry: FileEntry) -> Options:
     return replace(options, **{name: getattr(own, name) for name in own.model_fields_set})
 
 
+def computed(setup: Setup, entry: FileEntry) -> Setup:
+    """The setup with what a run or table states of its computation, beside ``[cfd]``."""
+    own = {} if entry.cfd is None else entry.cfd.model_dump(exclude_none=True)
+    if not own:
+        return setup
+    frame, solver = setup.frame, setup.solver
+    if "rho_inf" in own:
+        frame = replace(frame, density_factor=setup.water.rho / own["rho_inf"])
+    return replace(
+        setup,
+        frame=replace(frame, symmetry_factor=own.get("symmetry_factor", frame.symmetry_factor)),
+        solver=replace(
+            solver,
+            earth_axes=own.get("forces_in", "earth" if solver.earth_axes else "body") == "earth",
+            centre_moves=own.get("moment_centre_moves", solver.centre_moves),
+            ramp=own.get("ramp_s", solver.ramp),
+            stated=solver.stated | set(own),
+        ),
+    )
+
+
 def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[str, ColumnSpec]:
     """``[columns]`` with what a run or table maps of its own."""
     own = {} if entry is None else entry.columns
@@ -118,6 +139,7 @@ def specs_of(entry: FileEntry | None, base: Mapping[str, ColumnSpec]) -> dict[st
 def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
     """One entry of ``[[runs]]``: a history, or a row of a table."""
     out.claim(entry.id, label, setup.toml)
+    setup = computed(setup, entry)
     request = _request(entry, label, setup, out)
     if request is None:
         return
@@ -147,6 +169,7 @@ def add_run(entry: RunEntry, label: str, setup: Setup, out: Assembled) -> None:
 
 def add_table(entry: TableEntry, label: str, setup: Setup, out: Assembled) -> None:
     """One entry of ``[[tables]]``: every row that is not left out becomes a run."""
+    setup = computed(setup, entry)
     request = _request(entry, label, setup, out)
     if request is None:
         return

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FILE_NAME: Final = "campaign.toml"
 DATA_VARIABLE: Final = "PMMKIT_DATA"
-_TESTS: Final = ("runs", "tables", "corrections")
+_TESTS: Final = ("runs", "matrix", "tables", "corrections")
 _SAVED: Final = (".h5", ".hdf5", ".nc")
 
 
@@ -278,9 +278,11 @@ def _assemble(
     for name in ("campaign", "ship"):
         if name not in raw:
             problems.append(Problem(message="this table is missing.", file=toml, entry=f"[{name}]"))
-    if runs and not (raw.get("runs") or raw.get("tables")):
+    if runs and not any(raw.get(name) for name in ("runs", "matrix", "tables")):
         problems.append(
-            Problem(message="there are no runs: neither [[runs]] nor [[tables]].", file=toml)
+            Problem(
+                message="there are no runs: neither [[runs]], [[matrix]] nor [[tables]].", file=toml
+            )
         )
     top = particulars.read_top(raw, toml, problems)
     search = _Search(search.own, search.data, top.campaign.data_folder)
@@ -331,14 +333,33 @@ def _assemble(
 
 
 def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
-    """Every entry of ``[[runs]]`` and ``[[tables]]``."""
+    """Every entry of ``[[runs]]``, ``[[matrix]]`` and ``[[tables]]``."""
     from pmmkit.campaigns.file import schema
     from pmmkit.campaigns.file.assembly import add_run, add_table
+    from pmmkit.campaigns.file.defaults import read_defaults, with_defaults
+    from pmmkit.campaigns.file.matrix import entries_of
 
-    for index, item in enumerate(_list(raw, "runs", setup.toml, out), start=1):
-        label = _label("runs", index, item)
+    defaults = read_defaults(raw.get("defaults", {}), setup.toml, out.problems)
+    listed = [
+        (_label("runs", index, item), item)
+        for index, item in enumerate(_list(raw, "runs", setup.toml, out), start=1)
+    ]
+    for index, item in enumerate(_list(raw, "matrix", setup.toml, out), start=1):
+        label = _label("matrix", index, item)
+        matrix = schema.read_entry(
+            schema.MatrixEntry, item, file=setup.toml, entry=label, problems=out.problems
+        )
+        if matrix is not None:
+            listed += entries_of(matrix, label, setup, out)
+        else:
+            out.incomplete = True
+    for label, item in listed:
         entry = schema.read_entry(
-            schema.RunEntry, item, file=setup.toml, entry=label, problems=out.problems
+            schema.RunEntry,
+            with_defaults(item, defaults),
+            file=setup.toml,
+            entry=label,
+            problems=out.problems,
         )
         if entry is not None:
             add_run(entry, label, setup, out)
@@ -346,8 +367,13 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
             out.claim(item["id"], label, setup.toml)
     for index, item in enumerate(_list(raw, "tables", setup.toml, out), start=1):
         label = _label("tables", index, item)
+        own = item.get("columns", {}) if isinstance(item, Mapping) else {}
         table = schema.read_entry(
-            schema.TableEntry, item, file=setup.toml, entry=label, problems=out.problems
+            schema.TableEntry,
+            with_defaults(item, defaults, mapped={*setup.columns, *own}),
+            file=setup.toml,
+            entry=label,
+            problems=out.problems,
         )
         if table is not None:
             add_table(table, label, setup, out)

@@ -220,15 +220,20 @@ class NumericalEntry(Entry):
     K: Annotated[float, Field(ge=0)] | None = None
 
 
-class CfdEntry(Entry):
-    """``[cfd]``."""
+class ComputedEntry(Entry):
+    """What ``[cfd]`` may say of one run."""
 
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
-    moment_centre: float | None = None
     moment_centre_moves: bool | None = None
     forces_in: Literal["body", "earth"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
+
+
+class CfdEntry(ComputedEntry):
+    """``[cfd]``."""
+
+    moment_centre: float | None = None
     U_SN: NumericalEntry | None = None
 
 
@@ -261,6 +266,7 @@ class SettingsEntry(Entry):
     frequency_hz: Positive | None = None
     amplitude_m: Positive | None = None
     yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
+    path_amplitude_m: Positive | None = None
     phase_deg: float | None = None
     yaw_rate: float | None = None
     radius: float | None = None
@@ -287,14 +293,25 @@ class SettingsEntry(Entry):
         }
 
 
-class FileEntry(SettingsEntry):
+class DefaultsEntry(SettingsEntry):
+    """``[defaults]``, and what it says of one kind of test."""
+
+    source: SourceEntry | None = None
+    columns: dict[str, ColumnEntry] = {}
+    cfd: ComputedEntry | None = None
+
+    @field_validator("columns")
+    @classmethod
+    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        return known_columns(value)
+
+
+class FileEntry(DefaultsEntry):
     """What runs and tables share."""
 
     id: Annotated[str, Field(min_length=1)]
     test: str
     file: Annotated[str, Field(min_length=1)]
-    source: SourceEntry | None = None
-    columns: dict[str, ColumnEntry] = {}
     rows: Annotated[int, Field(ge=1)] | None = None
 
     @field_validator("test")
@@ -303,11 +320,6 @@ class FileEntry(SettingsEntry):
         if value not in kinds():
             raise ValueError(not_a_kind(value))
         return value
-
-    @field_validator("columns")
-    @classmethod
-    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
-        return known_columns(value)
 
 
 class RunEntry(FileEntry):
@@ -335,6 +347,34 @@ class TableEntry(FileEntry):
 
     where: dict[str, Plain] = {}
     skip: list[Annotated[int, Field(ge=1)]] = []
+
+
+class MatrixEntry(SettingsEntry):
+    """``[[matrix]]``."""
+
+    file: Annotated[str, Field(min_length=1)]
+    source: SourceEntry | None = None
+    id: Annotated[str, Field(min_length=1)]
+    test: Annotated[str, Field(min_length=1)]
+    tests: dict[str, str] = {}
+    run: Annotated[str, Field(min_length=1)]
+    run_sheet: Annotated[str, Field(min_length=1)] | None = None
+    columns: dict[str, ColumnEntry] = {}
+    where: dict[str, Plain] = {}
+    skip: list[Annotated[int, Field(ge=1)]] = []
+
+    @field_validator("columns")
+    @classmethod
+    def _names(cls, value: dict[str, ColumnEntry]) -> dict[str, ColumnEntry]:
+        wrong = [name for name in value if name not in SETTING_UNITS]
+        if wrong:
+            raise ValueError(
+                "; ".join(
+                    f"{name!r} is no setting of a test{did_you_mean(name, SETTING_UNITS)}"
+                    for name in wrong
+                )
+            )
+        return value
 
 
 class CorrectionEntry(SettingsEntry):
@@ -421,6 +461,8 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "trial": TrialEntry,
     "uncertainty": None,
     "corrections": CorrectionEntry,
+    "defaults": DefaultsEntry,
+    "matrix": MatrixEntry,
     "runs": RunEntry,
     "tables": TableEntry,
     "end": EndEntry,
@@ -532,6 +574,7 @@ def _options(expected: str) -> Iterable[str]:
 def _keys(model: type[Entry], place: list[str]) -> list[str]:
     nested: dict[str, type[Entry]] = {
         "source": SourceEntry,
+        "cfd": ComputedEntry,
         "U_SN": NumericalEntry,
         "columns": ColumnEntry,
     }

@@ -14,7 +14,7 @@ _MEASURED_BY: Final = {"drift": "v", "heel": "phi", "rudder": "delta"}
 """Channel that tells a setting where the file measures it."""
 _AMPLITUDES: Final = {
     "amplitude": {"amplitude_m", "vdot_amplitude", "v_amplitude"},
-    "yaw_amplitude": {"yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"},
+    "yaw_amplitude": {"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"},
 }
 """Keys, any of which gives the amplitude of an oscillation."""
 
@@ -26,7 +26,8 @@ _WORDS: Final[dict[str, str]] = {
     "switch_deg": "the heading of the switch, switch_deg",
     "period": "the period [s] (or frequency_hz)",
     "amplitude_m": "the amplitude, amplitude_m",
-    "yaw_amplitude_deg": "the amplitude of the heading, yaw_amplitude_deg",
+    "yaw_amplitude_deg": "the amplitude of the heading, yaw_amplitude_deg (or of the path, "
+    "path_amplitude_m)",
 }
 
 
@@ -94,7 +95,9 @@ def settings_of(
 
     The angular frequency is 2π ``frequency_hz``, else 2π/``period``, else the ratio of the primed
     amplitudes times U/L. Amplitudes that are not stated come from the primed ones: of the
-    displacement |v̇'| U²/(L ω²) or |v'| U/ω, of the heading |r'| U/(L ω) or |ṙ'| U²/(L² ω²).
+    displacement |v̇'| U²/(L ω²) or |v'| U/ω, of the heading |r'| U/(L ω) or |ṙ'| U²/(L² ω²). A pure
+    yaw test that is set by the amplitude a of its path has the heading along that path:
+    tan ψ0 = aω/U.
 
     Parameters
     ----------
@@ -123,7 +126,10 @@ def settings_of(
         elif amplitude is None and "v_amplitude" in given:
             amplitude = abs(given["v_amplitude"]) * speed / omega
             notes.append("amplitude from the primed velocity: |v'| U/ω")
-        if yaw is None and "r_amplitude" in given:
+        if yaw is None and "path_amplitude_m" in given and not kind_of(test).sways:
+            yaw = math.atan(given["path_amplitude_m"] * omega / speed)
+            notes.append("yaw amplitude from that of the path: atan(a ω/U)")
+        elif yaw is None and "r_amplitude" in given:
             yaw = abs(given["r_amplitude"]) * speed / length / omega
             notes.append("yaw amplitude from the primed yaw rate: |r'| U/(L ω)")
         elif yaw is None and "rdot_amplitude" in given:

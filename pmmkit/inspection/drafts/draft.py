@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
@@ -21,12 +22,14 @@ from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import Setting, settled
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
+from pmmkit.readers import reader_of
 from pmmkit.ship import Ship
 
 
@@ -48,6 +51,12 @@ class RunDraft:
         What is wrong with its file.
     motion : str or None
         Where the motion of the hull lies beside its forces.
+    sheet : str, int or None
+        Sheet of the workbook that holds the run, where it has several.
+    computation : mapping of str to float
+        What lies beside it and says what ``[cfd]`` asks.
+    listed : bool
+        Whether a matrix says what it was set to.
     """
 
     id: str
@@ -57,6 +66,9 @@ class RunDraft:
     settings: tuple[Setting, ...]
     problems: tuple[str, ...] = ()
     motion: str | None = None
+    sheet: str | int | None = None
+    computation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    listed: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,6 +85,8 @@ class Draft:
         Ship of the library.
     runs, tables : tuple of RunDraft
         Histories; tables whose rows are runs.
+    matrix : MatrixDraft or None
+        A table that lists runs.
     saved : tuple of (str, Campaign)
         Saved campaigns by their files.
     unused : tuple of str
@@ -89,6 +103,7 @@ class Draft:
     saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
+    matrix: MatrixDraft | None = None
 
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
@@ -150,6 +165,9 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
                 remedy=f"See what they hold: pmmkit inspect {folder}",
             )
         )
+    matrix = _matrix(seen, base, runs)
+    if matrix is not None:
+        runs = [_as_listed(run, matrix) for run in runs]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
         run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
@@ -166,6 +184,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
+        if matrix is None or item.path != matrix.look.path or item.options != matrix.look.options
     ]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
@@ -177,6 +196,35 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
+        matrix=matrix,
+    )
+
+
+def _matrix(seen: Look, base: str, runs: Sequence[RunDraft]) -> MatrixDraft | None:
+    """The table that lists the runs of the layout that most of them have."""
+    counted = Counter(id(run.look) for run in runs)
+    likes = [run for run in runs if id(run.look) == max(counted, key=lambda key: counted[key])]
+    books = {run.file for run in likes if run.sheet is not None}
+    if len(books) > 1 or (books and any(run.sheet is None for run in likes)):
+        return None
+    looks = [
+        item for group in seen.groups if group.first.kind == "unknown" for item in _read_all(group)
+    ]
+    places = [str(run.sheet) if books else run.file for run in likes if not run.problems]
+    return matrix_of(looks, base, places, next(iter(books), None))
+
+
+def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:
+    """A run with what a matrix says of it; only a speed that it does not say is still asked."""
+    place = run.file if matrix.run_sheet is None else str(run.sheet)
+    if place not in matrix.runs or (matrix.run_sheet is not None and run.file != matrix.run):
+        return run
+    left = () if "speed" in matrix.settings else ("speed",)
+    return replace(
+        run,
+        test=matrix.runs[place],
+        settings=tuple(item for item in run.settings if item.key in left),
+        listed=True,
     )
 
 
@@ -208,10 +256,10 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
     clock = group.first.known["t"]
     drafts = []
     for item in group.files:
-        named = facts_of(_stem(item.shown))
+        named = facts_of(_name(item))
         columns = {**wanted, "t": clock}
         channels, problems = _channels(
-            replace(group.first, path=item.path, shown=item.shown), columns
+            replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
         )
         time = channels.pop("t", np.zeros(0))
         moved = motion_facts(time, channels, named.test) if len(time) else Moved()
@@ -221,13 +269,15 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         settings = settled(test, named, moved, length=length)
         drafts.append(
             RunDraft(
-                id=PurePosixPath(_stem(item.shown)).name,
-                file=base + item.shown,
+                id=PurePosixPath(_name(item)).name,
+                file=base + _file(item),
+                sheet=item.options.sheet,
                 look=group.first,
                 test=test,
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
+                computation=reader_of(item.format).computation(item.request),
             )
         )
     return drafts
@@ -294,13 +344,14 @@ def _table(item: FileLook, base: str, length: float | None) -> RunDraft:
         known |= {"period"}
     if known & {"v_amplitude", "vdot_amplitude"}:
         known |= {"amplitude_m"}
-    if known & {"r_amplitude", "rdot_amplitude"}:
+    if known & {"path_amplitude_m", "r_amplitude", "rdot_amplitude"}:
         known |= {"yaw_amplitude_deg"}
     test = named.test or _test_of_table(known)
     settings = settled(test, named, Moved(), length=length)
     return RunDraft(
         id=f"{PurePosixPath(_stem(file)).name}{'_' + sheet if sheet else ''}",
         file=base + file,
+        sheet=item.options.sheet,
         look=item,
         test=test,
         settings=tuple(setting for setting in settings if setting.key not in known),
@@ -344,7 +395,7 @@ def _steady_runs(runs: Sequence[RunDraft]) -> list[RunDraft]:
         return list(runs)
     return [
         replace(run, test=STATIC_DRIFT.name, settings=(*run.settings, _NO_DRIFT))
-        if run.test == RESISTANCE.name and facts_of(_stem(run.file)).test is None
+        if run.test == RESISTANCE.name and not run.listed and facts_of(_stem(run.file)).test is None
         else run
         for run in runs
     ]
@@ -356,18 +407,29 @@ _NO_DRIFT: Final = Setting(key="drift_deg", value=0.0, reason="no drift is recor
 def _named_apart(runs: Sequence[RunDraft], taken: Collection[str] = ()) -> tuple[RunDraft, ...]:
     """Ids of their own: with the folders, where files of several folders have the same name."""
     counted = Counter([run.id for run in runs] + list(taken))
-    apart = [
-        replace(run, id=_stem(run.file).replace("../", "").replace("/", "_"))
-        if counted[run.id] > 1
-        else run
-        for run in runs
-    ]
+    apart = [replace(run, id=_with_folders(run)) if counted[run.id] > 1 else run for run in runs]
     seen = Counter(taken)
     out = []
     for run in apart:
         seen[run.id] += 1
         out.append(run if seen[run.id] == 1 else replace(run, id=f"{run.id}_{seen[run.id]}"))
     return tuple(out)
+
+
+def _file(item: FileLook) -> str:
+    """The file of a look, without the sheet."""
+    return item.shown.partition(", sheet ")[0]
+
+
+def _name(item: FileLook) -> str:
+    """What names a run: the file without suffix, and the sheet where there are several."""
+    sheet = item.options.sheet
+    return _stem(item.shown) if sheet is None else f"{_stem(item.shown)}/{sheet}"
+
+
+def _with_folders(run: RunDraft) -> str:
+    stem = _stem(run.file).replace("../", "").replace("/", "_")
+    return stem if run.sheet is None else f"{stem}_{run.sheet}"
 
 
 def _stem(shown: str) -> str:

@@ -15,6 +15,7 @@ from typing import Final
 from pmmkit.campaigns.test_kinds.free_running import ZIGZAG
 from pmmkit.campaigns.test_kinds.kind import SWAY, YAW, TestKind
 from pmmkit.campaigns.test_kinds.registry import held_too, kind_of, kinds
+from pmmkit.vocabulary import meanings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +105,7 @@ def facts_of(name: str) -> Named:
     {'v_amplitude': (0.08, 'v0.08, if it is the sway velocity over U')}
     """
     parts = list(reversed(name.split("/")))
-    test = next((found for part in parts if (found := _test_of(part)) is not None), None)
+    test = next((found for part in parts if (found := test_named(part)) is not None), None)
     settings: dict[str, tuple[float, str]] = {}
     marks: dict[str, tuple[float, str]] = {}
     for part in parts:
@@ -114,11 +115,13 @@ def facts_of(name: str) -> Named:
             for key, value in _values(token):
                 (marks if key.startswith("hint") else settings).setdefault(key, (value, token))
     test = _refined(test, settings)
+    settings = _along_the_path(test, settings)
     return Named(test=test, settings=_kept(test, settings), hints=_hints(test, marks))
 
 
 def _tokens(part: str) -> list[str]:
     """Parts of a name between separators, a word joined with the number that follows it."""
+    part = re.sub(rf"(?<=[A-Za-zβδψφ])=(?={_NUMBER})", "", part)
     parts = re.split(r"[_\s,;=()\[\]]+|(?<=[A-Za-z])-(?=[A-Za-z])", part)
     pieces = [piece for piece in parts if piece]
     joined = [
@@ -148,12 +151,22 @@ def _values(token: str) -> Iterable[tuple[str, float]]:
         return
 
 
-def _test_of(part: str) -> str | None:
+def test_named(part: str) -> str | None:
+    """Kind of test that a text names, or None; `part` is a part of a name, or a cell.
+
+    Examples
+    --------
+    >>> test_named("Pure sway, large amplitude"), test_named("Schrägschlepp"), test_named("No. 4")
+    ('pure_sway', 'static_drift', None)
+    """
     words = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", part)
     plain = " ".join(re.findall(r"[A-Za-z]+", words)).lower()
     for test, pattern in _phrases():
         if pattern.search(plain):
             return test
+    in_other_words = [test for test, _ in meanings("test", part) if test in kinds()]
+    if in_other_words:
+        return in_other_words[0]
     codes = _codes()
     for token in re.split(r"[_\s-]+", part):
         found = re.fullmatch(r"([A-Z]{2,3})\d*", token)
@@ -187,6 +200,18 @@ def _refined(test: str | None, settings: Mapping[str, tuple[float, str]]) -> str
         if name in stated and stated >= set(kind.held):
             kind = held_too(kind, name)
     return kind.name
+
+
+def _along_the_path(
+    test: str | None, settings: Mapping[str, tuple[float, str]]
+) -> dict[str, tuple[float, str]]:
+    """An amplitude in metres of a test that only yaws is that of its path."""
+    kind = None if test is None else kind_of(test)
+    if kind is None or kind.swings != (YAW,):
+        return dict(settings)
+    value, token = settings.get("amplitude_m", (0.0, ""))
+    left = {key: item for key, item in settings.items() if key != "amplitude_m"}
+    return {**left, "path_amplitude_m": (value, token)} if token.endswith("m") else left
 
 
 def _kept(

@@ -138,6 +138,9 @@ def _one(
     if key in recorded:
         value, where = recorded[key]
         return Setting(key=key, value=value, reason=where, todo="right?" if unsure else "")
+    if key == "yaw_amplitude_deg" and _PATH in said:
+        value, text = said[_PATH]
+        return Setting(key=_PATH, value=value, reason=f"{text} in the name: of the path, in metres")
     hint = next(
         (
             (name, item)
@@ -155,6 +158,7 @@ def _one(
     return Setting(key=key, value=None, todo=todo, active=False)
 
 
+_PATH: Final = "path_amplitude_m"
 _STANDS_FOR: Final = frozenset(
     {("v_amplitude", "amplitude_m"), ("r_amplitude", "yaw_amplitude_deg")}
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign, Run
@@ -13,7 +13,9 @@ from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import split_unit
 from pmmkit.escaping import toml_comment, toml_string
 from pmmkit.inspection import ColumnLook, FileLook
+from pmmkit.inspection.drafts.common import Common, in_common
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
+from pmmkit.inspection.drafts.matrix import MatrixDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import Options, reader_of
@@ -59,6 +61,8 @@ def written(draft: Draft) -> Written:
         From `draft_of`.
     """
     base = None if draft.saved else _largest(draft)
+    stated: Mapping[str, float] = {}
+    apart = len({entry.sheet for entry in draft.runs if entry.look is base}) > 1
     todo = _Todo()
     lines = [
         "# A draft made from the files that lie here. Check every line; TODO marks what the files",
@@ -69,9 +73,11 @@ def written(draft: Draft) -> Written:
         *_ship(draft, todo),
     ]
     if any(reader_of(entry.look.format).computed for entry in draft.runs):
-        lines += ["", *_cfd(todo)]
+        stated = _of_all(draft.runs)
+        lines += ["", *_cfd(draft.runs, stated, todo)]
     if base is not None:
-        lines += ["", "[source]", *_source(base, base.options)]
+        shared = replace(base.options, sheet=None) if apart else base.options
+        lines += ["", "[source]", *_source(base, shared)]
         lines += ["", "[columns]                        # our name = theirs"]
         lines += _columns(base, draft.kind, todo, table=False)
     elif draft.saved:
@@ -79,9 +85,15 @@ def written(draft: Draft) -> Written:
     for file, campaign in draft.saved:
         for run in campaign:
             lines += ["", *_saved_run(file, run)]
-    for entry in draft.runs:
-        lines += ["", *_entry(entry, "runs", base, draft.kind, todo)]
-    for entry in draft.tables:
+    common = in_common(draft.runs, draft.tables)
+    lines += _defaults(common, todo)
+    if draft.matrix is not None:
+        lines += ["", *_matrix(draft.matrix, todo)]
+    for entry in common.runs:
+        if entry.listed:
+            continue
+        lines += ["", *_entry(entry, "runs", base, draft.kind, todo, apart=apart, stated=stated)]
+    for entry in common.tables:
         lines += ["", *_entry(entry, "tables", base, draft.kind, todo)]
     lines += [*_unused(draft), "", "[end]"]
     entries = (
@@ -194,7 +206,17 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
     return [*lines, "", "[water]", rho]
 
 
-def _cfd(todo: _Todo) -> list[str]:
+def _of_all(runs: Sequence[RunDraft]) -> Mapping[str, float]:
+    """What all computations say alike."""
+    first = runs[0].computation
+    return {
+        key: value
+        for key, value in first.items()
+        if all(run.computation.get(key) == value for run in runs)
+    }
+
+
+def _cfd(runs: Sequence[RunDraft], stated: Mapping[str, float], todo: _Todo) -> list[str]:
     """What forces that were computed need."""
     todo.add(
         "[axes] which way the axes of the mesh point; [cfd] the point of the moments, whether "
@@ -205,14 +227,41 @@ def _cfd(todo: _Todo) -> list[str]:
         '# y = "-y"                       # x forward and z up: y to port (x aft, z up: x = "-x")',
         '# z = "-z"',
         "",
-        "# [cfd]                          # TODO of forces that were computed",
+        f"{'' if stated else '# '}[cfd]".ljust(33) + "# TODO of forces that were computed",
         '# forces_in = "earth"            # TODO if they stay along the tank while the hull moves',
         "# moment_centre = 0.0            # TODO where moments refer at rest, forward of midship",
         "# moment_centre_moves = false    # TODO if that point stays behind while the hull moves",
         "# ramp_s = ...                   # TODO start-up of the computation, cut off every run",
         "# symmetry_factor = 2.0          # TODO if half a ship was computed",
-        "# rho_inf = ...                  # TODO density of the computation, if it is another",
+        *_density(stated.get("rho_inf"), todo),
         "# U_SN = { X = ..., Y = ..., N = ... }  # TODO numerical uncertainty [N, N m], if known",
+        *_otherwise(runs),
+    ]
+
+
+def _density(rho_inf: float | None, todo: _Todo) -> list[str]:
+    if rho_inf is None:
+        return [
+            "# rho_inf = ...                  # TODO density of the computation, if it is another"
+        ]
+    if rho_inf != 1.0:
+        return [_aligned(f"rho_inf = {toml(rho_inf)}", "rhoInf beside the results")]
+    todo.add("[cfd] rho_inf = 1: are the forces per density, or multiplied by it already?")
+    why = "rhoInf beside the results: forces per density; TODO else take the line away"
+    return [_aligned("rho_inf = 1.0", why)]
+
+
+def _otherwise(runs: Sequence[RunDraft]) -> list[str]:
+    """A hint that tests of one kind may have been computed in another way."""
+    steady = [run.test for run in runs if run.test is not None and kinds()[run.test].steady]
+    if not steady or len(steady) == len(runs):
+        return []
+    return [
+        "",
+        f"# [defaults.{steady[0]}.cfd]".ljust(33)
+        + "# TODO if these were computed otherwise, e.g. by rotated inflow",
+        '# forces_in = "body"',
+        "# moment_centre_moves = true",
     ]
 
 
@@ -247,7 +296,8 @@ def _source(look: FileLook, options: Options, *, every: bool = False) -> list[st
         if look.layout is not None:
             values |= {"encoding": options.encoding or "utf-8"} if options.encoding or every else {}
             values |= {"delimiter": options.delimiter, "decimal": options.decimal}
-        values |= {"header": options.header} if options.header is False or every else {}
+        stated = options.header is not None and every
+        values |= {"header": options.header} if options.header is False or stated else {}
         values |= {"units_row": True} if options.units_row else {}
         values |= {"sheet": options.sheet} if options.sheet else {}
     return [f"{key} = {toml(value)}" for key, value in values.items()]
@@ -299,7 +349,20 @@ def _theirs(column: ColumnLook, item: Suggestion, look: FileLook) -> str:
     return toml(column.title) if list(parts) == ["name"] else toml(parts)
 
 
-def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: _Todo) -> list[str]:
+def _entry(
+    entry: RunDraft,
+    table: str,
+    base: FileLook | None,
+    kind: str,
+    todo: _Todo,
+    *,
+    apart: bool = False,
+    stated: Mapping[str, float] | None = None,
+) -> list[str]:
+    """An entry; `apart` where each run of the shared layout has a sheet of its own.
+
+    What `stated` holds of the computation stands in ``[cfd]``.
+    """
     lines = [f"[[{table}]]"]
     identity = entry.id
     if table == "tables":
@@ -316,24 +379,30 @@ def _entry(entry: RunDraft, table: str, base: FileLook | None, kind: str, todo: 
     lines.append(f"file = {toml(entry.file)}")
     if entry.motion is not None:
         lines.append(_aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
+    own = {key: value for key, value in entry.computation.items() if key not in (stated or {})}
+    if own:
+        lines.append(f"cfd = {toml(own)}")
+    if entry.look is base and entry.sheet is not None and apart:
+        lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
     lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
     if entry.look is not base:
-        source = _source(entry.look, entry.look.options, every=base is not None)
+        options = replace(entry.look.options, sheet=entry.sheet)
+        source = _source(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
         if table == "tables":
             lines += _conventions(entry, todo)
         lines.append(f"[{table}.columns]")
         lines += _columns(entry.look, kind, todo, table=table == "tables")
-        own = {
+        here = {
             name
             for name, column in entry.look.known.items()
             if column.suggestion and column.suggestion.certainty != "perhaps"
         }
         for name in () if base is None else base.known:
-            if name not in own:
+            if name not in here:
                 lines.append(f"{name} = false")
     return lines
 
@@ -364,12 +433,69 @@ def _id_column(look: FileLook) -> str:
     return (named or varied or list(look.columns))[0].title
 
 
+def _matrix(matrix: MatrixDraft, todo: _Todo) -> list[str]:
+    """The table that lists the tests."""
+    look = matrix.look
+    lines = ["[[matrix]]", _aligned(f"file = {toml(matrix.file)}", "each row is a run")]
+    source = _source(look, look.options)
+    lines += [f"source = {{ {', '.join(source)} }}", f"id = {toml(matrix.id)}"]
+    lines += [f"test = {toml(matrix.test)}", f"run = {toml(matrix.run)}"]
+    if matrix.run_sheet is not None:
+        lines.append(f"run_sheet = {toml(matrix.run_sheet)}")
+    if matrix.skip:
+        lines.append(_aligned(f"skip = {toml(matrix.skip)}", "rows of which no run is there"))
+    lines.append("[matrix.columns]")
+    for column in look.columns:
+        item = column.suggestion
+        if item is not None and column.numbers:
+            sure = item.name in matrix.settings
+            note = f"{item.certainty}: {item.reason}"
+            theirs = f"{item.name} = {_theirs(column, item, look)}"
+            lines.append(
+                _aligned(theirs if sure else f"# {theirs}", note if sure else f"TODO {note}")
+            )
+            if not sure:
+                todo.add(f"[matrix.columns] {item.name}: is it {column.label!r} of {look.shown}?")
+        else:
+            lines.append(f"# not used: {toml_comment(column.label)}")
+    lines.append("[matrix.tests]                   # their word = our kind of test")
+    for word, test in matrix.tests.items():
+        if test is None:
+            lines.append(
+                _aligned(f"# {toml_string(word)} = ...", f"TODO one of {', '.join(kinds())}")
+            )
+            todo.add(f"[matrix.tests] which kind of test is {word!r}?")
+        elif test != word:
+            lines.append(f"{toml_string(word)} = {toml(test)}")
+    return lines
+
+
+def _defaults(common: Common, todo: _Todo) -> list[str]:
+    """What runs have in common, and what is asked for all of them at once."""
+    tables = {"defaults": common.every}
+    tables |= {f"defaults.{test}": items for test, items in common.of_kind.items()}
+    lines = []
+    for name, items in tables.items():
+        if not items:
+            continue
+        lines += ["", f"[{name}]"]
+        for item in items:
+            lines.append(_line(item))
+            if item.todo:
+                todo.add(f"[{name}] {_question(item)}.")
+    return lines
+
+
 def _setting(setting: Setting, run_id: str, todo: _Todo) -> str:
+    if setting.todo:
+        todo.of_run(_question(setting), run_id)
+    return _line(setting)
+
+
+def _line(setting: Setting) -> str:
     value = "..." if setting.value is None else toml(setting.value)
     mark = "" if setting.active else "# "
     asked = f"TODO {setting.todo}" if setting.todo else ""
-    if setting.todo:
-        todo.of_run(_question(setting), run_id)
     note = "; ".join(filter(None, (setting.reason, asked)))
     return _aligned(f"{mark}{setting.key} = {value}", note)
 
@@ -413,7 +539,9 @@ def _saved_run(file: str, run: Run) -> list[str]:
 
 def _unused(draft: Draft) -> list[str]:
     lines = [f"# {toml_comment(text)}" for text in draft.unused]
-    lines += [f"# {toml_comment(str(problem))}" for problem in draft.look.problems]
+    matrix = None if draft.matrix is None else draft.matrix.look.shown
+    problems = [problem for problem in draft.look.problems if problem.file != matrix]
+    lines += [f"# {toml_comment(str(problem))}" for problem in problems]
     return ["", "# Files that are not used:", *lines] if lines else []
 
 

@@ -7,6 +7,7 @@ cells with one long text; no memory is enough for that.
 
 from __future__ import annotations
 
+import hashlib
 import io
 import re
 import stat
@@ -14,12 +15,14 @@ import zipfile
 import zlib
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from pmmkit.errors import CampaignError
-from pmmkit.readers.base import Request
+from pmmkit.readers.base import Options, Request
 from pmmkit.readers.bounds import inflated_size, limit_of, too_large
 
 ZIP: Final = b"PK\x03\x04"
@@ -48,6 +51,9 @@ _REPEATED: Final = re.compile(rb"""number-(?:columns|rows)-repeated=["']([0-9]{1
 def check_workbook(request: Request) -> None:
     """Refuse a workbook that would expand to far more than its size.
 
+    A workbook of many sheets is asked for sheet by sheet: one whose bytes were found to be good
+    is not gone through again.
+
     Raises
     ------
     CampaignError
@@ -56,6 +62,20 @@ def check_workbook(request: Request) -> None:
     data = request.path.read_bytes()
     if not data.startswith(ZIP):
         return
+    bare = replace(request, shown="", run=None, options=Options())
+    try:
+        _check(bare, hashlib.sha256(data).digest())
+    except CampaignError as error:
+        told = [replace(item, file=request.shown, run=request.run) for item in error.problems]
+        raise request.error(*told) from error
+
+
+@lru_cache(maxsize=32)
+def _check(request: Request, digest: bytes) -> None:
+    """Go through the bytes of a workbook that have this digest; an error is not remembered."""
+    data = request.path.read_bytes()
+    if hashlib.sha256(data).digest() != digest:
+        raise _damaged(request, "it changes while it is read")
     try:
         parts = dict(_parts(data, request))
     except (zipfile.BadZipFile, zlib.error, ValueError, NotImplementedError, EOFError) as error:

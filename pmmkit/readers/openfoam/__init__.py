@@ -52,6 +52,14 @@ class OpenFoam(Reader):
 
         return USUAL
 
+    def computation(self, request: Request) -> Mapping[str, float]:
+        """The density by which the forces were multiplied, where controlDict states it."""
+        from pmmkit.readers.openfoam.case import density_in, entries_of
+        from pmmkit.readers.openfoam.places import series_of
+
+        density = density_in(entries_of(series_of(request).parts[0].request.path))
+        return {} if density is None else {"rho_inf": density}
+
     def files(self, request: Request) -> Sequence[Path]:
         """The files that a request reads."""
         from pmmkit.readers.openfoam.places import series_of

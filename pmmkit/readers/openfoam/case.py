@@ -65,6 +65,20 @@ def density_doubt(entries: Mapping[str, str]) -> str | None:
     )
 
 
+def density_in(entries: Mapping[str, str]) -> float | None:
+    """The density of an incompressible flow that multiplies the forces; None where not stated.
+
+    Examples
+    --------
+    >>> density_in({"rho": "rhoInf", "rhoInf": "998.8"}), density_in({"rho": "rho"})
+    (998.8, None)
+    """
+    if entries.get("rho", entries.get("rhoName")) != "rhoInf" or "rhoInf" not in entries:
+        return None
+    density = number_in(entries["rhoInf"])
+    return density if density is not None and density > 0 else None
+
+
 def told(series: Series, entries: Mapping[str, str]) -> list[str]:
     """What headers and controlDict say that a reader of the report should know."""
     stated = {name: entries[name] for name in _LISTED if name in entries}

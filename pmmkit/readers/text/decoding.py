@@ -12,6 +12,7 @@ import numpy as np
 
 from pmmkit.errors import Problem
 from pmmkit.readers.base import Request
+from pmmkit.vocabulary import letters
 
 CUT: Final = "\x01"
 """Stands between columns of fixed width once they are taken apart."""
@@ -22,6 +23,17 @@ _MARKS: Final = (
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _WINDOWS: Final = "cp1252"
+_EASTERN: Final = ("cp932", "euc_jp", "cp949", "gb18030")
+_SIGNS: Final = frozenset("°²³µ·±×ß・")
+_SCRIPTS: Final = (
+    ("\u3041", "\u30ff", 0.8),
+    ("\u4e00", "\u9fff", 0.2),
+    ("\uac00", "\ud7a3", 0.2),
+    ("\u00c0", "\u00ff", 0.3),
+    ("\uff61", "\uff9f", -1.0),
+)
+"""First and last letter of kana, kanji, hangul, Latin with accents and kana of half width, and
+what it says for an encoding that a text has them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +56,42 @@ class Decoded:
 def marked(data: bytes) -> str | None:
     """The encoding that a byte order mark tells, None for UTF-8 and where there is none."""
     return next((name for mark, name in _MARKS if data.startswith(mark)), None)
+
+
+def likely_encoding(data: bytes) -> str:
+    """The encoding in which a text that is not UTF-8 probably is.
+
+    Told by the letters that it would have: those that stand in names of channels and tests, kana,
+    and so on, against signs that no heading has.
+
+    Examples
+    --------
+    >>> [likely_encoding("横力 [N・m]".encode(name)) for name in ("cp932", "euc_jp")]
+    ['cp932', 'euc_jp']
+    >>> likely_encoding("Längskraft 20 °C".encode("cp1252"))
+    'cp1252'
+    """
+    scores = {name: _likeliness(data, name) for name in (_WINDOWS, *_EASTERN)}
+    return max(scores, key=lambda name: scores[name])
+
+
+def _likeliness(data: bytes, encoding: str) -> float:
+    """How usual the letters of a text are in an encoding, in the mean from -1 to 1."""
+    try:
+        text = data.decode(encoding)
+    except UnicodeDecodeError:
+        return -0.9 if encoding == _WINDOWS else -1.0
+    beyond = [letter for letter in text if not letter.isascii()]
+    return sum(map(_usual, beyond)) / max(1, len(beyond))
+
+
+def _usual(letter: str) -> float:
+    if letter in letters() or letter in _SIGNS:
+        return 1.0
+    for first, last, worth in _SCRIPTS:
+        if first <= letter <= last:
+            return worth
+    return -0.5
 
 
 def keeps_line_ends(encoding: str) -> bool:
@@ -102,12 +150,14 @@ def _not_decoded(
     data: bytes, encoding: str, error: UnicodeError, line: int | None, request: Request
 ) -> Problem:
     place = error.start if isinstance(error, UnicodeDecodeError) else None
+    other = likely_encoding(data)
+    named = f'e.g. encoding = "{other}"' if other != encoding else "it is none of the usual ones"
     return request.problem(
         f"the text is not {encoding}."
         if place is None
         else f"byte {data[place]:#04x} is not {encoding} text.",
         row=data.count(b"\n", 0, place) + line if line and place is not None else None,
-        remedy=f'State the right one in [source], e.g. encoding = "{_WINDOWS}".',
+        remedy=f"State the right one in [source], {named}.",
     )
 
 

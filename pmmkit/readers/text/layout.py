@@ -14,6 +14,7 @@ from typing import Final
 
 from pmmkit.conventions import is_unit
 from pmmkit.readers.base import Cell, Options, to_number
+from pmmkit.readers.text.decoding import likely_encoding
 from pmmkit.readers.text.heading import BLANKS, CANDIDATES, count_numbers, fields_of, headers_of
 
 _SAMPLE: Final = 24
@@ -27,7 +28,7 @@ class Layout:
     Parameters
     ----------
     encoding : str
-        ``utf-8``, ``utf-16`` or ``cp1252``.
+        ``utf-8``, ``utf-16``, or what `likely_encoding` tells.
     delimiter, decimal : str
         What stands between fields (a blank for any number of blanks or tabs); decimal sign.
     header_line : int or None
@@ -136,7 +137,7 @@ def text_of(head: bytes, *, whole: bool) -> tuple[str, str] | None:
         try:
             text = kept.removeprefix(codecs.BOM_UTF8).decode()
         except UnicodeDecodeError:
-            encoding = "cp1252"
+            encoding = likely_encoding(kept)
             text = kept.decode(encoding, "replace")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if not whole and "\n" in text:
@@ -209,5 +210,5 @@ def _names(
 
 def _is_unit(text: str) -> bool:
     bare = text.strip()
-    inside = bare.strip("[]() ")
-    return bare != inside or is_unit(inside)
+    bracketed = bare[:1] + bare[-1:] in ("[]", "()")
+    return bracketed or is_unit(bare.strip("[]() "))

@@ -1,0 +1,150 @@
+"""What runs have in common, stated once: ``[defaults]`` and a table of it for a kind of test."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from pmmkit.campaigns.file.schema import DefaultsEntry, read_entry
+from pmmkit.campaigns.test_kinds.kind import TestKind
+from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
+from pmmkit.errors import Problem
+
+_NESTED: Final = ("source", "columns", "cfd")
+_ALTERNATIVES: Final = (
+    frozenset({"period", "frequency_hz"}),
+    frozenset({"yaw_rate", "radius"}),
+    frozenset({"amplitude_m", "v_amplitude", "vdot_amplitude"}),
+    frozenset({"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"}),
+)
+"""Settings of which one stands for the others: a run that states one takes none by default."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Defaults:
+    """Keys of runs that state nothing else.
+
+    Parameters
+    ----------
+    every : mapping
+        For runs of all kinds.
+    of_kind : mapping of str to mapping
+        For runs of one kind, before those for all.
+    """
+
+    every: Mapping[str, Any] = field(default_factory=dict)
+    of_kind: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+def read_defaults(raw: Any, toml: str, problems: list[Problem]) -> Defaults:
+    """``[defaults]``, validated; keys that are wrong are left out and added to `problems`.
+
+    Parameters
+    ----------
+    raw : object
+        What the file holds.
+    toml : str
+        Name of the file.
+    problems : list of Problem
+        Gets a problem for each key that is wrong.
+    """
+    if not isinstance(raw, Mapping):
+        problems.append(Problem(message="must be a table.", file=toml, entry="[defaults]"))
+        return Defaults()
+    tables = {
+        name: item
+        for name, item in raw.items()
+        if isinstance(item, Mapping) and name not in _NESTED
+    }
+    problems += [
+        Problem(message=not_a_kind(name), file=toml, entry=f"[defaults.{name}]")
+        for name in tables
+        if name not in kinds()
+    ]
+    return Defaults(
+        every=_valid(
+            {name: item for name, item in raw.items() if name not in tables},
+            "[defaults]",
+            toml,
+            problems,
+        ),
+        of_kind={
+            name: _valid(item, f"[defaults.{name}]", toml, problems)
+            for name, item in tables.items()
+            if name in kinds()
+        },
+    )
+
+
+def _valid(
+    raw: Mapping[str, Any], entry: str, toml: str, problems: list[Problem]
+) -> dict[str, Any]:
+    return {
+        name: item
+        for name, item in raw.items()
+        if read_entry(DefaultsEntry, {name: item}, file=toml, entry=entry, problems=problems)
+    }
+
+
+def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) -> Any:
+    """An entry of ``[[runs]]``, ``[[tables]]`` or ``[[matrix]]`` with what it does not state.
+
+    What a run states counts before what its kind has by default, and that before what all have;
+    ``source``, ``columns`` and ``cfd`` are completed key by key. Of what all have a run takes only
+    what its kind of test uses.
+
+    Parameters
+    ----------
+    raw : object
+        The entry as the file holds it; what is no table of a known kind of test stays as it is.
+    defaults : Defaults
+        From `read_defaults`.
+    mapped : collection of str
+        Settings that columns of the file tell.
+
+    Examples
+    --------
+    >>> common = Defaults(every={"speed": 1.5, "period": 9.0},
+    ...                   of_kind={"pure_yaw": {"period": 12.0}})
+    >>> with_defaults({"test": "pure_yaw"}, common)
+    {'test': 'pure_yaw', 'period': 12.0, 'speed': 1.5}
+    >>> with_defaults({"test": "static_drift", "speed": 1.0}, common)
+    {'test': 'static_drift', 'speed': 1.0}
+    >>> with_defaults({"test": "pure_sway", "frequency_hz": 0.1}, common)
+    {'test': 'pure_sway', 'frequency_hz': 0.1, 'speed': 1.5}
+    """
+    test = raw.get("test") if isinstance(raw, Mapping) else None
+    if not isinstance(test, str) or test not in kinds():
+        return raw
+    kind = kinds()[test]
+    found = dict(raw)
+    used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
+    for common in (defaults.of_kind.get(test, {}), used):
+        stated = {*found, *mapped}
+        for name, item in common.items():
+            if name in _NESTED:
+                own = found.get(name, {})
+                found[name] = {**item, **own} if isinstance(own, Mapping) else own
+            elif name not in found and not _others(name) & stated:
+                found[name] = item
+    return found
+
+
+def _others(name: str) -> frozenset[str]:
+    return next((group - {name} for group in _ALTERNATIVES if name in group), frozenset())
+
+
+def _uses(kind: TestKind, name: str) -> bool:
+    """Whether a setting means anything in tests of a kind."""
+    if name in ("period", "frequency_hz", "phase_deg"):
+        return kind.oscillates
+    if name in ("amplitude_m", "v_amplitude", "vdot_amplitude"):
+        return kind.sways or kind.surges
+    if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
+        return kind.yaws
+    if name == "path_amplitude_m":
+        return kind.yaws and not kind.sways
+    if name in ("yaw_rate", "radius"):
+        return kind.circles
+    return name != "switch_deg" or "switch" in kind.needs

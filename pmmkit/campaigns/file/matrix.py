@@ -1,0 +1,116 @@
+"""``[[matrix]]``: a table that says of each run what it was set to and where its history lies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from pmmkit.campaigns.file.assembly import Assembled, Setup
+from pmmkit.campaigns.file.schema import MatrixEntry
+from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
+from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
+from pmmkit.channels import SETTING_UNITS
+from pmmkit.errors import DataError, Problem
+from pmmkit.readers import reader_for
+from pmmkit.readers.base import Cells, Options, Request, fault, to_number
+from pmmkit.readers.rows import as_text, filled_in, matching_rows, no_column
+
+_NOTHING: Final = ("", "-", "–", "—", "/")
+"""Cells that say that a test has no such setting."""
+
+
+def entries_of(
+    matrix: MatrixEntry, label: str, setup: Setup, out: Assembled
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """An entry of ``[[runs]]`` for every row that is not left out, with its place in words.
+
+    Parameters
+    ----------
+    matrix : MatrixEntry
+        What the campaign file says.
+    label : str
+        Which entry it is, for messages.
+    setup, out : Setup, Assembled
+        Of the campaign; `out` gets what is wrong.
+    """
+    path = setup.find(matrix.file)
+    if path is None:
+        out.problems.append(setup.missing_file(matrix.file, label))
+        out.incomplete = True
+        return
+    stated = {} if matrix.source is None else matrix.source.model_dump(exclude_unset=True)
+    request = Request(
+        path=path, shown=matrix.file, options=Options(**stated), withheld=setup.withheld(path)
+    )
+    try:
+        cells = reader_for(request).cells(request)
+    except DataError as error:
+        out.problems += error.problems
+        out.incomplete = True
+        return
+    specs = {name: ColumnSpec(**item.model_dump()) for name, item in matrix.columns.items()}
+    picked, problems = pick(cells.headers, len(cells.headers), specs, request, table=True)
+    chosen, unfit = matching_rows(cells, matrix.where, request)
+    templates = " ".join((matrix.id, matrix.test, matrix.run, matrix.run_sheet or ""))
+    problems += [*unfit, *(no_column(cells, name, request) for name in _missing(templates, cells))]
+    out.problems += problems
+    if problems:
+        out.incomplete = True
+        return
+    settings = [column for column in picked if column.name in SETTING_UNITS]
+    for index in chosen:
+        line = cells.lines[index]
+        if line not in matrix.skip:
+            place = f"{label}, row {line} of {matrix.file}"
+            yield place, _entry(matrix, cells, settings, index, request, out)
+
+
+def _missing(templates: str, cells: Cells) -> list[str]:
+    return filled_in(templates, cells, 0)[1]
+
+
+def _entry(
+    matrix: MatrixEntry,
+    cells: Cells,
+    settings: list[Picked],
+    index: int,
+    request: Request,
+    out: Assembled,
+) -> dict[str, Any]:
+    """A row as an entry of ``[[runs]]``."""
+
+    def filled(template: str) -> str:
+        return filled_in(template, cells, index)[0].strip()
+
+    line = cells.lines[index]
+    entry: dict[str, Any] = {"id": filled(matrix.id), "file": filled(matrix.run)}
+    word = filled(matrix.test)
+    test = matrix.tests.get(word, word)
+    if test not in kinds():
+        out.problems.append(_unknown(word, test, line, request))
+        out.incomplete = True
+    else:
+        entry["test"] = test
+    if matrix.run_sheet is not None:
+        entry["source"] = {"sheet": filled(matrix.run_sheet)}
+    for column in settings:
+        cell = cells.rows[index][column.position]
+        if as_text(cell) in _NOTHING:
+            continue
+        number = to_number(cell, cells.decimal)
+        why = fault(number, cell)
+        if why is not None or number is None:
+            problem = request.problem(why or "this is no number.", row=line, column=column.title)
+            out.problems.append(problem)
+        else:
+            entry[column.name] = number * column.scale + column.offset
+    return {**matrix.settings(), **entry}
+
+
+def _unknown(word: str, test: str, line: int, request: Request) -> Problem:
+    known = f'tests = {{ "{word}" = "static_drift" }}' if word == test else not_a_kind(test)
+    return request.problem(
+        f"{test!r} is no kind of test.",
+        row=line,
+        remedy=f"Say under [[matrix]] which it is, e.g. {known}.",
+    )

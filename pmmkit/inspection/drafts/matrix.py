@@ -1,0 +1,200 @@
+"""A table among the files that lists the tests: what it says of which run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+from pmmkit.campaigns.test_kinds.registry import kinds
+from pmmkit.channels import SETTING_UNITS
+from pmmkit.errors import CampaignError
+from pmmkit.inspection import FileLook
+from pmmkit.inspection.drafts.names import test_named
+from pmmkit.inspection.guessing import suggest
+from pmmkit.readers import reader_of
+from pmmkit.readers.base import Cells
+from pmmkit.readers.rows import as_text, filled_in
+
+_MOST_ROWS: Final = 5000
+_TRIED: Final = 5
+"""Rows by which it is told how the runs are named after a column."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MatrixDraft:
+    """An entry of ``[[matrix]]``.
+
+    Parameters
+    ----------
+    look : FileLook
+        The table; its columns that are settings have a suggestion, the others none.
+    file : str
+        Where it lies, relative to the campaign file.
+    id, run : str
+        Name and file of each run, columns in braces.
+    run_sheet : str or None
+        Sheet of each run, columns in braces.
+    test : str
+        Column, in braces, that says the kind of test; or a kind.
+    tests : mapping of str to (str or None)
+        The words of that column, and the kinds that they are; None where nobody knows.
+    skip : tuple of int
+        Rows of which there is no run.
+    runs : mapping of str to (str or None)
+        Kind of test of the runs that it lists, by their place: file, or sheet of the workbook.
+    """
+
+    look: FileLook
+    file: str
+    id: str
+    run: str
+    run_sheet: str | None
+    test: str
+    tests: Mapping[str, str | None]
+    skip: tuple[int, ...]
+    runs: Mapping[str, str | None]
+
+    @property
+    def settings(self) -> frozenset[str]:
+        """Settings that its columns tell."""
+        return frozenset(
+            name
+            for name, column in self.look.known.items()
+            if column.suggestion and column.suggestion.certainty != "perhaps"
+        )
+
+
+def matrix_of(
+    looks: Sequence[FileLook], base: str, places: Sequence[str], workbook: str | None
+) -> MatrixDraft | None:
+    """The table that lists most of some runs, or None.
+
+    Parameters
+    ----------
+    looks : sequence of FileLook
+        Files and sheets that are neither histories nor tables of forces.
+    base : str
+        What stands before the names of files, seen from the campaign file.
+    places : sequence of str
+        Files of the runs; sheets where all lie in one workbook.
+    workbook : str or None
+        That workbook.
+    """
+    found = [
+        draft
+        for item in looks
+        for cells in _cells(item)
+        if (draft := _drafted(item, cells, base, places, workbook)) is not None
+    ]
+    return max(found, key=lambda draft: len(draft.runs), default=None)
+
+
+def _cells(look: FileLook) -> Iterator[Cells]:
+    if look.rows > _MOST_ROWS:
+        return
+    try:
+        cells = reader_of(look.format).cells(look.request)
+    except CampaignError:
+        return
+    if all(cells.headers) and len(cells.rows) <= _MOST_ROWS:
+        yield cells
+
+
+def _drafted(
+    look: FileLook, cells: Cells, base: str, places: Sequence[str], workbook: str | None
+) -> MatrixDraft | None:
+    column, template = _naming(cells, places)
+    listed = _listed(cells, template, places) if template else {}
+    if len(listed) < 2 or 2 * len(listed) < len(places):
+        return None
+    words = _test_column(cells, listed, besides=column)
+    if words is None:
+        return None
+    test, tests = words
+    place = cells.headers.index(test)
+    known = suggest(
+        [item.header for item in look.columns], [item.unit for item in look.columns], {}, table=True
+    )
+    columns = tuple(
+        replace(item, suggestion=guess if guess and guess.name in SETTING_UNITS else None)
+        for item, guess in zip(look.columns, known, strict=True)
+    )
+    settings = [item for item in columns if item.suggestion and item.numbers]
+    if not settings:
+        return None
+    return MatrixDraft(
+        look=replace(look, columns=columns),
+        file=base + look.shown.partition(", sheet ")[0],
+        id=_identity(template, column, workbook),
+        run=template if workbook is None else workbook,
+        run_sheet=None if workbook is None else template,
+        test=f"{{{test}}}",
+        tests=tests,
+        skip=tuple(line for index, line in enumerate(cells.lines) if index not in listed),
+        runs={name: tests.get(as_text(cells.rows[row][place])) for row, name in listed.items()},
+    )
+
+
+def _identity(template: str, column: str, workbook: str | None) -> str:
+    """The sheet, or the file without folders and suffix."""
+    if workbook is not None:
+        return template
+    stem = re.sub(r"\.[A-Za-z]\w{0,5}$", "", template.rpartition("/")[2])
+    return stem if "{" in stem else f"{{{column}}}"
+
+
+def _naming(cells: Cells, places: Sequence[str]) -> tuple[str, str]:
+    """The column after which runs are named, and their place with it in braces; else empty."""
+    best = ("", "", 1)
+    for position, header in enumerate(cells.headers):
+        if "{" in header or "}" in header or list(cells.headers).count(header) > 1:
+            continue
+        texts = [as_text(row[position]) for row in cells.rows]
+        tried = [text for text in dict.fromkeys(texts) if text][:_TRIED]
+        templates = dict.fromkeys(
+            f"{place[: found.start()]}{{{header}}}{place[found.end() :]}"
+            for text in tried
+            for place in places
+            for found in _tokens(text, place)
+        )
+        for template in templates:
+            hits = len(_listed(cells, template, places))
+            if hits > best[2]:
+                best = (header, template, hits)
+    return best[:2]
+
+
+def _tokens(text: str, place: str) -> Iterator[re.Match[str]]:
+    """Where a text stands as a word or number of its own."""
+    return re.finditer(rf"(?<![0-9A-Za-z.+-]){re.escape(text)}(?![0-9A-Za-z]|\.\d)", place)
+
+
+def _listed(cells: Cells, template: str, places: Sequence[str]) -> dict[int, str]:
+    """Runs by the row that names them, the first of several."""
+    there = set(places)
+    found: dict[int, str] = {}
+    for index in range(len(cells.rows)):
+        name = filled_in(template, cells, index)[0].strip()
+        if name in there:
+            there.remove(name)
+            found[index] = name
+    return found
+
+
+def _test_column(
+    cells: Cells, listed: Mapping[int, str], *, besides: str
+) -> tuple[str, dict[str, str | None]] | None:
+    """The column that says the kinds of test of most runs, and its words."""
+    best: tuple[str, dict[str, str | None]] | None = None
+    most = len(listed) / 2
+    for position, header in enumerate(cells.headers):
+        if header == besides:
+            continue
+        words = [as_text(cells.rows[row][position]) for row in listed]
+        tests = {word: word if word in kinds() else test_named(word) for word in words}
+        count = sum(tests[word] is not None for word in words)
+        if count > most:
+            best, most = (header, tests), count
+    return best

@@ -1,0 +1,112 @@
+"""Words of laboratories in other languages, for channels, settings and kinds of test."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import unicodedata
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+from typing import Final, Literal, get_args
+
+Subject = Literal["channel", "setting", "test"]
+_SUBJECTS: Final[tuple[Subject, ...]] = get_args(Subject)
+_UMLAUTS: Final = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue"})
+_LATIN: Final = re.compile(r"[a-z]")
+
+
+@cache
+def vocabulary() -> Mapping[Subject, Mapping[str, tuple[str, ...]]]:
+    """Words by our names, as they are written, for each subject.
+
+    Examples
+    --------
+    >>> vocabulary()["channel"]["Y"][:3]
+    ('querkraft', 'seitenkraft', '横力')
+    """
+    text = files(__package__).joinpath("vocabulary.toml").read_text(encoding="utf-8")
+    found = tomllib.loads(text)
+    return MappingProxyType(
+        {
+            subject: MappingProxyType(
+                {name: tuple(words) for name, words in found[subject].items()}
+            )
+            for subject in _SUBJECTS
+        }
+    )
+
+
+@cache
+def letters() -> frozenset[str]:
+    """Letters beyond ASCII of all words."""
+    return frozenset(
+        letter
+        for listed in vocabulary().values()
+        for words in listed.values()
+        for word in words
+        for letter in word
+        if not letter.isascii()
+    )
+
+
+def meanings(subject: Subject, text: str) -> tuple[tuple[str, str], ...]:
+    """Our names for what a text says, each with the word it was told by, the longest first.
+
+    Parameters
+    ----------
+    subject : {"channel", "setting", "test"}
+        What is asked for.
+    text : str
+        A header or the name of a file.
+
+    Examples
+    --------
+    >>> meanings("channel", "Laengskraft"), meanings("channel", "横力")
+    ((('X', 'längskraft'),), (('Y', '横力'),))
+    >>> meanings("test", "Schraeg_beta+04")
+    (('static_drift', 'schräg'),)
+    >>> meanings("setting", "Amplitude")
+    (('amplitude_m', 'amplitude'), ('yaw_amplitude_deg', 'amplitude'))
+    """
+    plain = _folded(text)
+    found = [(name, word) for name, word, pattern in _patterns(subject) if pattern.search(plain)]
+    return tuple(sorted(found, key=lambda item: -len(item[1])))
+
+
+@cache
+def _patterns(subject: Subject) -> tuple[tuple[str, str, re.Pattern[str]], ...]:
+    return tuple(
+        (name, word, _pattern(word, whole=subject != "test"))
+        for name, words in vocabulary()[subject].items()
+        for word in words
+    )
+
+
+def _pattern(word: str, *, whole: bool) -> re.Pattern[str]:
+    """A word with or without accents; one of Latin letters begins, or is, a word of the text."""
+    spellings = {_folded(word), _folded(word.translate(_UMLAUTS))}
+    either = "|".join(re.escape(spelling) for spelling in sorted(spellings))
+    if _LATIN.search(_folded(word)) is None:
+        return re.compile(either)
+    return re.compile(rf"(?<![a-z])(?:{either})" + ("(?![a-z])" if whole else ""))
+
+
+def same(word: str, text: str) -> bool:
+    """Whether a text is a word of ours and nothing else.
+
+    Examples
+    --------
+    >>> same("längskraft", "LAENGSKRAFT"), same("querkraft", "Querkraft vorn")
+    (True, False)
+    """
+    return _folded(text).strip() in (_folded(word), _folded(word.translate(_UMLAUTS)))
+
+
+def _folded(text: str) -> str:
+    """In small letters without accents; letters of full width as plain ones, blanks for lines."""
+    wide = unicodedata.normalize("NFKC", text).casefold().replace("_", " ")
+    apart = unicodedata.normalize("NFD", wide)
+    plain = "".join(letter for letter in apart if not "\u0300" <= letter <= "\u036f")
+    return unicodedata.normalize("NFC", plain)
