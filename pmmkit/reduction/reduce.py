@@ -88,6 +88,8 @@ class Reduction(Described):
         Meaning of the derivatives.
     solution : Solution
         The fits behind the table.
+    because : str
+        Why the structure was taken, where the runs chose it.
     influences : Influences
         What each run does to each derivative, and which are at odds with the others.
     """
@@ -108,6 +110,7 @@ class Reduction(Described):
     convention: Convention
     solution: Solution
     influences: Influences
+    because: str = ""
 
     @cached_property
     def families(self) -> dict[str, DerivativeTable]:
@@ -288,10 +291,10 @@ def reduce_campaign(
     rows = tuple(item.rows for item in read)
     sensitivities = tuple(item.sensitivities for item in read)
     measured = {channel for item in rows for channel in item.force}
-    told: tuple[str, ...] = ()
+    because = ""
     if free:
         choice = _chosen(campaign, convention, rows, sensitivities, measured, fn)
-        wanted, told = choice.structure, (choice.because,)
+        wanted, because = choice.structure, choice.because
     columns = columns_of(wanted, campaign.runs, measured)
     if not columns.required:
         raise CampaignError(
@@ -318,7 +321,7 @@ def reduce_campaign(
     results = tuple(item.result for item in rows)
     curve = resistance(results)
     remarks = (
-        *told,
+        *([because] if because else []),
         *(note for item in results for note in item.notes),
         *notes(solution, rows),
         *idle(campaign.uncertainty, [(item.run, tuple(item.measured)) for item in results]),
@@ -375,6 +378,7 @@ def reduce_campaign(
         convention=convention,
         solution=solution,
         influences=Influences(items=each, odd=odd),
+        because=because,
     )
 
 

@@ -381,7 +381,8 @@ def _words(
 
     reasons = found.verdict.reasons
     doubts = ["Doubts:", *(f"  - {reason}" for reason in reasons), ""] if reasons else []
-    lines = [*doubts, headline(found.table, beside), ""]
+    chosen = [found.because, ""] if found.because else []
+    lines = [*doubts, *chosen, headline(found.table, beside), ""]
     counts = {
         severity: sum(item.severity == severity for item in found.findings)
         for severity in ("warning", "info")
