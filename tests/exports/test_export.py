@@ -199,7 +199,7 @@ def mixed() -> Campaign:
             TypeB(name="drift", std=5e-4),
             TypeB(name="drift", std=math.radians(0.02), shared=True),
         ),
-        propeller={"D": 0.2, "J": [0.0, 0.5], "more": {"name": "wake \\ 1"}},
+        propeller={"D": 0.2, "J": [0.0, 0.5], "open_water": "wake \\ 1.csv"},
         numerical={"Y": 0.4},
         cfd={"rho_inf": 998.0, "symmetry_factor": 2.0},
         free=("heave",),

@@ -277,7 +277,7 @@ def test_effects_keep_their_numbers_with_every_option(ship, effect, values, opti
 
 @pytest.mark.slow
 def test_values_that_depend_on_speed_need_one(reduced):
-    with pytest.raises(ModelError, match=r"2 Froude numbers.*--speed"):
+    with pytest.raises(ModelError, match=r"2 Froude numbers.*speed=8"):
         model_to_mss(reduced)
     slow, fast = (statements(model_to_mss(reduced, speed=speed)) for speed in (6.1, 11.9))
     assert slow != fast

@@ -49,6 +49,7 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
             "figures/__init__.py": "functions of these names",
             "metrics.py": "manoeuvres by which the IMO judges",
             "plotting/manoeuvres.py": "ways to draw a manoeuvre",
+            "simulation/bands.py": OF_MANOEUVRES,
             "simulation/ensemble.py": OF_MANOEUVRES,
             "simulation/imo.py": OF_MANOEUVRES,
             "simulation/manoeuvres/pull_out.py": OF_MANOEUVRES,

@@ -186,7 +186,7 @@ def test_speeds_outside_the_model_are_named_and_left_out(s175, truth):
     low = load_truth().table([0.1448, 0.2172])
     found = pk.compare(pk.to_model(low, parts="s175-3dof"), s175.select("pure_yaw"))
     assert {run.view.speed for run in found.captive} == {1.0, 1.5}
-    assert any("PY_U2.0_r0.6" in note and "extrapolate" in note for note in found.notes)
+    assert any("PY_U2.0_r0.6" in note and "Extrapolation" in note for note in found.notes)
     with pytest.raises(DataError, match="No run is left"):
         pk.compare(
             pk.to_model(load_truth().table([0.05, 0.06]), parts="s175-3dof"),
