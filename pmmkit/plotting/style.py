@@ -210,6 +210,13 @@ def svg(figure: Figure) -> str:
     return text[text.index("<svg") :]
 
 
+def document(element: str) -> str:
+    """A file of its own from an ``<svg>`` element, as `save` writes it."""
+    from matplotlib.backends.backend_svg import svgProlog
+
+    return f"{svgProlog}{element}"
+
+
 def _undated(ending: str) -> dict[str, Any]:
     dates = {".svg": "Date", ".pdf": "CreationDate"}
     return {dates[ending]: None} if ending in dates else {}

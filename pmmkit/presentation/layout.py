@@ -61,12 +61,15 @@ class Picture:
         Whether it needs but half of the width.
     alt : str
         What is seen, in words, for those who do not see it.
+    file : str
+        Name without ending of the file in which it stands beside the page too; empty for none.
     """
 
     svg: str
     caption: str
     narrow: bool = False
     alt: str = ""
+    file: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

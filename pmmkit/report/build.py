@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -69,6 +69,25 @@ def report_html(
     reduction, reference, turns, loop
         As for `write_report`.
     """
+    return page_of(
+        reduction, report_sections(reduction, reference=reference, turns=turns, loop=loop)
+    )
+
+
+def report_sections(
+    reduction: Reduction,
+    *,
+    reference: Reference | None = None,
+    turns: Turns | None = None,
+    loop: Loop | None = None,
+) -> list[Section]:
+    """What stands in the report, figures drawn (see `write_report`).
+
+    Parameters
+    ----------
+    reduction, reference, turns, loop
+        As for `write_report`.
+    """
     sections = [
         Section(
             title="Derivatives at a glance",
@@ -87,11 +106,24 @@ def report_html(
         _runs(reduction),
         _provenance(reduction, reference),
     ]
+    return [section for section in sections if section is not None]
+
+
+def page_of(reduction: Reduction, sections: Sequence[Section]) -> str:
+    """The page of a report from its sections.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        What was reduced.
+    sections : sequence of Section
+        From `report_sections`.
+    """
     return page(
         reduction.campaign.title or "Captive tests",
         f"Captive ship-model tests reduced to hydrodynamic derivatives, by pmmkit {__version__}.",
         _tiles(reduction),
-        [section for section in sections if section is not None],
+        list(sections),
     )
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def drawn(
-    figure: Figure, caption: str, *, facts: Iterable[str] = (), narrow: bool = False
+    figure: Figure, caption: str, *, facts: Iterable[str] = (), narrow: bool = False, file: str = ""
 ) -> Picture:
     """A figure with its caption, and an alternative text from what it holds.
 
@@ -28,6 +28,8 @@ def drawn(
         Sentences on what it says, from the numbers behind it; they stand first.
     narrow : bool
         Whether it needs but half of the width.
+    file : str
+        Name of the file in which it stands beside the page too.
     """
     alt = " ".join([*facts, seen(figure)])
-    return Picture(svg=svg(figure), caption=caption, narrow=narrow, alt=alt or caption)
+    return Picture(svg=svg(figure), caption=caption, narrow=narrow, alt=alt or caption, file=file)

@@ -60,6 +60,7 @@ def of_forces(reduction: Reduction) -> Iterator[Picture]:
         reduction.plot(),
         "What the fit leaves of means and harmonics, over what it fits: a row a kind of test, with "
         "its root mean square. A curve or a slope means that the structure lacks something.",
+        file="residuals",
     )
     cycles = typical_cycles(reduction)
     if cycles:
@@ -96,6 +97,7 @@ def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Itera
             "Correlation of the derivatives: what stands near ±1 is known together, not apart.",
             facts=strongest(names, values),
             narrow=len(names) < _WIDE,
+            file="correlation",
         )
     if reference is not None:
         figure = beside_reference(table, reference.table, reference_name=reference.name)
@@ -177,6 +179,7 @@ def of_families(reduction: Reduction, beside: Reference | None) -> Iterator[Pict
             "interval of all runs (grey): bars are 95 % intervals, numbers stand for what lies "
             "outside.",
             facts=farthest({_ALL: reduction.table, **reduction.families}),
+            file="families",
         )
 
 
@@ -194,6 +197,7 @@ def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Pictu
             "Every method less the global regression, over half of the regression's 95 % "
             "interval (grey): bars are 95 % intervals, numbers stand for what lies outside.",
             facts=farthest({item.method: item.table for item in reduction.estimates.values()}),
+            file="methods",
         )
 
 

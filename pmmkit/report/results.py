@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from pmmkit.figures import trajectory
 from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
-from pmmkit.plotting.style import figure_files, save
+from pmmkit.plotting.style import document
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
 from pmmkit.reduction.methods.sparse import SHARE
-from pmmkit.report.build import write_report
+from pmmkit.report.build import page_of, report_sections
 from pmmkit.report.loop import Loop
-from pmmkit.report.pictures import correlation_of, families_of, forest_of
 from pmmkit.report.reference import Reference, published_of
 from pmmkit.report.turning import Turns
 from pmmkit.simulation.results import sweep_frame, track_files
@@ -27,7 +25,6 @@ from pmmkit.tables.compare import compare
 
 if TYPE_CHECKING:
     import pandas as pd
-    from matplotlib.figure import Figure
 
 
 def write_reduction(
@@ -61,15 +58,20 @@ def write_reduction(
     list of str
         Names of the files.
     """
-    report = partial(write_report, reduction, reference=reference, turns=turns, loop=loop)
+    sections = report_sections(reduction, reference=reference, turns=turns, loop=loop)
     return write_results(
         out,
         (
             *_tables(reduction, reference or published_of(reduction.table)),
-            *figure_files(_figures(reduction, reference or published_of(reduction.table))),
+            *(
+                (f"{picture.file}.svg", document(picture.svg))
+                for section in sections
+                for picture in section.figures
+                if picture.file
+            ),
             *([("model.toml", partial(save_model, model))] if model else []),
             *(_turns(turns) if turns else ()),
-            ("report.html", report),
+            ("report.html", page_of(reduction, sections)),
         ),
     )
 
@@ -86,7 +88,6 @@ def _tables(reduction: Reduction, beside: Reference | None) -> Iterator[tuple[st
 def _turns(turns: Turns) -> Iterator[tuple[str, Any]]:
     for track in turns.tracks:
         yield from track_files(track, f"_Fn{track.Fn:.3f}")
-    yield "trajectories.svg", partial(save, trajectory(turns.tracks))
     for name, sweep in turns.sweeps.items():
         plain = "".join(letter if letter.isalnum() else "_" for letter in name.lower())
         yield f"sweep_{plain}.csv", sweep_frame(sweep)
@@ -145,14 +146,3 @@ def _with_shares(estimate: Estimate) -> pd.DataFrame:
     whole["method"] = whole["method"].where(whole["method"].notna(), told)
     whole["runs"] = whole["runs"].fillna(0).astype(int)
     return whole
-
-
-def _figures(reduction: Reduction, beside: Reference | None) -> dict[str, Figure]:
-    """What is seen best apart from the report, by the name of its file."""
-    found = {
-        "residuals": reduction.plot(),
-        "families": families_of(reduction, beside),
-        "correlation": correlation_of(reduction.table),
-        "methods": forest_of(reduction, beside) if len(reduction.estimates) > 1 else None,
-    }
-    return {name: figure for name, figure in found.items() if figure is not None}

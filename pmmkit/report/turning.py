@@ -133,6 +133,7 @@ def turning_section(turns: Turns) -> Section:
             "transfer); open marks: 180° (tactical diameter).",
             facts=_told(turns),
             narrow=True,
+            file="trajectories",
         ),
         drawn(
             turn_histories(turns.tracks),

@@ -430,7 +430,7 @@ def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monke
             raise KeyboardInterrupt
         os.kill(os.getpid(), signal.SIGTERM)
 
-    monkeypatch.setattr("pmmkit.report.results.write_report", interrupted)
+    monkeypatch.setattr("pmmkit.report.results.write_table", interrupted)
     before = tmp_path / "r"
     before.mkdir()
     (before / "derivatives.csv").write_text("mine")
