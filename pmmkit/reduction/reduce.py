@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +23,7 @@ from pmmkit.observations.prepare import CycleChoice, RunResult
 from pmmkit.observations.stated import idle
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.reduction.between_runs import between_runs
-from pmmkit.reduction.choice import AUTO, Choice, all_terms, largest_determined
+from pmmkit.reduction.choice import AUTO, all_terms, largest_determined
 from pmmkit.reduction.derivatives import Columns, columns_of
 from pmmkit.reduction.influence import Influences, influences
 from pmmkit.reduction.methods.families import by_family, by_run
@@ -291,9 +291,16 @@ def reduce_campaign(
     rows = tuple(item.rows for item in read)
     sensitivities = tuple(item.sensitivities for item in read)
     measured = {channel for item in rows for channel in item.force}
+    groups = _groups(rows, fn)
+    rows = _excited(rows, groups, campaign, convention)
+    between = between_runs(rows, campaign, convention)
     because = ""
     if free:
-        choice = _chosen(campaign, convention, rows, sensitivities, measured, fn)
+        choice = largest_determined(
+            measured,
+            lambda structure: columns_of(structure, campaign.runs, measured),
+            lambda terms: solve(rows, sensitivities, terms, groups, between),
+        )
         wanted, because = choice.structure, choice.because
     columns = columns_of(wanted, campaign.runs, measured)
     if not columns.required:
@@ -302,9 +309,7 @@ def reduce_campaign(
             f"({', '.join(sorted(measured))})."
         )
     tell(len(rows), len(rows), "fitting")
-    groups = _groups(rows, fn)
-    rows = _excited(rows, groups, campaign, convention)
-    solution = solve(rows, sensitivities, columns, groups, between_runs(rows, campaign, convention))
+    solution = solve(rows, sensitivities, columns, groups, between)
     each = influences(solution, rows)
     odd = runs_at_odds(each, solution, rows, sensitivities, columns)
     if odd and odd_runs == "refuse":
@@ -379,25 +384,6 @@ def reduce_campaign(
         solution=solution,
         influences=Influences(items=each, odd=odd),
         because=because,
-    )
-
-
-def _chosen(
-    campaign: Campaign,
-    convention: Convention,
-    rows: Sequence[Rows],
-    sensitivities: Sequence[Sequence[Sensitivity]],
-    measured: Collection[str],
-    fn: str,
-) -> Choice:
-    """The largest structure that the runs determine."""
-    groups = _groups(rows, fn)
-    excited = _excited(rows, groups, campaign, convention)
-    between = between_runs(excited, campaign, convention)
-    return largest_determined(
-        measured,
-        lambda structure: columns_of(structure, campaign.runs, measured),
-        lambda columns: solve(excited, sensitivities, columns, groups, between),
     )
 
 
