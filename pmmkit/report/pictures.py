@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -89,7 +89,7 @@ def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Itera
             reference_name=reference.name if reference else "",
         )
         yield drawn(figure, "Derivatives over the Froude number with 95 % intervals.")
-    matrix = correlation_of(table)
+    matrix = _correlations(table)
     if matrix is not None:
         names, values = correlated(table)
         yield drawn(
@@ -108,39 +108,25 @@ def of_derivatives(table: DerivativeTable, reference: Reference | None) -> Itera
         )
 
 
-def correlation_of(table: DerivativeTable) -> Figure | None:
-    """The correlation matrix of a table; none where fewer than two derivatives have a value.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        With its covariance.
-    """
+def _correlations(table: DerivativeTable) -> Figure | None:
+    """The correlation matrix of a table; none where fewer than two derivatives have a value."""
     try:
         return correlations(table)
     except TableError:
         return None
 
 
-def forest_of(reduction: Reduction, beside: Reference | None) -> Figure:
-    """All methods side by side with published values, where there are any.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        By two methods or more.
-    beside : Reference or None
-        Published values.
-    """
+def _forest(tables: Mapping[str, DerivativeTable], beside: Reference | None) -> Figure:
+    """Several tables side by side with published values, where there are any."""
     return forest(
-        {estimate.method: estimate.table for estimate in reduction.estimates.values()},
+        tables,
         reference=beside.table if beside else None,
         reference_name=beside.name if beside else "",
     )
 
 
-def families_of(reduction: Reduction, beside: Reference | None) -> Figure | None:
-    """All runs together beside each family of tests alone; none where no family has derivatives.
+def of_families(reduction: Reduction, beside: Reference | None) -> Iterator[Picture]:
+    """The forest plot of the families of tests; none where no family has derivatives.
 
     Parameters
     ----------
@@ -154,27 +140,9 @@ def families_of(reduction: Reduction, beside: Reference | None) -> Figure | None
         for title, table in reduction.families.items()
         if any(np.isfinite(table[name]).any() for name in table.names if name in reduction.table)
     }
-    if not shared:
-        return None
-    return forest(
-        {_ALL: reduction.table, **shared},
-        reference=beside.table if beside else None,
-        reference_name=beside.name if beside else "",
-    )
-
-
-def of_families(reduction: Reduction, beside: Reference | None) -> Iterator[Picture]:
-    """The forest plot of the families of tests.
-
-    Parameters
-    ----------
-    reduction, beside
-        As for `families_of`.
-    """
-    figure = families_of(reduction, beside)
-    if figure is not None:
+    if shared:
         yield drawn(
-            figure,
+            _forest({_ALL: reduction.table, **shared}, beside),
             "Each family of tests alone less all runs together, over half of the 95 % "
             "interval of all runs (grey): bars are 95 % intervals, numbers stand for what lies "
             "outside.",
@@ -189,14 +157,15 @@ def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Pictu
     Parameters
     ----------
     reduction, beside
-        As for `forest_of`.
+        As for `of_families`.
     """
-    if len(reduction.estimates) > 1:
+    tables = {estimate.method: estimate.table for estimate in reduction.estimates.values()}
+    if len(tables) > 1:
         yield drawn(
-            forest_of(reduction, beside),
+            _forest(tables, beside),
             "Every method less the global regression, over half of the regression's 95 % "
             "interval (grey): bars are 95 % intervals, numbers stand for what lies outside.",
-            facts=farthest({item.method: item.table for item in reduction.estimates.values()}),
+            facts=farthest(tables),
             file="methods",
         )
 
