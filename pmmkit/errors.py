@@ -118,14 +118,31 @@ class Problem:
         """The remedy in the words of who reads it."""
         return self.remedy.said(reader) if isinstance(self.remedy, Remedy) else self.remedy
 
-    def said(self, reader: Reader) -> str:
-        """Place, message and remedy in the words of who reads them."""
+    def said(self, reader: Reader, most: int | None = None) -> str:
+        """Place, message and remedy in the words of who reads them.
+
+        Of a text that has more than `most` characters the message is cut, and the remedy stays.
+
+        Examples
+        --------
+        >>> Problem(message="Y is 9.8 times too large.", remedy="State kgf.").said("python", 24)
+        'Y is 9.8 tim… State kgf.'
+        """
         text = f"{self.place}: {self.message}" if self.place else self.message
         advice = self.advice(reader)
-        return f"{text} {advice}" if advice else text
+        end = f" {advice}" if advice else ""
+        if most is not None and len(text) + len(end) > most:
+            room = max(most - len(end), most // 2)
+            text = _cut(text, room)
+            end = _cut(end, most - len(text))
+        return f"{text}{end}"
 
     def __str__(self) -> str:
         return self.said("python")
+
+
+def _cut(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: max(most - 1, 0)]}…"
 
 
 class PmmkitError(Exception):
@@ -161,14 +178,13 @@ class DataError(PmmkitError, ValueError):
         self.title = title
         super().__init__(self.said("python"))
 
-    def said(self, reader: Reader) -> str:
-        """The text in the words of who reads it."""
-        if len(self.problems) == 1:
-            only = self.problems[0].said(reader)
-            return f"{self.title}: {only}" if self.title else only
-        head = f"{self.title or type(self).__name__} ({len(self.problems)} problems):"
-        lines = [f"  {number}. {x.said(reader)}" for number, x in enumerate(self.problems, start=1)]
-        return "\n".join([head, *lines])
+    def said(self, reader: Reader, most: int | None = None) -> str:
+        """The text in the words of who reads it, each problem of at most so many characters."""
+        each = [problem.said(reader, most) for problem in self.problems]
+        if len(each) == 1:
+            return f"{self.title}: {each[0]}" if self.title else each[0]
+        head = f"{self.title or type(self).__name__} ({len(each)} problems):"
+        return "\n".join([head, *(f"  {k}. {text}" for k, text in enumerate(each, start=1))])
 
 
 class CampaignError(DataError):

@@ -10,6 +10,7 @@ import html
 import re
 import textwrap
 import unicodedata
+from pathlib import PurePath
 from typing import Final
 
 WIDTH: Final = 80
@@ -232,3 +233,15 @@ def figure_text(text: str) -> str:
 def _encodable(text: str) -> str:
     """A text without the halves of letters that UTF-8 does not have."""
     return text.encode("utf-8", "replace").decode("utf-8")
+
+
+def quoted(path: PurePath) -> str:
+    """A path as it is typed.
+
+    Examples
+    --------
+    >>> quoted(PurePath("my tests/run 1")), quoted(PurePath("tests"))
+    ('"my tests/run 1"', 'tests')
+    """
+    text = str(path)
+    return f'"{text}"' if " " in text else text

@@ -192,15 +192,17 @@ def check_numbers(content: Mapping[str, Any], file: str, kind: type[DataError]) 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of TOML file of pmmkit, and who reads it."""
+    """A kind of TOML file of pmmkit, its usual name, and who reads it."""
 
     words: str
+    file: str
     keys: frozenset[str]
     remedy: Remedy
 
 
 CAMPAIGN: Final = Kind(
     "a campaign file",
+    "campaign.toml",
     frozenset({"campaign", "runs", "tables"}),
     Remedy(
         "{}",
@@ -214,6 +216,7 @@ CAMPAIGN: Final = Kind(
 )
 MODEL: Final = Kind(
     "a model file",
+    "model.toml",
     frozenset({"effects", "convention"}),
     Remedy(
         "{}", (Way("pmmkit.load_model reads it.", "Give it where a command asks for a model."),)

@@ -97,17 +97,40 @@ def examine(
     >>> from pmmkit.ship import Ship, Water
     >>> hull = Ship(name="hull", L=5.0, B=0.7, d=0.25, volume=0.5, mass=5.0, Izz=800.0)
     >>> for finding in examine(Campaign(title="", ship=hull, water=Water(rho=1000.0), runs=())):
-    ...     print(finding.severity, finding.check, round(*finding.numbers.values(), 2))
-    error particulars 0.01
+    ...     print(finding.severity, finding.check, finding.message[:48])
+    error particulars The mass 5.000 kg is 0.0100 times the displaced
+    info particulars Not examined until the particulars are right: in
     """
     _known_checks(campaign)
     if summaries is None:
         summaries = _read_all(campaign)
+    ship = [
+        accepted(campaign, x)
+        for check in particulars.CHECKS
+        for x in check.examine(campaign, summaries)
+    ]
+    consistent = not any(x.check == "particulars" and x.severity == "error" for x in ship)
     gauges_first = [x for check in RECORDS for x in check.examine(campaign, summaries)]
     sound = without_channels(summaries, gauges_first)
-    rest = [x for check in CHECKS if check not in RECORDS for x in check.examine(campaign, sound)]
+    others = [check for check in CHECKS if check not in (*RECORDS, *particulars.CHECKS)]
+    made = [check for check in others if consistent or not check.by_particulars]
+    rest = [x for check in made for x in check.examine(campaign, sound)]
     found = [accepted(campaign, x) for x in settled([*gauges_first, *rest])]
-    return loudest_first(found)
+    return loudest_first([*ship, *found, *_not_made([c for c in others if c not in made])])
+
+
+def _not_made(checks: Sequence[Check]) -> list[CheckFinding]:
+    """What is not examined while the particulars contradict themselves."""
+    if not checks:
+        return []
+    names = ", ".join(check.name for check in checks)
+    return [
+        CheckFinding(
+            check="particulars",
+            severity="info",
+            message=f"Not examined until the particulars are right: {names}.",
+        )
+    ]
 
 
 def _known_checks(campaign: Campaign) -> None:

@@ -82,11 +82,14 @@ class Check:
         Name, and what it looks for.
     examine : callable
         Takes the campaign and the summaries of its runs, gives findings.
+    by_particulars : bool
+        It judges by the ship's length, volume or mass, and says nothing where these are wrong.
     """
 
     name: str
     description: str
     examine: Callable[[Campaign, Sequence[Summary]], Iterable[CheckFinding]]
+    by_particulars: bool = False
 
 
 def refuse(findings: Iterable[CheckFinding]) -> None:

@@ -106,6 +106,9 @@ def _standing(
 
 CHECKS = (
     Check(
-        "frequency", "ωU/g against 1/4, ω' and waves standing across the tank", examine_frequencies
+        "frequency",
+        "ωU/g against 1/4, ω' and waves standing across the tank",
+        examine_frequencies,
+        by_particulars=True,
     ),
 )

@@ -255,5 +255,6 @@ CHECKS = (
         "inertia",
         "the model's inertia inside Y, N, X and Y r, against what the campaign file says",
         examine_inertia,
+        by_particulars=True,
     ),
 )

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from pmmkit.checks.summary import Summary
 
 BLOCK: Final = 0.0075
+BLOCKS: Final = (0.1, 1.05)
+"""Block coefficients of anything that floats, from a slender catamaran to a box."""
+DENSITIES: Final = (900.0, 1100.0)
+"""Of water, in kg/m³; computations without dimensions may have 1."""
 MASS: Final = 0.05
 HEIGHT: Final = 0.5
 GYRATION: Final = (0.17, 0.34)
@@ -35,9 +39,22 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
             severity="error" if abs(math.log(ratio)) > math.log(1.5) else "warning",
             message=f"The mass {figure(ship.mass, 4)} kg is {figure(ratio)} times the displaced "
             f"{figure(rho * ship.volume, 4)} kg (rho times volume)"
-            + (f", near {near}." if near else "; a floating hull has 1."),
+            + (f", near {near}." if near else "; a floating hull has 1.")
+            + _strange_density(rho),
             remedy="Check mass, volume and rho; give what hangs on the balance as balance_mass.",
             numbers={"ratio": ratio},
+        )
+    if not BLOCKS[0] <= ship.block <= BLOCKS[1]:
+        near = round_factor(ship.block / 0.6, spread=2.0)
+        yield CheckFinding(
+            check="particulars",
+            severity="error",
+            message=f"volume/(L B d) is {figure(ship.block)}"
+            + (f", near {near}" if near else "")
+            + f"; hulls have 0.3 to 0.9. L/B is {figure(ship.L / ship.B)} (ships have 3 to 12), "
+            f"B/d {figure(ship.B / ship.d)} (1.5 to 7).",
+            remedy="Check L, B, d [m] and volume [m³].",
+            numbers={"block": ship.block, "L_B": ship.L / ship.B, "B_d": ship.B / ship.d},
         )
     radius = math.sqrt(max(ship.Izz / ship.mass - ship.xG**2, 0.0)) / ship.L
     if abs(ratio - 1) <= MASS and not GYRATION[0] < radius < GYRATION[1]:
@@ -72,6 +89,12 @@ def examine_ship(campaign: Campaign, _summaries: Sequence[Summary]) -> Iterator[
             numbers={"block": ship.block, "stated": stated, "length": length},
         )
     yield from _rudder_areas(campaign.rudder)
+
+
+def _strange_density(rho: float) -> str:
+    if DENSITIES[0] <= rho <= DENSITIES[1]:
+        return ""
+    return f" rho is {figure(rho, 4)} kg/m³; water has about 1000."
 
 
 def _rudder_areas(rudder: Mapping[str, Any]) -> Iterator[CheckFinding]:

@@ -139,5 +139,6 @@ CHECKS = (
         "moment reference",
         "the point to which moments refer, by symmetry and by the rudder",
         examine_reference,
+        by_particulars=True,
     ),
 )

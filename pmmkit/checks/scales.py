@@ -264,5 +264,10 @@ def _speeds(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
 
 CHECKS = (
     Check("means", "means of oscillating runs against static runs", examine_means),
-    Check("units", "forces, speeds and angles off by a round factor", examine_sizes),
+    Check(
+        "units",
+        "forces, speeds and angles off by a round factor",
+        examine_sizes,
+        by_particulars=True,
+    ),
 )

@@ -51,7 +51,8 @@ def _run(given: list[str]) -> int:
     import typer
 
     from pmmkit.cli.app import application
-    from pmmkit.cli.output import emit, tell_error
+    from pmmkit.cli.output import tell_error
+    from pmmkit.cli.usage import tell_usage
 
     as_json = "--json" in given
     usage_error: Any = typer.BadParameter.__base__
@@ -68,9 +69,7 @@ def _run(given: list[str]) -> int:
         tell_error(error, as_json=as_json)
         return WRONG
     except usage_error as error:
-        if as_json:
-            emit({"error": {"type": "usage", "message": error.format_message(), "problems": []}})
-        error.show(sys.stderr)
+        tell_usage(error, given, as_json=as_json)
         return USAGE
     if status == STOPPED:
         print("Stopped. No output was left half-written.", file=sys.stderr)

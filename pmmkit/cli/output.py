@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
+from itertools import accumulate
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import DataError
@@ -17,9 +18,11 @@ if TYPE_CHECKING:
 
 
 LINES: Final = 40
-"""Lines of an error on a screen."""
+"""Rows of an error on a screen."""
+COLUMNS: Final = 100
+"""Characters of such a row."""
 WIDEST: Final = 400
-"""Characters of such a line."""
+"""Characters of each problem where all together have more rows."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +79,7 @@ def tell_error(error: Exception, *, as_json: bool) -> None:
                 }
             }
         )
-    say(f"pmmkit: {_on_a_screen(text)}")
+    say(f"pmmkit: {text if _rows(text) <= LINES else _on_a_screen(error, text)}")
 
 
 def words_of(error: Exception) -> str:
@@ -84,27 +87,32 @@ def words_of(error: Exception) -> str:
     return error.said("command") if isinstance(error, DataError) else str(error)
 
 
-def _on_a_screen(text: str) -> str:
+def _rows(text: str) -> int:
+    return sum(max(1, math.ceil(len(line) / COLUMNS)) for line in text.split("\n"))
+
+
+def _on_a_screen(error: Exception, text: str) -> str:
     """The beginning of a long text, and the name of a file that holds all of it."""
-    lines = text.split("\n")
-    shown = [line if len(line) <= WIDEST else f"{line[: WIDEST - 1]}…" for line in lines]
-    if shown == lines and len(lines) <= LINES:
-        return text
+    brief = error.said("command", WIDEST // 2) if isinstance(error, DataError) else text
+    lines = [
+        line if len(line) <= WIDEST else f"{line[: WIDEST - 1]}…"
+        for line in lines_of(brief).split("\n")
+    ]
     try:
         handle, name = tempfile.mkstemp(prefix="pmmkit-", suffix=".txt", text=True)
         with open(handle, "w", encoding="utf-8", errors="replace") as file:
             file.write(f"{text}\n")
-    except OSError as error:
-        name = f"nowhere ({error.strerror})"
-    return "\n".join([*shown[: LINES - 1], f"  … all {len(lines)} lines: {name}"])
+    except OSError as problem:
+        name = f"nowhere ({problem.strerror})"
+    return "\n".join([*_first_rows(lines, LINES - 1), f"  … all of it: {name}"])
+
+
+def _first_rows(lines: Sequence[str], most: int) -> list[str]:
+    """As many lines from the first as have so many rows."""
+    rows = accumulate(_rows(line) for line in lines)
+    return [line for line, reached in zip(lines, rows, strict=True) if reached <= most]
 
 
 def warned(findings: Iterable[CheckFinding]) -> list[str]:
     """What the checks said, each once."""
     return list(dict.fromkeys(f"{item.severity}: {item.message}" for item in findings))
-
-
-def quoted(path: Path) -> str:
-    """A path as it is typed."""
-    text = str(path)
-    return f'"{text}"' if " " in text else text

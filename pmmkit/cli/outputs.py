@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from pmmkit.cli.output import quoted, say
+from pmmkit.cli.output import say
+from pmmkit.escaping import quoted
 
 Out = Annotated[
     Path | None,
@@ -21,8 +22,6 @@ Out = Annotated[
 Force = Annotated[
     bool, typer.Option("--force", help="Let the output replace the very file that was read.")
 ]
-MODEL_FILE = "model.toml"
-"""Name of a model among the results of a command."""
 
 
 def results_folder(
@@ -51,11 +50,12 @@ def results_folder(
         If the folder cannot be written, or its model is one that the command reads.
     """
     from pmmkit.files import check_folder, free_folder, is_empty_place
+    from pmmkit.toml_files import MODEL
 
     folder = out or free_folder(Path(default))
     check_folder(folder)
     if out is not None:
-        keep_what_was_read(out / MODEL_FILE, read, force=force, option="--out")
+        keep_what_was_read(out / MODEL.file, read, force=force, option="--out")
         if not is_empty_place(out):
             say(f"{quoted(out)} is not empty: files of the same names are replaced.")
     elif folder != Path(default):

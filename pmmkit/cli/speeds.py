@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from pmmkit.cli.output import say
 from pmmkit.conventions import is_unit, unit_factor
 
 if TYPE_CHECKING:
+    from pmmkit.models.model import Model
     from pmmkit.ship import Ship, Water
 
 WAYS: Final = "8.0 [m/s], '15.5 kn' or 'Fn 0.2'"
@@ -132,12 +134,41 @@ def _unreadable(text: str) -> typer.BadParameter:
     return typer.BadParameter(f"{text!r} is no speed: write {WAYS}.")
 
 
+def approach(speed: TypedSpeed | None, model: Model) -> float:
+    """The speed [m/s] at which a model is to sail: the one typed, else the only one tested.
+
+    Raises
+    ------
+    typer.BadParameter
+        If none was typed and the model does not settle it; with the speeds that it was tested at.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> approach(typed("8.0"), load_model("kvlcc2"))
+    8.0
+    """
+    if speed is not None:
+        return speed.of(model.ship, model.water)
+    tested = [model.ship.speed(Fn, model.water.g) for Fn in model.Fn]
+    if len(tested) == 1:
+        said = f"{tested[0]:.4g} m/s, Fn {model.Fn[0]:.3f}"
+        say(f"Without --speed the ship sails at that of the tests: {said}.")
+        return tested[0]
+    there = ", ".join(f"{x:.4g}" for x in tested)
+    known = f" This model was tested at {there} m/s." if tested else ""
+    raise typer.BadParameter(
+        f"State the speed of the approach: {WAYS}.{known}", param_hint="--speed"
+    )
+
+
 Speed = Annotated[
-    TypedSpeed,
+    TypedSpeed | None,
     typer.Option(
         parser=typed,
         metavar="SPEED",
-        help=f"Approach speed of the ship in the model, at the model's own scale: {WAYS}.",
+        help=f"Approach speed of the ship in the model, at the model's own scale: {WAYS}; the "
+        "tested one if the model was tested at one alone.",
     ),
 ]
 WindSpeed = Annotated[

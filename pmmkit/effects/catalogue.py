@@ -116,7 +116,7 @@ def effect(**declared: Any) -> Callable[[Callable[..., Any]], Effect]:
     ...     "Drag of a keel."
     ...     return (0.5 * rho * L * L * v * fabs(v) * size,)
     >>> doc_keel
-    <Effect doc_keel: force of own, asked captive and free running>
+    <Effect doc_keel: force of own, asked in captive tests and free running>
     """
 
     def made(function: Callable[..., Any]) -> Effect:

@@ -13,6 +13,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.seen import Move, Observed, Vessel
 from pmmkit.errors import UnknownNameError
 from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section
 
 Kind = Literal["force", "mass", "state", "terms", "freed", "fault"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
@@ -123,8 +124,8 @@ def _none() -> Mapping[str, Any]:
     return MappingProxyType({})
 
 
-@dataclass(frozen=True, kw_only=True)
-class Effect:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Effect(Described):
     """One entry of the catalogue.
 
     Both diagnoses, the simulator, the filter, `with_effect`, scaling and the documentation take
@@ -227,19 +228,61 @@ class Effect:
     not_free_running: str = ""
     text: str = ""
 
-    def __repr__(self) -> str:
-        asked = [
-            word
-            for word, reason in (
-                ("captive", self.not_captive),
-                ("free running", self.not_free_running),
-            )
-            if self.coefficients and not reason
-        ]
+    def _headline(self) -> str:
+        asked = [where for where, reason in self._places() if not reason]
         return (
-            f"<Effect {self.name}: {self.kind} of {self.family.replace('_', ' ')}"
-            f"{', asked ' + ' and '.join(asked) if asked else ''}>"
+            f"{self.name}: {self.kind} of {self.family.replace('_', ' ')}"
+            f"{', asked in ' + ' and '.join(asked) if asked else ''}"
         )
+
+    def _sections(self) -> list[Section]:
+        told = [self.summary, f"Source: {self.source}." if self.source else "", self.asked]
+        if self.check:
+            told.append(f"To be sure: {self.check}.")
+        tables = []
+        if self.parameters:
+            heads, rows = self.parameter_table()
+            tables.append(Grid(head=heads, groups=[Group(rows=rows)], texts=(1,)))
+        return [
+            Section(
+                paragraphs=[text for text in told if text],
+                points=[
+                    f"{name}: {', '.join(choices)} (default the first)"
+                    for name, choices in self.options.items()
+                ],
+                tables=tables,
+            )
+        ]
+
+    def _places(self) -> list[tuple[str, str]]:
+        """Where a diagnosis may ask for it, each with the reason why it does not."""
+        if not (self.coefficients or self.moves):
+            return []
+        return [("captive tests", self.not_captive), ("free running", self.not_free_running)]
+
+    @property
+    def asked(self) -> str:
+        """Where a diagnosis asks for it, or why not, in words; empty for parts of a model."""
+        places = self._places()
+        if not places:
+            return ""
+        asked = " and ".join(where for where, reason in places if not reason)
+        why = [f"Not in {where}: {reason}." for where, reason in places if reason]
+        return " ".join([f"Asked in {asked or 'no tests'}.", *why])
+
+    def parameter_table(self) -> tuple[list[str], list[list[str]]]:
+        """The heads and rows that say what its parameters are, in cells of text."""
+        heads = ["parameter", "meaning", "unit"]
+        heads += ["default"] * self.enters + ["usual size"] * bool(self.coefficients)
+        rows = []
+        for item in self.parameters:
+            cells = [item.name, item.text, item.unit]
+            if self.enters:
+                cells.append("required" if item.default is None else f"{item.default:g}")
+            if self.coefficients:
+                cells.append("" if item.typical is None else f"{item.typical:.3g}")
+            rows.append(cells)
+        return heads, rows
 
     @property
     def source(self) -> str:

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from pmmkit.conventions import Convention
 from pmmkit.errors import DataError, ModelError, Problem, UnknownNameError
+from pmmkit.escaping import quoted
 from pmmkit.files import write_text
 from pmmkit.models.model import Model, Part
 from pmmkit.models.old_files import steps_of_sentences
 from pmmkit.models.records import FileReader, entries
 from pmmkit.models.step import Step, Value
-from pmmkit.ship_library import read_ship, read_water, ship_file
-from pmmkit.toml_files import MODEL, read_toml, refuse_other, toml_text
+from pmmkit.ship_library import read_ship, read_water, ship_file, ships
+from pmmkit.toml_files import CAMPAIGN, MODEL, read_toml, refuse_other, toml_text
 
 SCHEMA: Final = 2
 """The second has ``steps``; a file without them is one of the first."""
@@ -72,10 +73,25 @@ def load_model(name_or_path: str | Path) -> Model:
     is_name = (
         isinstance(name_or_path, str) and not text.endswith(".toml") and Path(text).name == text
     )
+    if Path(text).is_dir() and not (is_name and text in ships()):
+        raise _folder(Path(text))
     path = ship_file(text) if is_name else Path(name_or_path)
     content = read_toml(path)
     refuse_other(content, MODEL, str(path), ModelError)
     return model_from(content, str(path))
+
+
+def _folder(path: Path) -> ModelError:
+    """The error of a folder that stands where a model is asked for, with what lies in it."""
+    if (path / MODEL.file).is_file():
+        remedy = f"It holds one: write {quoted(path / MODEL.file)}."
+    elif (path / CAMPAIGN.file).is_file():
+        remedy = f"It holds tests: the command pmmkit reduce {quoted(path)} makes a model of them."
+    else:
+        remedy = "Name the model file in it (.toml), or a ship of the library."
+    return ModelError(
+        Problem(message="this is a folder and no model.", file=str(path), remedy=remedy)
+    )
 
 
 def save_model(model: Model, path: str | Path) -> None:

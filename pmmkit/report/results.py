@@ -22,6 +22,7 @@ from pmmkit.report.turning import Turns
 from pmmkit.simulation.results import sweep_frame, track_files
 from pmmkit.tables import write_table
 from pmmkit.tables.compare import compare
+from pmmkit.toml_files import MODEL
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,7 +70,7 @@ def write_reduction(
                 for picture in section.figures
                 if picture.file
             ),
-            *([("model.toml", partial(save_model, model))] if model else []),
+            *([(MODEL.file, partial(save_model, model))] if model else []),
             *(_turns(turns) if turns else ()),
             ("report.html", page_of(reduction, sections)),
         ),

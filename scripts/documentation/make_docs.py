@@ -16,7 +16,7 @@ from pmmkit.checks import CHECKS
 from pmmkit.diagnosis import captive_candidates
 from pmmkit.diagnosis.captive.signature import FROUDE, LENGTH, Signature, signatures
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.effect import Effect
 from pmmkit.figures import trajectory
 from pmmkit.figures.derivatives import derivatives_over_froude
 from pmmkit.files import datasets_folder, write_text
@@ -120,15 +120,6 @@ campaigns.
 """
 
 
-def parameter_row(effect: Effect, item: Parameter) -> str:
-    cells = [f"`{item.name}`", item.text, item.unit]
-    if effect.enters:
-        cells.append("required" if item.default is None else f"{item.default:g}")
-    if effect.coefficients:
-        cells.append("" if item.typical is None else f"{item.typical:.3g}")
-    return f"| {' | '.join(cells)} |"
-
-
 def effect_page(effect: Effect, signature: Signature | None = None) -> str:
     lines = [f"### `{effect.name}`", "", effect.summary, ""]
     kind = KINDS.get(effect.kind, effect.kind)
@@ -140,13 +131,12 @@ def effect_page(effect: Effect, signature: Signature | None = None) -> str:
             for name, choices in effect.options.items()
         ]
     if effect.parameters:
-        heads = ["parameter", "meaning", "unit"]
-        heads += ["default"] * effect.enters + ["usual size"] * bool(effect.coefficients)
+        heads, rows = effect.parameter_table()
         lines += ["", f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
-        lines += [parameter_row(effect, item) for item in effect.parameters]
+        lines += [f"| `{name}` | {' | '.join(cells)} |" for name, *cells in rows]
     if effect.derivatives:
         lines += ["", "Takes derivatives by name."]
-    lines += asked_lines(effect)
+    lines += ["", effect.asked] if effect.asked else []
     if effect.check:
         lines += ["", f"To be sure: {effect.check}."]
     return "\n".join([*lines, *(signature_lines(signature) if signature else ())])
@@ -196,16 +186,6 @@ WITHOUT_ENTRY = {
     "fault_units": "Refused before anything is fitted: see [checks.md](checks.md).",
 }
 """Effects of the literature that no residual can show here, and why."""
-
-
-def asked_lines(effect: Effect) -> list[str]:
-    """Where a diagnosis asks for an effect, or why not."""
-    if not (effect.coefficients or effect.moves):
-        return []
-    reasons = {"captive tests": effect.not_captive, "free running": effect.not_free_running}
-    asked = " and ".join(where for where, reason in reasons.items() if not reason)
-    why = [f"Not in {where}: {reason}." for where, reason in reasons.items() if reason]
-    return ["", " ".join([f"Asked in {asked or 'no tests'}.", *why])]
 
 
 def without_entry() -> str:

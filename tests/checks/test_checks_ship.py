@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from checks_programme import SHIP, WATER, campaign_of, run_of
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.checks import examine
+from pmmkit.files import datasets_folder
 
 
 def said(findings, check: str):
@@ -28,14 +30,27 @@ def test_consistent_particulars_are_silent():
         ({"mass": 420.0}, "warning", "rho times volume"),
         ({"block_stated": 0.5562}, "warning", "L = 4.909 m"),
         ({"block_stated": 5.617}, "error", "near 1/10"),
+        ({"L": SHIP.L * 1000}, "error", "near 1/1000: kilo, or milli"),
+        ({"d": SHIP.d / 100}, "error", "B/d 299"),
         ({"GM": 5.0}, "warning", "full-scale"),
         ({"Izz": 61.8}, "warning", "radius of gyration"),
     ],
 )
 def test_particulars_that_contradict_one_another(changes, severity, words):
-    (found,) = said(examine(campaign_of([], ship=replace(SHIP, **changes))), "particulars")
+    found, *rest = said(examine(campaign_of([], ship=replace(SHIP, **changes))), "particulars")
     assert found.severity == severity
     assert words in found.message
+    assert any("Not examined" in item.message for item in rest) is (severity == "error")
+
+
+def test_particulars_that_cannot_be_silence_what_is_judged_by_them():
+    """A density in t/m³ is one slip, and not five of inertia and units besides."""
+    campaign = open_campaign(datasets_folder() / "s175")
+    wrong = campaign.with_(water=replace(campaign.water, rho=campaign.water.rho / 1000))
+    found = examine(wrong)
+    assert {item.check for item in found if item.severity == "error"} == {"particulars"}
+    assert "rho is 0.9991 kg/m³; water has about 1000" in found[0].message
+    assert "inertia, " in found[-1].message
 
 
 def test_a_movable_rudder_area_larger_than_the_whole():

@@ -10,7 +10,7 @@ import pytest
 
 from pmmkit.cli import main
 from pmmkit.cli.output import LINES, WIDEST, tell_error
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, Problem
 
 SHIPS = [sys.executable, "-m", "pmmkit", "ships"]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="needs a shell of Unix")
@@ -66,12 +66,28 @@ def test_a_long_error_is_a_screen_and_a_file(capsys):
     lines = capsys.readouterr().err.rstrip("\n").split("\n")
     assert len(lines) <= LINES
     assert max(map(len, lines)) <= WIDEST + len("pmmkit: ")
-    assert lines[-1].startswith("  … all 901 lines: ")
+    assert lines[-1].startswith("  … all of it: ")
     file = Path(lines[-1].split(": ", 1)[1])
     assert file.read_text(encoding="utf-8").splitlines()[-1] == "  900. row 899 is wrong"
     if sys.platform != "win32":
         assert file.stat().st_mode & 0o777 == 0o600
     file.unlink()
+
+
+def test_what_to_do_is_not_cut_off_with_a_long_message(capsys):
+    problems = [
+        Problem(message=f"{'long ' * 300}{number}", remedy=f"Do {number}.") for number in range(9)
+    ]
+    tell_error(DataError(problems), as_json=False)
+    lines = capsys.readouterr().err.rstrip("\n").split("\n")
+    assert [line[-5:] for line in lines[1:-1]] == [f"Do {number}." for number in range(9)]
+    Path(lines[-1].split(": ", 1)[1]).unlink()
+
+
+def test_what_fits_a_screen_is_shown_whole(capsys):
+    problems = [f"{'word ' * 100}{number}" for number in range(5)]
+    tell_error(DataError(problems), as_json=False)
+    assert capsys.readouterr().err == f"pmmkit: {DataError(problems)}\n"
 
 
 def test_an_error_does_not_steer_the_terminal(capsys):

@@ -15,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
@@ -122,6 +123,7 @@ def parts():
 
 
 MADE = {
+    "Effect": lambda: effect_of("crossflow_drag"),
     "Trial": trial,
     "Parts": parts,
     "DerivativeTable": cache(lambda: reduction().table),
@@ -149,6 +151,7 @@ MADE = {
 LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MADE]
 SAID = {
+    "Effect": ("Hooft", "free running", "CD", "required", "0.55", "To be sure"),
     "Trial": ("T1", "1040.0 m", "3.25 L", "4.5 L", "met", "5.0 m/s from 270°", "fixes jump"),
     "Parts": ("0.350 ± 0.020", "tank <2>", "7 runs", "C1 is assumed"),
     "DerivativeTable": ("Fn 0.217", "10³", "±", "½ρL²U²", "midship", "Yaw moment N", "regression"),

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import CampaignError, Problem, Remedy, setting
+from pmmkit.escaping import quoted
 from pmmkit.files import datasets_folder, matching
 from pmmkit.readers.hdf5.guard import SIGNATURE
 from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
@@ -22,7 +23,7 @@ from pmmkit.toml_files import CAMPAIGN, check_numbers, refuse_other
 if TYPE_CHECKING:
     from pmmkit.campaigns.file.assembly import Assembled, Setup
 
-FILE_NAME: Final = "campaign.toml"
+FILE_NAME: Final = CAMPAIGN.file
 DATA_VARIABLE: Final = "PMMKIT_DATA"
 _TESTS: Final = ("runs", "matrix", "tables", "corrections")
 _SAVED: Final = (".h5", ".hdf5", ".nc")
@@ -165,10 +166,12 @@ def _place(path: Path) -> Path:
     if path.is_dir():
         if (path / FILE_NAME).is_file():
             return path / FILE_NAME
-        others = sorted(file.name for file in path.glob("*.toml"))
-        there = f" It has {', '.join(others)}: name the file itself." if others else ""
         raise CampaignError(
-            Problem(message=f"there is no {FILE_NAME} in this folder.{there}", file=str(path))
+            Problem(
+                message=f"there is no {FILE_NAME} in this folder.",
+                file=str(path),
+                remedy=_remedy_in(path),
+            )
         )
     if not path.is_file():
         raise CampaignError(
@@ -179,6 +182,22 @@ def _place(path: Path) -> Path:
             )
         )
     return path
+
+
+def _remedy_in(folder: Path) -> str:
+    """What to do in a folder without a campaign file: what lies there, or how one is drafted."""
+    others = sorted(file.name for file in folder.glob("*.toml"))
+    if others:
+        return f"It has {', '.join(others[:5])}: name the file itself."
+    inside = sorted(file.parent.as_posix() for file in folder.glob(f"*/{FILE_NAME}"))
+    if inside:
+        more = f" and {len(inside) - 5} more" if len(inside) > 5 else ""
+        return f"There is one in {', '.join(inside[:5])}{more}: name that folder."
+    return _draft(folder)
+
+
+def _draft(folder: Path) -> str:
+    return f"The command pmmkit new-campaign {quoted(folder)} drafts one from its files."
 
 
 def _text(place: Path) -> tuple[str, str]:
@@ -214,6 +233,7 @@ def _toml(text: str, place: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
+        _refuse_measurements(place, error)
         message = str(error) or "nested too deeply"
         line = re.search(r"at line (\d+)", message)
         row = int(line[1]) if line else None
@@ -223,7 +243,21 @@ def _toml(text: str, place: Path) -> dict[str, Any]:
                 message=f"this is not valid TOML: {message}.",
                 file=place.name,
                 row=row,
-                remedy=_toml_remedy(written),
+                remedy=_toml_remedy(written, message),
+            )
+        ) from error
+
+
+def _refuse_measurements(place: Path, error: Exception) -> None:
+    """Refuse a file of data that stands where the campaign file is asked for."""
+    from pmmkit.readers import recognise
+
+    if place.suffix.lower() != ".toml" and recognise(place) is not None:
+        raise CampaignError(
+            Problem(
+                message="this is a file of measurements; the campaign file says what it holds.",
+                file=place.name,
+                remedy=_draft(place.parent),
             )
         ) from error
 
@@ -243,8 +277,10 @@ def _check_end(raw: Mapping[str, Any], place: Path) -> None:
         )
 
 
-def _toml_remedy(line: str) -> str | None:
+def _toml_remedy(line: str, message: str) -> str | None:
     """The commonest slips in a line of TOML."""
+    if message.startswith(("Cannot overwrite", "Cannot declare")):
+        return "This name stands twice in its table: remove one."
     if re.search(r"[=\[,]\s*[+-]?\.\d", line):
         return "Write a digit before the point: 0.5, not .5."
     if re.search(r"=\s*[+-]?\d+,\d", line):

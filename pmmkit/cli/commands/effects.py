@@ -2,36 +2,70 @@
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
 
 from pmmkit.cli.output import Outcome
 
-EXAMPLE: Final = "pmmkit effects"
+if TYPE_CHECKING:
+    from pmmkit.effects.effect import Effect
+
+EXAMPLE: Final = "pmmkit effects crossflow_drag"
 
 
-def effects() -> Outcome:
+def effects(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="Effects of which all is told, or parts of their names."),
+    ] = None,
+) -> Outcome:
     """The catalogue of effects that models are made of."""
     from pmmkit.effects.catalogue import catalogue
 
-    found = catalogue().values()
-    entries = [
-        {
-            "name": item.name,
-            "family": item.family,
-            "kind": item.kind,
-            "summary": item.summary,
-            "source": item.source,
-            "parameters": [part.name for part in item.parameters],
-            "usual_sizes": {part.name: part.typical for part in item.coefficients},
-            "check": item.check,
-            "enters_a_model": not item.faulty,
-        }
-        for item in found
-    ]
-    width = max(len(item.name) for item in found)
+    asked = list(dict.fromkeys(x for name in names or [""] for x in _named(name)))
+    found = [catalogue()[name] for name in asked]
+    whole = names and len(found) <= len(names)
+    return Outcome(
+        content={"effects": [_content(item) for item in found]},
+        lines=_each(found) if whole else _list(found),
+    )
+
+
+def _named(text: str) -> list[str]:
+    """The effect of a name, else those whose names hold it."""
+    from pmmkit.effects.catalogue import catalogue, effect_of
+
+    every = catalogue()
+    word = text.lower()
+    return [word] if word in every else [x for x in every if word in x] or [effect_of(text).name]
+
+
+def _each(found: Iterable[Effect]) -> list[str]:
+    return "\n\n".join(map(str, found)).split("\n")
+
+
+def _list(found: Iterable[Effect]) -> list[str]:
+    listed = list(found)
+    width = max(len(item.name) for item in listed)
     lines = []
     for title, faults in (("Effects", False), ("Faults of a measurement", True)):
-        lines += [f"{title}:"] + [
-            f"  {item.name:<{width}}  {item.summary}" for item in found if item.faulty is faults
-        ]
-    return Outcome(content={"effects": entries}, lines=lines)
+        some = [item for item in listed if item.faulty is faults]
+        lines += [f"{title}:"] * bool(some)
+        lines += [f"  {item.name:<{width}}  {item.summary}" for item in some]
+    return lines
+
+
+def _content(item: Effect) -> dict[str, Any]:
+    return {
+        "name": item.name,
+        "family": item.family,
+        "kind": item.kind,
+        "summary": item.summary,
+        "source": item.source,
+        "parameters": [part.name for part in item.parameters],
+        "usual_sizes": {part.name: part.typical for part in item.coefficients},
+        "check": item.check,
+        "enters_a_model": not item.faulty,
+    }

@@ -49,6 +49,7 @@ def estimate(
     from pmmkit.models import estimated_model, save_model
     from pmmkit.ship import Ship, Water
     from pmmkit.simulation.simulate import simulate
+    from pmmkit.toml_files import MODEL
 
     folder = results_folder(out, f"{name}-estimate")
     water = Water()
@@ -74,9 +75,9 @@ def estimate(
     straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
     rows = [_row(item, guess, straight[item]) for item, guess in found.items()]
     write_results(
-        folder, [("model.toml", partial(save_model, model)), ("estimates.csv", pd.DataFrame(rows))]
+        folder, [(MODEL.file, partial(save_model, model)), ("estimates.csv", pd.DataFrame(rows))]
     )
-    path = str(folder / "model.toml")
+    path = str(folder / MODEL.file)
     lines = [
         f"{name}: L/B {length / breadth:.2f}, B/d {breadth / draught:.2f}, CB {block:.3f}. "
         f"Estimates, not verdicts. ± is half of the 95 % interval.",

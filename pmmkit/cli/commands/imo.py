@@ -10,7 +10,7 @@ import typer
 from pmmkit.cli.options import Depth, Extrapolate, Follow, Model, Spread, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import Speed
+from pmmkit.cli.speeds import Speed, approach
 from pmmkit.presentation import text_of
 
 EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
@@ -18,7 +18,7 @@ EXAMPLE: Final = "pmmkit imo kvlcc2 --speed 8 --spread 0.05"
 
 def imo(
     model: Model,
-    speed: Speed,
+    speed: Speed = None,
     ships: Annotated[int, typer.Option(help="Ships drawn for the probability of passing.")] = 2000,
     spread: Spread = None,
     fn: Follow = "approach",
@@ -35,7 +35,7 @@ def imo(
 
     folder = results_folder(out, f"{stem(model)}-imo")
     loaded = load_model(model)
-    pace = speed.of(loaded.ship, loaded.water)
+    pace = approach(speed, loaded)
     found = imo_verdicts(
         loaded, pace, n=ships, spread=spread, fn=fn, depth=depth, extrapolate=extrapolate
     )

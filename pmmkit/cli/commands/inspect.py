@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.output import Outcome, quoted
+from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out
+from pmmkit.escaping import quoted
 
 if TYPE_CHECKING:
     from pmmkit.inspection import Look

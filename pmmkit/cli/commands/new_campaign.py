@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from pmmkit.cli.output import Outcome, quoted
+from pmmkit.cli.output import Outcome
+from pmmkit.escaping import quoted
 
 if TYPE_CHECKING:
     from pmmkit.inspection.drafts.draft import Draft

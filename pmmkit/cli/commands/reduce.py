@@ -234,6 +234,7 @@ def reduced(
     from pmmkit.reduction.reading.resume import forget, resume_folder
     from pmmkit.report import changes, loop_of, reference_of
     from pmmkit.report.results import write_reduction
+    from pmmkit.toml_files import MODEL
 
     donor = load_model(parts) if parts else None
     beside = reference_of(reference, reference_name) if reference else None
@@ -281,7 +282,7 @@ def reduced(
         "method": found.method,
         "methods": _methods(found),
         "differences": [asdict(item) for item in differences(found)],
-        "model": "model.toml" if model else None,
+        "model": MODEL.file if model else None,
         "model_lacks": why,
         "turns": [dict(track.metrics, Fn=track.Fn) for track in turns.tracks] if turns else [],
         "changes": changes(turns.tracks) if turns else {},

@@ -42,6 +42,7 @@ def scale(
     from pmmkit.files import write_results
     from pmmkit.models import full_scale, load_model, save_model, scaled
     from pmmkit.ship import Water
+    from pmmkit.toml_files import MODEL
 
     folder = results_folder(out, f"{stem(model)}-ship", read=[model], force=force)
     loaded = load_model(model)
@@ -50,9 +51,9 @@ def scale(
         water = None if rho is None else Water(rho=rho, g=loaded.water.g)
         pace = None if speed is None else speed.of(made.ship, made.water)
         made = full_scale(loaded, length, speed=pace, form=form, wetted=wetted, water=water)
-    write_results(folder, [("model.toml", partial(save_model, made))])
+    write_results(folder, [(MODEL.file, partial(save_model, made))])
     steps = list(made.history[len(loaded.history) :])
-    path = str(folder / "model.toml")
+    path = str(folder / MODEL.file)
     return Outcome(
         content={"out": str(folder), "model": path, "scale": made.scale, "steps": steps},
         lines=[*steps, f"Scale: {made.scale}", f"Model: {path}"],

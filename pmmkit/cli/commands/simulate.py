@@ -22,7 +22,7 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed
+from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed, approach
 from pmmkit.presentation import text_of
 
 EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --speed '15.5 kn'"
@@ -30,7 +30,7 @@ EXAMPLE: Final = "pmmkit simulate kvlcc2 --manoeuvre zigzag --rudder-deg 10 --sp
 
 def simulate(
     model: Model,
-    speed: Speed,
+    speed: Speed = None,
     manoeuvre: Manoeuvre = "turning",
     fn: Follow = "approach",
     rudder_deg: RudderDeg = None,
@@ -75,7 +75,7 @@ def simulate(
     track = simulate(
         loaded,
         manoeuvre,
-        speed=speed.of(loaded.ship, loaded.water),
+        speed=approach(speed, loaded),
         fn=fn,
         compiled=False,
         rudder_rate_deg=rudder_rate_deg,

@@ -8,14 +8,14 @@ from typing import Final
 from pmmkit.cli.options import Depth, Extrapolate, Model, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import Speed
+from pmmkit.cli.speeds import Speed, approach
 
 EXAMPLE: Final = "pmmkit stability kvlcc2 --speed 8"
 
 
 def stability(
     model: Model,
-    speed: Speed,
+    speed: Speed = None,
     depth: Depth = None,
     extrapolate: Extrapolate = False,
     out: Out = None,
@@ -29,7 +29,7 @@ def stability(
 
     folder = results_folder(out, f"{stem(model)}-stability")
     loaded = load_model(model)
-    pace = speed.of(loaded.ship, loaded.water)
+    pace = approach(speed, loaded)
     found = linear.stability(loaded, pace, depth=depth, extrapolate=extrapolate)
     curve = spiral_curve(loaded, pace, depth=depth, extrapolate=extrapolate)
     numbers = {

@@ -24,7 +24,7 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import Speed
+from pmmkit.cli.speeds import Speed, approach
 from pmmkit.presentation import text_of
 
 EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000"
@@ -32,7 +32,7 @@ EXAMPLE: Final = "pmmkit uncertainty kvlcc2 --speed 8 --spread 0.05 --ships 1000
 
 def uncertainty(
     model: Model,
-    speed: Speed,
+    speed: Speed = None,
     manoeuvre: Manoeuvre = "turning",
     rudder_deg: RudderDeg = None,
     switch_deg: SwitchDeg = None,
@@ -60,7 +60,7 @@ def uncertainty(
 
     folder = results_folder(out, f"{stem(model)}-uncertainty")
     loaded = load_model(model)
-    pace = speed.of(loaded.ship, loaded.water)
+    pace = approach(speed, loaded)
     settings = {
         "speed": pace,
         "spread": spread,

@@ -11,7 +11,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.columns import Columns, columns_of, of_terms
 from pmmkit.effects.effect import BY_SPEED, Effect
-from pmmkit.errors import UnknownNameError
+from pmmkit.errors import Problem, Remedy, UnknownNameError, Way
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
@@ -205,7 +205,20 @@ def _linear(effect: Effect) -> tuple[int, ...]:
 
 
 def no_such_effect(name: str, known: Iterable[str]) -> UnknownNameError:
-    """The error that names the effects that take part, the nearest one first."""
+    """The error that names the effects that take part: those that share a word, else all."""
     listed = list(dict.fromkeys(known))
-    guess = did_you_mean(name, listed) or "."
-    return UnknownNameError(f"No effect {name!r} takes part{guess} These do: {', '.join(listed)}.")
+    words = set(name.lower().split("_"))
+    near = [item for item in listed if words & set(item.split("_"))]
+    if near:
+        said = f"; did you mean {' or '.join(map(repr, near))}?"
+    else:
+        said = f"{did_you_mean(name, listed) or '.'} These do: {', '.join(listed)}."
+    return UnknownNameError(
+        Problem(
+            message=f"No effect {name!r} takes part here{said}",
+            remedy=Remedy(
+                "{} has the whole catalogue.",
+                (Way("pmmkit.effects.catalogue.catalogue()", "pmmkit effects"),),
+            ),
+        )
+    )
