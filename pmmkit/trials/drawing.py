@@ -121,8 +121,9 @@ def trial_path(trial: _Trial) -> Figure:
     DataError
         If the record holds nothing after the order.
     """
-    shown = trial.x > -_FORE * trial.L if trial.test == TURNING.name else trial.t > -60.0
-    shown &= (trial.t > 0) | (trial.x > -_FORE * trial.L)
+    shown = (trial.t > 0) | (trial.x > -_FORE * trial.L)
+    if trial.test != TURNING.name:
+        shown &= trial.t > -60.0
     if trial.test == STOPPING.name and math.isfinite(trial.metrics["time_to_stop"]):
         shown &= trial.t <= trial.metrics["time_to_stop"]
     if np.count_nonzero(shown) < 2:

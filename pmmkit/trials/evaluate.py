@@ -241,6 +241,11 @@ def _trial(
             f"The approach speed is {approach.speed:.2f} m/s by the positions; the campaign file "
             f"says {run.settings.speed:.2f} m/s."
         )
+    if not approach.steady:
+        notes.append(
+            f"The speed is not steady before the order: that of the last {approach.seconds:.3g} s "
+            "is taken."
+        )
     level = math.degrees(part.orders[0].level)
     switch = run.settings.switch if run.settings.switch is not None else run.settings.rudder
     if run.kind_of_test is TURNING:

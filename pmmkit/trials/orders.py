@@ -25,6 +25,10 @@ LASTING_TIME: Final = 1.0
 """Samples and seconds that a control must stay beyond a level."""
 FLAT: Final = 0.2
 """The median of a rudder that is held lies so near the ordered angle, as a share of it."""
+TRAVERSES: Final = 3.0
+"""Times that a rudder on its way from side to side may take of the shortest such way."""
+LINGERS: Final = 2.0
+"""Times that a rudder on its ramp may take for its first half of that for its second."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,8 @@ def rudder_orders(t: Array, delta: Array, nominal: float, *, single: bool = Fals
     """When the rudder was ordered to each new side, from its angle.
 
     The rudder moves at a steady rate: the line through 20 and 70 % of the way is followed back to
-    where the way begins.
+    where the way begins. Executes follow one another without a rest amidships, so that rudder
+    that kept the course before a zigzag is none of them.
 
     Parameters
     ----------
@@ -91,6 +96,8 @@ def rudder_orders(t: Array, delta: Array, nominal: float, *, single: bool = Fals
     runs = _held(t, delta, side, size)
     if single and runs:
         runs = [max(runs, key=lambda item: float(t[item[1] - 1] - t[item[0]]))]
+    elif runs:
+        runs = _longest_chain(t, runs)
     noise = white_noise(delta)
     orders: list[Order] = []
     state, rest = 0, 0.0
@@ -130,6 +137,24 @@ def _held(
     ]
 
 
+def _longest_chain(t: Array, runs: list[tuple[int, int, int]]) -> list[tuple[int, int, int]]:
+    """The most stretches that follow each other from side to side without a rest between."""
+    ways = [float(t[after[0]] - t[before[1] - 1]) for before, after in itertools.pairwise(runs)]
+    across = [
+        way
+        for way, (before, after) in zip(ways, itertools.pairwise(runs), strict=True)
+        if before[2] != after[2]
+    ]
+    most = TRAVERSES * min(across, default=0.0) + LASTING_TIME
+    chains = [[runs[0]]]
+    for way, run in zip(ways, runs[1:], strict=True):
+        if way <= most:
+            chains[-1].append(run)
+        else:
+            chains.append([run])
+    return max(chains, key=len)
+
+
 def _back(t: Array, values: Array, start: int, origin: float, goal: float, noise: float) -> Order:
     """The beginning of a ramp that is on its way at an index."""
     share = (values - origin) / (goal - origin)
@@ -140,16 +165,35 @@ def _back(t: Array, values: Array, start: int, origin: float, goal: float, noise
     while high < len(share) - 1 and share[high] < HIGH:
         high += 1
     step = float(np.median(np.diff(t)))
+    before = _rested(t, values, share, (low, start), step)
+    if before is not None and abs(goal - before) > noise:
+        return _back(t, values, start, before, goal, noise)
     t_low, t_high = _through(t, share, low, LOW), _through(t, share, high, HIGH)
     level = float(goal)
     if t_high - t_low < step:
-        while low > 1 and share[low - 1] > max(BEGUN, 4.0 * noise / abs(goal - origin)):
+        under_way = max(BEGUN, 4.0 * noise / abs(goal - origin))
+        while low > 1 and min(share[low - 1], share[low - 1] - share[low - 2]) > under_way:
             low -= 1
         between = 0.5 * float(t[max(low - 1, 0)] + t[low])
         return Order(between, step / math.sqrt(12.0), level)
     began = t_low - LOW / (HIGH - LOW) * (t_high - t_low)
     rate = (HIGH - LOW) * abs(goal - origin) / (t_high - t_low)
     return Order(began, math.hypot(0.1 * step, 1.5 * noise / rate), level)
+
+
+def _rested(
+    t: Array, values: Array, share: Array, span: tuple[int, int], step: float
+) -> float | None:
+    """Where a control stood before its ramp, if it lingered on what looks like the way."""
+    low, start = span
+    near = share[start]
+    goal = start + int(np.argmax(share[start:] >= 0.5 * (1.0 + near)))
+    ramp = max(float(t[goal] - t[start]), 0.0) * near / (1.0 - near) * 2.0 if near < 1.0 else 0.0
+    lingered = float(t[start] - t[low])
+    if lingered <= LINGERS * ramp + LASTING * step:
+        return None
+    waiting = (t >= t[low]) & (t < t[start] - ramp - step)
+    return float(np.median(values[waiting])) if np.count_nonzero(waiting) >= LASTING else None
 
 
 def _through(t: Array, share: Array, index: int, level: float) -> float:

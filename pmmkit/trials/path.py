@@ -17,7 +17,15 @@ from pmmkit.trials.orders import Order
 from pmmkit.trials.record import GAP, Record
 
 APPROACH: Final = 2.0
-"""Ship lengths of the approach that its heading and speed are taken from, at least 60 s."""
+"""Ship lengths of the approach that its heading and speed are taken from."""
+MINUTE: Final = 60.0
+"""Least seconds of it for a ship of 100 m or more; for a model its own seconds by Froude's law."""
+UNSTEADY: Final = 0.1
+"""Share by which the speed of the second half of an approach may differ from that of the first."""
+SHORTEST: Final = 0.25
+"""Ship lengths below which an approach is not made shorter."""
+AT_THE_END: Final = 4.0
+"""Error of a parabola's slope at its end over that of a straight line, for even white noise."""
 SMOOTHED: Final = 0.15
 """Half of the window of local fits in ship lengths over the approach speed, at least 3 samples."""
 FEW: Final = 5
@@ -35,6 +43,10 @@ class Approach:
         Through the water as far as the current is known [m/s].
     measured : bool
         False where the record begins too late and the stated speed is taken.
+    seconds : float
+        How long before the order it was watched.
+    steady : bool
+        Whether the speed was the same all that time; else only its end is taken.
     """
 
     heading: float
@@ -42,6 +54,8 @@ class Approach:
     speed: float
     speed_std: float
     measured: bool
+    seconds: float
+    steady: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -152,28 +166,8 @@ def path_of(
         )
     drift = (0.0, 0.0) if current is None else (current.x, current.y)
     psi_noise = white_noise(record.psi)
-    before = (t <= order.t) & (t >= order.t - max(60.0, APPROACH * L / speed))
-    measured = np.count_nonzero(before) >= FEW
-    if measured:
-        some = record.psi[before]
-        heading = float(np.mean(some))
-        heading_std = float(np.std(some)) / math.sqrt(max(len(some) / 10.0, 1.0))
-        (vx, sx), (vy, sy) = (
-            straight_line(t[before], part[before], noise) for part in (record.x, record.y)
-        )
-        found = math.hypot(vx - drift[0], vy - drift[1])
-        drift_variance = 0.0 if current is None else current.variance_along(heading)
-        speed_std = math.sqrt(0.5 * (sx**2 + sy**2) + drift_variance)
-    else:
-        heading = float(np.mean(record.psi[: int(np.searchsorted(t, order.t)) + 2]))
-        heading_std, found, speed_std = psi_noise, speed, math.nan
-    approach = Approach(
-        heading=heading,
-        heading_std=heading_std,
-        speed=found,
-        speed_std=speed_std,
-        measured=bool(measured),
-    )
+    approach = _approach(record, order, drift, L=L, speed=speed, current=current, noise=noise)
+    heading = approach.heading
     half = max(SMOOTHED * L / speed, 3.0 * record.step)
     since = t - order.t
     ground = _turned(record.x, record.y, heading)
@@ -196,6 +190,76 @@ def path_of(
         grid=record.grid,
         L=L,
     )
+
+
+def _approach(
+    record: Record,
+    order: Order,
+    drift: tuple[float, float],
+    *,
+    L: float,
+    speed: float,
+    current: Current | None,
+    noise: PositionNoise,
+) -> Approach:
+    """The run before an order, as far back as its speed is the same."""
+    t = record.t
+    whole = max(MINUTE * min(math.sqrt(L / 100.0), 1.0), APPROACH * L / speed)
+    if np.count_nonzero((t <= order.t) & (t >= order.t - whole)) < FEW:
+        return Approach(
+            heading=float(np.mean(record.psi[: int(np.searchsorted(t, order.t)) + 2])),
+            heading_std=white_noise(record.psi),
+            speed=speed,
+            speed_std=math.nan,
+            measured=False,
+            seconds=0.0,
+            steady=True,
+        )
+    seconds = min(whole, order.t - float(t[0]))
+    while _changes(record, order.t, seconds, drift) and 0.5 * seconds > SHORTEST * L / speed:
+        seconds *= 0.5
+    before = (t <= order.t) & (t >= order.t - seconds)
+    some = record.psi[before]
+    heading = float(np.mean(some))
+    (vx, sx), (vy, sy) = (
+        straight_line(t[before], part[before], noise) for part in (record.x, record.y)
+    )
+    steady = not _changes(record, order.t, whole, drift)
+    if not steady:
+        since = t[before] - order.t
+        vx, vy = (
+            float(np.polynomial.Polynomial.fit(since, part[before], 2).deriv()(0.0))
+            for part in (record.x, record.y)
+        )
+        sx, sy = AT_THE_END * sx, AT_THE_END * sy
+    drift_variance = 0.0 if current is None else current.variance_along(heading)
+    return Approach(
+        heading=heading,
+        heading_std=float(np.std(some)) / math.sqrt(max(len(some) / 10.0, 1.0)),
+        speed=math.hypot(vx - drift[0], vy - drift[1]),
+        speed_std=math.sqrt(0.5 * (sx**2 + sy**2) + drift_variance),
+        measured=True,
+        seconds=seconds,
+        steady=steady,
+    )
+
+
+def _changes(record: Record, at: float, seconds: float, drift: tuple[float, float]) -> bool:
+    """Whether the mean speed through the water changes in the seconds before an instant."""
+    edges = np.searchsorted(record.t, (at - seconds, at - 0.5 * seconds, at), side="right") - 1
+    first, middle, last = np.clip(edges, 0, None).tolist()
+    if min(middle - first, last - middle) < FEW:
+        return False
+
+    def pace(begin: int, end: int) -> float:
+        way = float(record.t[end] - record.t[begin])
+        return math.hypot(
+            (record.x[end] - record.x[begin]) / way - drift[0],
+            (record.y[end] - record.y[begin]) / way - drift[1],
+        )
+
+    early, late = pace(first, middle), pace(middle, last)
+    return abs(late - early) > UNSTEADY * late
 
 
 def _turned(x: Array, y: Array, heading: float) -> tuple[Array, Array]:
