@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LIMITS: Final = limits_in_lengths()
+_SEEN: Final = 0.02
+"""Share of a metric below which no trial could tell a change."""
 
 
 def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
@@ -60,6 +62,7 @@ def metrics_over(sweep: xr.Dataset, metrics: Sequence[str]) -> Figure:
                 )
             if metric in _LIMITS:
                 axis.axhline(_LIMITS[metric], color=style.LIMIT, lw=1.2, label="IMO limit")
+            style.widened(axis, share=_SEEN)
             axis.set_title(_titled(metric, sweep[metric].attrs.get("units", "-")))
             axis.set_xlabel(
                 "Froude number [-]"
