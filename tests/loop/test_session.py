@@ -252,3 +252,10 @@ def test_an_effect_of_ones_own_is_named_added_and_fitted(bare, tmp_path):
     hull = made.values("hull_polynomial")
     assert hull["Yv|v|"] == pytest.approx(-0.02, rel=0.25)
     assert hull["Nv|v|"] == pytest.approx(-0.2 * hull["Yv|v|"], rel=1e-9)
+
+
+def test_a_fit_that_an_effect_cannot_have_says_that_the_tests_do_not_show_it(bare):
+    """A truth with a thrust of the cross flow in place of its drag."""
+    tests = begin(bare, hidden_campaign("small", {"crossflow_drag": -1.0}, seed=3))
+    with pytest.raises(ModelError, match=r"CD of crossflow_drag at -0\.\d+ ± .*leave it out, or"):
+        tests.add("crossflow_drag").model()

@@ -18,11 +18,13 @@ from pmmkit.diagnosis.captive.system import Block
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
-from pmmkit.errors import UnknownNameError
+from pmmkit.errors import ModelError, Problem, UnknownNameError
 from pmmkit.models import Model
 from pmmkit.models.edit import with_effect, without_effect
 from pmmkit.models.model import Part, needs_roll
 from pmmkit.models.terms import home_of
+from pmmkit.numerics import Array
+from pmmkit.presentation import WIDE
 from pmmkit.tables import DerivativeTable, converted
 
 
@@ -199,7 +201,8 @@ def _with_part(
 ) -> Model:
     """A model with an effect that is a part of its own, at the values of a fit."""
     c = block.candidate
-    values, _ = fit.of(labels(c))
+    values, std = fit.of(labels(c))
+    _refuse_impossible(effect, c.coefficients, values, std)
     bare = without_effect(model, effect) if c.name in model.parts else model
     made = with_effect(
         bare,
@@ -209,6 +212,25 @@ def _with_part(
         coefficients=dict(zip(c.coefficients, values.tolist(), strict=True)),
     )
     return made.with_(steps=model.steps)
+
+
+def _refuse_impossible(effect: Effect, names: Sequence[str], values: Array, std: Array) -> None:
+    """Refuse coefficients that the effect cannot have; tests that ask for them show it not."""
+    problems = []
+    for name, value, spread in zip(names, values.tolist(), std.tolist(), strict=True):
+        known = effect.parameter(name)
+        if known is not None and not known.low <= value <= known.high:
+            limit = f"below {known.low:g}" if value < known.low else f"above {known.high:g}"
+            problems.append(
+                Problem(
+                    message=f"these tests put {name} of {effect.name} at {value:.3g} ± "
+                    f"{WIDE * spread:.2g}, and it cannot be {limit}.",
+                    remedy="They do not show this effect: leave it out"
+                    + (f", or make the test that does: {effect.check}." if effect.check else "."),
+                )
+            )
+    if problems:
+        raise ModelError(problems)
 
 
 def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[str, ...]:
