@@ -42,6 +42,8 @@ SPEED: Final = 0.10
 SWITCH: Final = math.radians(1.5)
 SWITCH_SHARE: Final = 0.08
 SWAY_SIGMAS: Final = 5.0
+RUDDER_ZERO: Final = math.radians(2.0)
+"""By which the zero of a rudder gauge may be off before it is called another angle."""
 _DROPPED: Final = re.compile(r"(\d+) of (\d+) rows without a value left out")
 _BEFORE: Final = 2
 
@@ -72,7 +74,7 @@ def record_facts(run: Run, campaign: Campaign, data: xr.Dataset, t: Array) -> Ma
     facts: dict[str, float] = dict(_dropped(data))
     column = {
         name: np.asarray(data[name].values, float)
-        for name in ("x", "y", "psi", "u", "v", "r", "xdot", "ydot", "delta", "n")
+        for name in ("x", "y", "psi", "phi", "u", "v", "r", "xdot", "ydot", "delta", "n")
         if name in data
     }
     if not {"x", "y", "psi"} <= set(column):
@@ -131,10 +133,26 @@ def _yaw(t: Array, column: Mapping[str, Array]) -> Mapping[str, float]:
         facts |= {f"r_{name}": value for name, value in rate_facts(t, smooth, column["r"]).items()}
     turned = float(smooth[-1] - smooth[0])
     if abs(turned) > TURNED:
-        r = column["r"]
         facts["turned"] = turned
-        facts["yaw_share"] = float(np.sum(0.5 * (r[1:] + r[:-1]) * np.diff(t))) / turned
+        facts["yaw_share"] = _yaw_share(t, column["r"], column.get("phi"), turned)
     return facts
+
+
+def _yaw_share(t: Array, r: Array, phi: Array | None, turned: float) -> float:
+    """Integral of the yaw rate over the change of heading.
+
+    A ship that heels turns by ψ̇ = r cos φ + q sin φ. Without its pitch rate q the share lies
+    between that of r cos φ and that of r/cos φ, which is a gyroscope's in a steady heel; the
+    nearest of them to 1 counts.
+    """
+
+    def share(rate: Array) -> float:
+        return float(np.sum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))) / turned
+
+    if phi is None:
+        return share(r)
+    low, high = sorted((share(r * np.cos(phi)), share(r / np.cos(phi))))
+    return min(max(1.0, low), high)
 
 
 def _sway(t: Array, column: Mapping[str, Array]) -> Mapping[str, float]:
@@ -187,7 +205,8 @@ def _manoeuvre(
     delta, nominal = column["delta"], run.settings.rudder
     if not run.kind_of_test.turns_rudder or nominal == 0:
         return {}
-    near = np.abs(delta - nominal) < max(0.1 * abs(nominal), math.radians(1.0))
+    zero = _rudder_zero(delta) if run.kind_of_test.switches else 0.0
+    near = np.abs(delta - zero - nominal) < max(0.1 * abs(nominal), math.radians(1.0))
     if not near.any():
         return {"order_missing": float(delta[int(np.argmax(np.abs(delta)))])}
     passage = length / run.settings.speed
@@ -206,6 +225,13 @@ def _manoeuvre(
     if run.kind_of_test.switches and run.settings.switch:
         facts |= _switches(t[first:], delta[first:], column["psi"][first:], nominal, passage)
     return facts
+
+
+def _rudder_zero(delta: Array) -> float:
+    """The middle of a rudder that was laid to both sides, if it is small enough to be its zero."""
+    low, high = np.quantile(delta, (0.05, 0.95))
+    middle = float(0.5 * (low + high))
+    return middle if abs(middle) < min(RUDDER_ZERO, 0.25 * float(high - low)) else 0.0
 
 
 def _speed(t: Array, column: Mapping[str, Array]) -> Array:

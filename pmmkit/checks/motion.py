@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from pmmkit.checks.summary import Summary
 
 AGREES: Final = 0.02
+TURNS: Final = 0.5 * math.pi
+"""Range of headings from which a record tells a current from a gain."""
+ALIKE: Final = 0.5
+"""Share of a current by which it may differ between records."""
 DIFFERS: Final = 0.10
 LAG_GAIN: Final = 0.85
 LENGTH: Final = 0.002
@@ -66,11 +70,48 @@ def examine_velocities(_campaign: Campaign, summaries: Sequence[Summary]) -> Ite
             numbers={"earth": item.facts["dot_earth"], "body": item.facts["dot_body"]},
         )
     rest = [item for item in compared if "body" in item.facts and item not in earth]
-    yield from _late(rest)
-    yield from _apart(rest)
+    flow = _flow(rest)
+    still = rest if flow is None else [item for item in rest if item.run.id not in flow.runs]
+    if flow is not None:
+        yield flow
+    yield from _late(still)
+    yield from _apart(still)
     yield from _jumps([item for item in summaries if item not in earth])
     for name, of in (("r", "psi"), ("udot", "u"), ("vdot", "v"), ("rdot", "r")):
         yield from _rates(summaries, name, of)
+
+
+def _flow(items: Sequence[Summary]) -> CheckFinding | None:
+    """Velocities through water that moves: one and the same vector between columns and positions.
+
+    Only a record that turns tells a current from a gain of the columns.
+    """
+    apart = [
+        item
+        for item in items
+        if item.facts["body"] > AGREES * item.facts["speed"]
+        and item.facts["flown"] <= max(AGREES * item.facts["speed"], 0.3 * item.facts["body"])
+    ]
+    turned = [item for item in apart if item.facts["swung"] > TURNS]
+    if not turned:
+        return None
+    vectors = np.array([[item.facts["flow_x"], item.facts["flow_y"]] for item in apart])
+    ways = np.array([[item.facts["flow_x"], item.facts["flow_y"]] for item in turned])
+    mean = ways.mean(axis=0)
+    speed = math.hypot(*mean)
+    if float(np.hypot(*(vectors - mean).T).max()) > ALIKE * speed:
+        return None
+    towards = math.degrees(math.atan2(mean[1], mean[0])) % 360.0
+    return CheckFinding(
+        check="velocities",
+        severity="info",
+        message=f"The columns u and v are velocities through the water: the positions go "
+        f"{figure(speed, 2)} m/s towards {towards:.0f}° (from x to y) besides, the same in "
+        f"{len(apart)} of {len(items)} runs.",
+        runs=tuple(item.run.id for item in apart),
+        remedy="Give the model this current, or let the diagnosis find it.",
+        numbers={"x": float(mean[0]), "y": float(mean[1])},
+    )
 
 
 def _late(items: Sequence[Summary]) -> Iterator[CheckFinding]:

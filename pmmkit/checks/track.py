@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from pmmkit.checks.positions import position_facts
 from pmmkit.numerics import Array
+from pmmkit.signals.noise import white_noise
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,12 +26,22 @@ LONG: Final = 6.0
 LAGS: Final = 3.0
 KEPT: Final = 0.9
 JUMPS: Final = 6.0
+TRIMMED: Final = 0.744
+"""Mean square of normal noise in a plane without its largest tenth, over that of all of it."""
 _POINTS: Final = 1500
 _GRID: Final = 61
 
 
 def velocity_facts(
-    t: Array, x: Array, y: Array, psi: Array, u: Array, v: Array
+    t: Array,
+    x: Array,
+    y: Array,
+    psi: Array,
+    u: Array,
+    v: Array,
+    phi: Array | None = None,
+    *,
+    white: bool = False,
 ) -> Mapping[str, float]:
     """Compare recorded velocities with the positions, in ship axes and in earth axes.
 
@@ -43,6 +54,11 @@ def velocity_facts(
         Time [s], position [m] and unwrapped heading [rad], earth-fixed.
     u, v : array (n,)
         The columns said to be velocities in ship axes [m/s].
+    phi : array (n,), optional
+        Heel [rad], by which the sway leans out of the horizontal plane.
+    white : bool
+        Whether the white noise of positions and velocities, as their third differences show it, is
+        taken off every rms, as it must be where fixes are coarse.
 
     Returns
     -------
@@ -51,7 +67,9 @@ def velocity_facts(
         are taken in ship axes, in earth axes, without the tenth that is largest) [m/s]; ``lag``
         (by which the columns are late) [s] and ``lagged`` (rms difference left when that is
         allowed for) [m/s]; ``scale`` (columns over positions); ``jump`` (largest step of position
-        against the velocity) [m] and ``jumps``.
+        against the velocity) [m] and ``jumps``; ``flow_x``, ``flow_y`` (mean of positions less
+        columns) [m/s], ``flown`` (what is left besides) [m/s] and ``swung`` (range of headings)
+        [rad].
 
     Examples
     --------
@@ -62,16 +80,19 @@ def velocity_facts(
     >>> facts["earth"] < 1e-4, facts["body"] > 0.5
     (True, True)
     """
-    ahead = u * np.cos(psi) - v * np.sin(psi)
-    across = u * np.sin(psi) + v * np.cos(psi)
+    level = v if phi is None else v * np.cos(phi)
+    ahead = u * np.cos(psi) - level * np.sin(psi)
+    across = u * np.sin(psi) + level * np.cos(psi)
     start, stop = _stretches(t)
     span = t[stop] - t[start]
+    noise = _noise_of_rates((x, y), (u, v), span, int(stop[0] - start[0])) if white else 0.0
     truth = np.stack([x[stop] - x[start], y[stop] - y[start]]) / span
     body = np.stack([_averages(t, ahead, start, stop), _averages(t, across, start, stop)])
     earth = np.stack([_averages(t, u, start, stop), _averages(t, v, start, stop)])
     best = body if _usual(body - truth) <= _usual(earth - truth) else earth
     lag, lagged = _lag(t, np.stack([x, y]), best, start, stop)
-    power = float(np.sum(truth**2))
+    power = float(np.sum(truth**2)) - len(span) * noise
+    flow = np.mean(truth - body, axis=1)
     steps = np.diff(np.stack([x, y]))
     rows = np.stack([ahead, across]) if best is body else np.stack([u, v])
     moved = 0.5 * (rows[:, 1:] + rows[:, :-1]) * np.diff(t)
@@ -79,15 +100,32 @@ def velocity_facts(
     usual = float(np.median(miss)) + 1e-9
     jumps = miss > np.maximum(20 * usual, 0.05 * _rms(truth) + 0.02)
     return {
-        "speed": _rms(truth),
-        "body": _usual(body - truth),
-        "earth": _usual(earth - truth),
+        "speed": _without(_rms(truth), noise),
+        "body": _without(_usual(body - truth), TRIMMED * noise),
+        "earth": _without(_usual(earth - truth), TRIMMED * noise),
         "lag": lag,
-        "lagged": lagged,
+        "lagged": _without(lagged, TRIMMED * noise),
         "scale": float(np.sum(best * truth)) / power if power else math.nan,
         "jump": float(miss.max()) if jumps.any() else 0.0,
         "jumps": float(np.count_nonzero(jumps)),
+        "flow_x": float(flow[0]),
+        "flow_y": float(flow[1]),
+        "flown": _without(_usual(body + flow[:, None] - truth), TRIMMED * noise),
+        "swung": float(np.ptp(psi)),
     }
+
+
+def _noise_of_rates(
+    places: Sequence[Array], columns: Sequence[Array], span: Array, width: int
+) -> float:
+    """Variance that white noise gives the difference of both over stretches [m²/s²]."""
+    fixes = sum(white_noise(part) ** 2 for part in places)
+    samples = sum(white_noise(part) ** 2 for part in columns)
+    return float(2.0 * fixes * np.mean(1.0 / span**2) + samples / width)
+
+
+def _without(rms: float, variance: float) -> float:
+    return math.sqrt(max(rms**2 - variance, 0.0)) if variance else rms
 
 
 def rate_facts(t: Array, angle: Array, rate: Array) -> Mapping[str, float]:
@@ -144,10 +182,11 @@ def free_facts(data: xr.Dataset, t: Array) -> Mapping[str, float]:
         if np.count_nonzero(good) > 50:
             facts |= position_facts({name: column[name][good] for name in names}, t[good])
     if psi is not None and {"x", "y", "u", "v"} <= set(column):
-        series = (column["x"], column["y"], psi, column["u"], column["v"])
+        heel = [column["phi"]] if "phi" in column else []
+        series = (column["x"], column["y"], psi, column["u"], column["v"], *heel)
         good = _finite(*series)
         if np.count_nonzero(good) > 50:
-            facts |= velocity_facts(t[good], *(part[good] for part in series))
+            facts |= velocity_facts(t[good], *(part[good] for part in series), white=True)
     if psi is not None and {"x", "y", "xdot", "ydot"} <= set(column):
         series = (column["x"], column["y"], psi, column["xdot"], column["ydot"])
         good = _finite(*series)
@@ -194,6 +233,7 @@ def _columns(data: xr.Dataset) -> Mapping[str, Array]:
         "x",
         "y",
         "psi",
+        "phi",
         "u",
         "v",
         "r",

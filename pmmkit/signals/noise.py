@@ -179,3 +179,18 @@ def _correlation(x: Array, dof: Array) -> Array:
     correlation = unit @ unit.T
     np.fill_diagonal(correlation, 1.0)
     return np.asarray(correlation)
+
+
+def white_noise(values: Array) -> float:
+    """Standard deviation of what changes from sample to sample, from third differences.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(1).normal(size=4000)
+    >>> abs(white_noise(np.arange(4000.0) ** 2 * 1e-3 + noise) - 1) < 0.05
+    True
+    """
+    if len(values) < 8:
+        return 0.0
+    third = np.diff(values, 3)
+    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0))

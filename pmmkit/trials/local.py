@@ -113,21 +113,6 @@ def crossing(t: Array, values: Array, level: float, half: float, start: float) -
     return float(at[place - 1] + share * (at[place] - at[place - 1]))
 
 
-def white_noise(values: Array) -> float:
-    """Standard deviation of what changes from sample to sample, from third differences.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).normal(size=4000)
-    >>> abs(white_noise(np.arange(4000.0) ** 2 * 1e-3 + noise) - 1) < 0.05
-    True
-    """
-    if len(values) < 8:
-        return 0.0
-    third = np.diff(values, 3)
-    return float(1.4826 * np.median(np.abs(third)) / np.sqrt(20.0))
-
-
 def way_along(
     t: Array, x: Array, y: Array, start: float, end: float, every: float, shortest: float = 0.0
 ) -> float:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.trials.local import white_noise
+from pmmkit.signals.noise import white_noise
 
 LOW: Final = 0.2
 HIGH: Final = 0.7

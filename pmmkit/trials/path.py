@@ -10,8 +10,9 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.signals.noise import white_noise
 from pmmkit.trials.current import Current
-from pmmkit.trials.local import local, white_noise
+from pmmkit.trials.local import local
 from pmmkit.trials.noise import PositionNoise, straight_line
 from pmmkit.trials.orders import Order
 from pmmkit.trials.record import GAP, Record

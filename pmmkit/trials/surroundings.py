@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.signals.noise import white_noise
 from pmmkit.trials.circle import Circle
-from pmmkit.trials.local import white_noise
 from pmmkit.trials.noise import PositionNoise
 from pmmkit.trials.path import Path
 from pmmkit.trials.record import Record
