@@ -166,6 +166,12 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
     return _Part(run=run, record=record, orders=tuple(orders), circle=circle, notes=tuple(notes))
 
 
+def _rudder_rate(orders: Sequence[Order]) -> float:
+    """The usual rate of the rudder [deg/s]; NaN where it steps."""
+    rate = float(np.median([order.rate for order in orders]))
+    return math.degrees(rate) if math.isfinite(rate) else math.nan
+
+
 def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
     channel = record.others.get("n" if run.kind_of_test is STOPPING else "delta")
     rounding = record.step / math.sqrt(12.0)
@@ -276,6 +282,7 @@ def _trial(
         orders=tuple(one.t - part.orders[0].t for one in part.orders),
         metrics=metrics,
         std=std,
+        rudder_rate_deg=_rudder_rate(part.orders) if run.kind_of_test.turns_rudder else math.nan,
         verdicts=verdicts_of(
             run.test,
             metrics,

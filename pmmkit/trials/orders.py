@@ -43,11 +43,14 @@ class Order:
         Standard uncertainty of that [s].
     level : float
         What was reached: rudder angle [rad] or revolutions [1/s].
+    rate : float
+        At which the control moved [1/s of its unit]; infinite where it was there at once.
     """
 
     t: float
     std: float
     level: float
+    rate: float = math.inf
 
 
 def rudder_orders(t: Array, delta: Array, nominal: float, *, single: bool = False) -> list[Order]:
@@ -110,8 +113,9 @@ def rudder_orders(t: Array, delta: Array, nominal: float, *, single: bool = Fals
                     "The record begins with the rudder over, so the instant of the order does not "
                     "show. Give it: order under [trial], or --order."
                 )
-            quiet = delta[: max(start - round(0.5 * (start)), 1)]
-            rest = float(np.median(quiet)) if len(quiet) else 0.0
+            began = _back(t, delta, start, 0.0, value * size, noise).t
+            quiet = delta[t < began - float(np.median(np.diff(t)))]
+            rest = float(np.median(quiet)) if len(quiet) >= LASTING else 0.0
             rest = 0.0 if abs(rest) > 0.3 * size else rest
         origin = rest if state == 0 else state * size
         orders.append(_back(t, delta, start, origin, value * size, noise))
@@ -178,7 +182,7 @@ def _back(t: Array, values: Array, start: int, origin: float, goal: float, noise
         return Order(between, step / math.sqrt(12.0), level)
     began = t_low - LOW / (HIGH - LOW) * (t_high - t_low)
     rate = (HIGH - LOW) * abs(goal - origin) / (t_high - t_low)
-    return Order(began, math.hypot(0.1 * step, 1.5 * noise / rate), level)
+    return Order(began, math.hypot(0.1 * step, 1.5 * noise / rate), level, rate)
 
 
 def _rested(

@@ -63,6 +63,8 @@ class Trial(Described):
         Instant of the order on the clock of the record [s].
     orders : tuple of float
         Instants of all orders, from the first [s].
+    rudder_rate_deg : float
+        At which the rudder was laid [deg/s]; NaN where the record holds orders and no angles.
     metrics, std : mapping of str to float
         Numbers by the names that `simulate` gives them, and their standard uncertainties;
         lengths in metres, and with ``_L`` in ship lengths. NaN where the record does not show
@@ -100,6 +102,7 @@ class Trial(Described):
     orders: tuple[float, ...]
     metrics: Mapping[str, float]
     std: Mapping[str, float]
+    rudder_rate_deg: float = math.nan
     verdicts: tuple[Verdict, ...] = ()
     current: Current | None = None
     wind: Wind | None = None

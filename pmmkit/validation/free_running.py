@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, Final
@@ -28,12 +28,14 @@ from pmmkit.numerics import Array, rms
 from pmmkit.observations.stated import idle
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
-from pmmkit.simulation.simulate import simulate
+from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.evaluate import JUDGED
 from pmmkit.validation.prediction import at_the_scale_of
 from pmmkit.validation.uncertainty import COVERAGE
 
+GEAR: Final = 0.1
+"""Share by which a steering gear may differ from the model's before it is said."""
 WINDOW: Final = 15.0
 """Length of the windows that are predicted, in ship lengths over the speed of the approach."""
 MOTIONS: Final[Mapping[str, str]] = {
@@ -236,7 +238,22 @@ def compare_free(
                 notes.append(f"{run.id} has no measures: {error}")
     if not runs:
         raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
+    if "rate_deg_s" not in campaign.rudder:
+        notes += _steering_gear(made, manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)
+
+
+def _steering_gear(model: Model, manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+    """What is to be said where the rudder of the records is not as fast as the model's."""
+    rates = [item.trial.rudder_rate_deg for item in manoeuvres]
+    measured = float(np.median([rate for rate in rates if math.isfinite(rate)] or [math.nan]))
+    own = float(steering(model).get("rate_deg_s", math.nan))
+    if not abs(measured / own - 1.0) > GEAR:
+        return []
+    return [
+        f"The rudder moves at {measured:.2g} deg/s in the records and at {own:.2g} deg/s in the "
+        "model: manoeuvres are simulated with the former."
+    ]
 
 
 def as_tested(model: Model, campaign: Campaign) -> tuple[Model, list[str]]:
@@ -305,13 +322,14 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
     if run.kind_of_test.switches:
         switch = settings.rudder if settings.switch is None else settings.switch
         asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
-    rate = campaign.rudder.get("rate_deg_s")
+    stated = campaign.rudder.get("rate_deg_s")
+    rate = trial.rudder_rate_deg if stated is None else float(stated)
     track = simulate(
         model,
         run.test,
         speed=settings.speed,
         extrapolate=extrapolate,
-        rudder_rate_deg=None if rate is None else float(rate),
+        rudder_rate_deg=rate if math.isfinite(rate) else None,
         **asked,
     )
     return Manoeuvre(run=run, trial=trial, track=track)

@@ -48,6 +48,14 @@ def test_an_attempt_that_was_broken_off_is_not_the_zigzag():
     assert [order.t for order in found] == pytest.approx(EXECUTES, abs=0.11)
 
 
+def test_a_record_that_begins_with_the_order_has_it_at_its_first_sample():
+    t = np.arange(0.0, 60.0, 0.5)
+    delta = np.clip(3.0 * t, 0.0, 25.0) + np.random.default_rng(2).normal(0.0, 0.05, len(t))
+    (order,) = rudder_orders(t, np.radians(delta), math.radians(25.0), single=True)
+    assert order.t == pytest.approx(0.0, abs=3 * order.std)
+    assert math.degrees(order.rate) == pytest.approx(3.0, rel=0.02)
+
+
 def accelerating(rate: float, L: float = 3.0) -> tuple[Record, float]:
     """A model from rest with 0.3 m/s at the order, after 60 s."""
     t = np.arange(0.0, 120.0, 0.1)
