@@ -43,5 +43,5 @@ def test_drift_sway_and_yaw_alone_leave_the_coupling_out_and_say_so(tanker):
 
 
 def test_drift_alone_determines_no_structure(tanker):
-    with pytest.raises(CampaignError, match="nothing shows Nr, Nrdot, Nvdot"):
+    with pytest.raises(CampaignError, match="nothing shows Nr and Yr"):
         reduced(only(tanker, "static_drift"))

@@ -148,7 +148,7 @@ def setup_of(
         columns=top.columns,
         corrections=top.corrections,
         solver=Solver(
-            earth_axes=top.cfd.get("forces_in") == "earth",
+            axes=top.cfd.get("forces_in", "body"),
             centre_moves=top.cfd.get("moment_centre_moves", True),
             centre_x=top.moment_reference_x,
             motion_x=top.campaign.motion_reference_x,

@@ -226,7 +226,7 @@ class ComputedEntry(Entry):
     rho_inf: Positive | None = None
     symmetry_factor: Positive | None = None
     moment_centre_moves: bool | None = None
-    forces_in: Literal["body", "earth"] | None = None
+    forces_in: Literal["body", "earth", "carriage"] | None = None
     ramp_s: Annotated[float, Field(ge=0)] | None = None
 
 
