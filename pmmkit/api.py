@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -188,7 +188,7 @@ def model_of(
     """
     table, left = _tested_in_full(reduction.table)
     if parts is not None:
-        model = to_model(table, parts, missing=missing)
+        model = to_model(table, parts, missing=missing, also=_not_shown(reduction))
         others = {
             name: part if part.std else lent(part)
             for name, part in model.parts.items()
@@ -202,10 +202,26 @@ def model_of(
     if found is not None:
         donor = _with_tests(donor, found)
         table = _without_rudder(reduction, table, found)
-    model = to_model(table, donor, missing=missing)
+    model = to_model(table, donor, missing=missing, also=_not_shown(reduction))
     return model.with_(
         title=f"{donor.name}, from its tests", notes=(*donor.notes, *left, *model.notes)
     )
+
+
+def _not_shown(reduction: Reduction) -> list[str]:
+    """Terms of a third-order hull that a structure lacks because the runs do not show them.
+
+    What the runs chose is no statement on the ship: to leave a coupling out would be to say that it
+    is zero.
+    """
+    usual = structures()[_THIRD_ORDER].derivatives
+    chosen = structures()[reduction.table.provenance["structure"]] if reduction.because else None
+    if chosen is None or not set(chosen.derivatives) < set(usual):
+        return []
+    return [name for name in usual if name not in chosen.derivatives]
+
+
+_THIRD_ORDER: Final = "abkowitz3"
 
 
 def _rolling(stated: Model, reduction: Reduction, table: DerivativeTable) -> Model:
