@@ -8,7 +8,7 @@ results and in their title.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -91,13 +91,22 @@ class Way:
         return sum(item.kind == "guessed" for item in self.questions)
 
 
-def as_far_as_it_goes(path: Path, *, ship: str | None = None, out: Path | None = None) -> Outcome:
+def as_far_as_it_goes(
+    path: Path,
+    *,
+    reduce: Callable[..., Outcome],
+    measure: Callable[..., Outcome],
+    ship: str | None = None,
+    out: Path | None = None,
+) -> Outcome:
     """Bring files to a turn, or to the questions that stand before it.
 
     Parameters
     ----------
     path : Path
         A folder, a file of measurements, or a campaign. Nothing is written there.
+    reduce, measure : callable
+        What follows the checks: `reduced` of captive tests, `trial` of free-running records.
     ship : str, optional
         A ship of the library, for the draft.
     out : Path, optional
@@ -117,8 +126,10 @@ def as_far_as_it_goes(path: Path, *, ship: str | None = None, out: Path | None =
         way, campaign = _checked(way)
         if not way.stopped:
             results = way.results or results_folder(out, _name(way, campaign))
-            free = campaign.kind == "free-running"
-            way = _measured(way, results) if free else _reduced(way, campaign, results)
+            if campaign.kind == "free-running":
+                way = _measured(way, measure, results)
+            else:
+                way = _reduced(way, campaign, reduce, results)
     except DataError as error:
         way = replace(way, stopped=words_of(error))
     return _told(way)
@@ -182,14 +193,13 @@ def _contradiction(finding: CheckFinding) -> str:
     return " ".join(filter(None, (f"  {finding.check}: {finding.message}", finding.remedy)))
 
 
-def _reduced(way: Way, campaign: Campaign, results: Path) -> Way:
+def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], results: Path) -> Way:
     """Derivatives, the model and its turn."""
-    from pmmkit.cli.commands.reduce import reduced
     from pmmkit.models import load_model
     from pmmkit.reduction.choice import AUTO
 
     title = f"{campaign.title}, {way.guesses} guesses not confirmed" if way.guesses else ""
-    result = reduced(way.file, results, structure=AUTO, title=title)
+    result = reduce(way.file, results, structure=AUTO, title=title)
     content = result.content
     way = replace(way, result=result)
     way = way.after("reduce", f"structure {content['structure']}, {content['verdict']['use']}")
@@ -251,11 +261,9 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
             )
 
 
-def _measured(way: Way, results: Path) -> Way:
+def _measured(way: Way, measure: Callable[..., Outcome], results: Path) -> Way:
     """The manoeuvres of free-running records."""
-    from pmmkit.cli.commands.trial import trial
-
-    result = trial(way.file, run=None, order=None, current=None, data=None, out=results)
+    result = measure(way.file, run=None, order=None, current=None, data=None, out=results)
     way = replace(
         way, result=result, then=f"pmmkit identify {quoted(way.place)} --model MODEL.toml"
     )

@@ -29,15 +29,15 @@ def demo(
     out: Out = None,
 ) -> Outcome:
     """Reduce the synthetic S175 programme, compare it with Son and Nomoto, turn the ship."""
-    if my_data is not None:
-        from pmmkit.cli.my_data import as_far_as_it_goes
-
-        return as_far_as_it_goes(my_data, ship=ship, out=out)
-    if ship is not None:
-        raise typer.BadParameter("--ship goes with --my-data FOLDER.")
     from pmmkit.cli.commands.reduce import reduced
+    from pmmkit.cli.commands.trial import trial
+    from pmmkit.cli.my_data import as_far_as_it_goes
     from pmmkit.files import datasets_folder
 
+    if my_data is not None:
+        return as_far_as_it_goes(my_data, reduce=reduced, measure=trial, ship=ship, out=out)
+    if ship is not None:
+        raise typer.BadParameter("--ship goes with --my-data FOLDER.")
     return reduced(
         datasets_folder() / "s175",
         results_folder(out, "pmmkit-demo"),
