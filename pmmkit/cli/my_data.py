@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 from pmmkit.cli.options import stem
 from pmmkit.cli.output import Outcome, quoted, words_of
 from pmmkit.cli.outputs import MODEL_FILE, results_folder
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -250,7 +251,7 @@ def _estimates(model: Model, file: Path) -> Iterator[Question]:
             if part is None or own is None or name not in _estimated(part):
                 continue
             value = part.values[name]
-            spread = f" ± {2 * part.std[name]:.2g}" if name in part.std else ""
+            spread = f" ± {WIDE * part.std[name]:.2g}" if name in part.std else ""
             yield Question(
                 lines=(place,),
                 key=f"{section}.{name}",
@@ -271,6 +272,8 @@ def _measured(way: Way, measure: Callable[..., Outcome], results: Path) -> Way:
 
 
 def _told(way: Way) -> Outcome:
+    if not way.stopped:
+        way = replace(way, questions=tuple(map(_not_needed, way.questions)))
     lines = [f"{stage:>8}  {words}" for stage, words in way.done]
     if way.stopped:
         lines.append(f"    stop  {way.stopped}")
@@ -294,6 +297,11 @@ def _told(way: Way) -> Outcome:
         "next": following,
     }
     return Outcome(content=content, lines=lines, status=status)
+
+
+def _not_needed(question: Question) -> Question:
+    """A question that stood in nobody's way."""
+    return replace(question, kind="off") if question.kind == "needed" else question
 
 
 def _asked(questions: Sequence[Question], file: Path) -> list[str]:

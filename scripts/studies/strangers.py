@@ -116,8 +116,11 @@ def particulars(hull: Hull) -> Iterator[tuple[str, str]]:
     """The lines of ship and water: found in a draft, put in its place."""
     for key in ("L", "B", "d", "volume", "mass", "Izz"):
         yield f"# {key} = ...", f"{key} = {getattr(hull, key)}"
-    rolls = [f"{key} = {getattr(hull, key)}" for key in ("zG", "GM", "Ix")] if hull.rolls else []
-    yield "# xG = 0.0 ", "\n".join([*rolls, f"xG = {hull.xG}"]) + " "
+    yield "# xG = 0.0 ", f"xG = {hull.xG} "
+    if hull.rolls:
+        yield "# zG = 0.0 ", f"zG = {hull.zG} "
+        yield "# GM = ...", f"GM = {hull.GM}"
+        yield "# Ix = ...", f"Ix = {hull.Ix}"
     yield "# rho = ...", f"rho = {RHO}"
 
 

@@ -36,10 +36,10 @@ def test_every_question_names_the_line_where_it_is_answered(tmp_path):
 
 def test_a_guess_is_told_by_what_it_comes_from():
     """Mass by density and volume, the inertia of a quarter of the length about midship."""
-    mass, inertia = questions_of(SHIP)
+    inertia, mass = questions_of(SHIP)
     assert (mass.guess, mass.why) == ("450", "density times volume")
     assert float(inertia.guess) == pytest.approx(450 * (1.0 + 0.1**2), rel=1e-3)
-    assert all(item.kind == "needed" for item in (mass, inertia))
+    assert (inertia.kind, mass.kind) == ("needed", "off")
 
 
 def test_an_answer_is_no_guess_though_the_mark_was_left():
@@ -55,6 +55,14 @@ def test_the_same_question_about_many_runs_is_one():
     (found,) = questions_of("".join(runs.format(k) for k in range(9)))
     assert found.lines == tuple(range(3, 28, 3))
     assert str(found).startswith("lines 3, 6, 9 and 6 more, runs.test: one of these")
+
+
+@pytest.mark.parametrize(
+    "ship", ['ship = "x"', "[ship]\nvolume = 'much'", "[ship]\nvolume = [1]", "[ship"]
+)
+def test_a_file_that_says_nonsense_is_asked_all_the_same(ship):
+    text = f"{ship}\n[water]\n# rho = ...  # TODO density\n"
+    assert [item.key for item in questions_of(text)] == ["water.rho"]
 
 
 def test_a_line_that_is_off_says_what_holds_instead():

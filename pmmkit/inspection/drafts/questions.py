@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from pmmkit.escaping import toml_string
 
@@ -134,7 +134,9 @@ class _Asked:
         table, _, key = self.key.rpartition(".")
         return self.on and self.known and not self.note and self.value != _default(table, key)
 
-    def question(self, lines: tuple[int, ...], stated: Mapping[str, Any]) -> Question:
+    def question(
+        self, lines: tuple[int, ...], stated: Mapping[str, Mapping[str, float]]
+    ) -> Question:
         """What is asked at these lines, with the guess that what is stated allows."""
         ask = partial(Question, lines=lines, key=self.key, text=self.text)
         if self.known and self.on:
@@ -144,11 +146,16 @@ class _Asked:
         if self.known or key in _MAY_LACK or any(part in _MAY_LACK for part in self.key.split(".")):
             return ask(kind="off", guess=_default(table, key), why="the line is off")
         guess, why = _estimate(self.key, stated)
-        return ask(kind="needed", guess=guess, why=why)
+        follows = bool(guess) and key in _EITHER
+        return ask(kind="off" if follows else "needed", guess=guess, why=why)
 
 
-_MAY_LACK: Final = ("axes", "cfd", "name")
+_MAY_LACK: Final = ("axes", "cfd", "name", "GM", "Ix")
 """Tables and keys whose lines may be off though no value stands in them."""
+
+
+_EITHER: Final = ("mass", "volume")
+"""Of these one is enough."""
 
 
 def _default(table: str, key: str) -> str:
@@ -158,33 +165,35 @@ def _default(table: str, key: str) -> str:
     model = TABLES.get(table)
     field = None if model is None else model.model_fields.get(key)
     value = None if field is None else field.default
-    return (
-        ""
-        if value in (None, "", [])
-        else toml_string(value)
-        if isinstance(value, str)
-        else str(value)
-    )
+    if value in (None, "", []):
+        return ""
+    return toml_string(value) if isinstance(value, str) else str(value)
 
 
-def _stated(text: str) -> Mapping[str, Any]:
+def _stated(text: str) -> Mapping[str, Mapping[str, float]]:
+    """The numbers that stand in ship and water."""
     try:
-        return tomllib.loads(text)
+        raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError:
         return {}
+    return {
+        name: {key: float(value) for key, value in table.items() if type(value) in (int, float)}
+        for name, table in raw.items()
+        if name in ("ship", "water") and isinstance(table, dict)
+    }
 
 
-def _estimate(name: str, stated: Mapping[str, Any]) -> tuple[str, str]:
+def _estimate(name: str, stated: Mapping[str, Mapping[str, float]]) -> tuple[str, str]:
     """A number for a particular that nobody stated, and where it comes from."""
     ship, water = stated.get("ship", {}), stated.get("water", {})
     rho = water.get("rho", FRESH_WATER)
     length, volume = ship.get("L"), ship.get("volume")
-    mass = ship.get("mass", None if volume is None else rho * volume)
+    mass = ship.get("mass", rho * volume if volume else None)
     if name == "water.rho":
         return f"{FRESH_WATER:g}", "fresh water of 15 °C"
     if name == "ship.mass" and volume is not None:
         return f"{rho * volume:.4g}", "density times volume"
-    if name == "ship.volume" and mass is not None:
+    if name == "ship.volume" and mass is not None and rho > 0:
         return f"{mass / rho:.4g}", "mass over density"
     if name == "ship.Izz" and mass is not None and length is not None:
         about = mass * (ship.get("xG", 0.0) ** 2 + (GYRADIUS * length) ** 2)
