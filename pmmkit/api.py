@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
 from pmmkit.bibliography import ITSELF, bibtex
 from pmmkit.campaigns.open_water import open_water
+from pmmkit.conventions import parse_derivative
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
@@ -19,7 +20,12 @@ from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED, Missing
 from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.particulars import STATED, parts_from_particulars, straight_polynomial
+from pmmkit.models.particulars import (
+    STATED,
+    parts_from_particulars,
+    roll_from_particulars,
+    straight_polynomial,
+)
 from pmmkit.models.revise import lent
 from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.reduction import Reduction, reduce_campaign
@@ -182,7 +188,7 @@ def model_of(
     """
     table, left = _tested_in_full(reduction.table)
     if parts is not None:
-        model = to_model(table, parts, missing=missing)
+        model = to_model(table, parts, missing=missing, also=_not_shown(reduction))
         others = {
             name: part if part.std else lent(part)
             for name, part in model.parts.items()
@@ -191,14 +197,50 @@ def model_of(
         return model.with_(
             parts=MappingProxyType({**model.parts, **others}), notes=(*left, *model.notes)
         )
-    donor = ship_as_tested(reduction.campaign)
+    donor = _rolling(ship_as_tested(reduction.campaign), reduction, table)
     found = _parts_by_tests(reduction, donor)
     if found is not None:
         donor = _with_tests(donor, found)
         table = _without_rudder(reduction, table, found)
-    model = to_model(table, donor, missing=missing)
+    model = to_model(table, donor, missing=missing, also=_not_shown(reduction))
     return model.with_(
         title=f"{donor.name}, from its tests", notes=(*donor.notes, *left, *model.notes)
+    )
+
+
+def _not_shown(reduction: Reduction) -> list[str]:
+    """Terms of a third-order hull that a structure lacks because the runs do not show them.
+
+    What the runs chose is no statement on the ship: to leave a coupling out would be to say that it
+    is zero.
+    """
+    usual = structures()[_THIRD_ORDER].derivatives
+    chosen = structures()[reduction.table.provenance["structure"]] if reduction.because else None
+    if chosen is None or not set(chosen.derivatives) < set(usual):
+        return []
+    return [name for name in usual if name not in chosen.derivatives]
+
+
+_THIRD_ORDER: Final = "abkowitz3"
+
+
+def _rolling(stated: Model, reduction: Reduction, table: DerivativeTable) -> Model:
+    """The tested model with roll, where K was measured and the ship states GM and its inertia."""
+    if not any("K" in item.force for item in reduction.rows):
+        return stated
+    damped = "Kp" in table and bool(np.isfinite(table["Kp"]).all())
+    part = roll_from_particulars(stated.ship, stated.water, damped=damped)
+    lacking = ""
+    if not any(parse_derivative(name).channel == "K" for name in table.names):
+        lacking = "the structure has no roll moment (son-nomoto has)"
+    elif part is None:
+        lacking = "GM and Ix of [ship] are not stated"
+    if part is None or lacking:
+        told = f"K was measured, but {lacking}: the model does not roll."
+        return stated.with_(notes=(*stated.notes, told))
+    guessed = () if damped else ("Roll damping was not measured: a twentieth of the critical one.",)
+    return stated.with_(
+        parts=MappingProxyType({**stated.parts, part.effect: part}), notes=(*stated.notes, *guessed)
     )
 
 

@@ -29,6 +29,8 @@ Captive ship-model tests to hydrodynamic derivatives, a model and its manoeuvres
 
   pmmkit inspect FOLDER   what your own files hold; its last line says what to type next
   pmmkit demo             a demonstration: tests of a container ship to derivatives and a turn
+  pmmkit demo --my-data FOLDER
+                          the same with your own files, as far as they go, and what is missing
   pmmkit --help           all commands; pmmkit COMMAND --help has the options and an example"""
 """What to type first."""
 

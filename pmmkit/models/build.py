@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -41,6 +42,7 @@ def to_model(
     *,
     missing: Missing = "refuse",
     name: str | None = None,
+    also: Iterable[str] = (),
 ) -> Model:
     """A model with the derivatives of a table on a library ship.
 
@@ -59,6 +61,8 @@ def to_model(
         else zero. Yv, Yr, Nv and Nr are refused always, Xuu, Yvdot and Nrdot never taken as zero.
     name : str, optional
         Name of the model; by default that of the table's ship.
+    also : iterable of str
+        Derivatives that the model shall have though the table does not name them.
 
     Returns
     -------
@@ -94,7 +98,7 @@ def to_model(
     if missing == "estimate":
         table = _held(table)
     taken, left, notes = _choose(table, donor)
-    borrowed, guessed, zeroed = _fill(table, donor, taken, left, missing)
+    borrowed, guessed, zeroed = _fill(table, donor, taken, left, missing, also)
     taken = [item for item in taken if item not in left]
     rows = () if table.pooled else tuple(float(x) for x in table.Fn)
     values: dict[str, Value] = {item: _value(table, item) for item in taken}
@@ -216,11 +220,17 @@ def _choose(table: DerivativeTable, donor: Model) -> tuple[list[str], list[str],
 
 
 def _fill(
-    table: DerivativeTable, donor: Model, taken: list[str], empty: list[str], missing: Missing
+    table: DerivativeTable,
+    donor: Model,
+    taken: list[str],
+    empty: list[str],
+    missing: Missing,
+    also: Iterable[str],
 ) -> tuple[dict[str, Value], dict[str, tuple[Value, float]], list[str]]:
     """Values borrowed from the library, estimates with their errors, and names taken as zero."""
     needed = [item for item in NEEDED if item != "Xuu" or table.convention.surge != "delta-u"]
-    absent = [item for item in (*needed, *EXPECTED) if item not in taken]
+    wanted = dict.fromkeys((*needed, *EXPECTED, *also))
+    absent = [item for item in wanted if item not in taken]
     if table.convention.surge == "delta-u":
         absent = [item for item in absent if item in needed]
     borrowed: dict[str, Value] = {}

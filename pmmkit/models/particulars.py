@@ -11,13 +11,14 @@ import numpy as np
 
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.propeller import PROPELLER
+from pmmkit.effects.roll import ROLL
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.empirical import RUDDER_SOURCES, StandardError, rudder_values, shares, wake_fraction
 from pmmkit.errors import DataError
 from pmmkit.models.model import Part
 from pmmkit.models.wageningen import open_water_curve
 from pmmkit.numerics import Array
-from pmmkit.ship import Ship
+from pmmkit.ship import Ship, Water
 
 STATED: Final = "measured: the campaign file"
 HIGHEST_J: Final = 0.8
@@ -41,6 +42,8 @@ SERIES_ERRORS: Final[Mapping[str, StandardError]] = MappingProxyType(shares(kt0=
 """How far a propeller of the same pitch and area may lie from the B series."""
 LENT: Final = 0.5
 """Share of those errors that is left where a similar ship lends the value."""
+DAMPED: Final = (0.05, 0.03)
+"""Roll damping over the critical one, how far ships lie from it; S175 of the library: 0.048."""
 USUAL_LENGTH: Final = 200.0
 LONGEST_MODEL: Final = 20.0
 """A hull below this length [m] is a model, by default of a ship of the usual length [m]."""
@@ -154,6 +157,43 @@ def parts_from_particulars(
         RUDDER_SOURCES,
     )
     return screw, blade
+
+
+def roll_from_particulars(ship: Ship, water: Water, *, damped: bool = False) -> Part | None:
+    """Righting moment and damping of a ship that states GM and its inertia of roll.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        The ship or model and its water.
+    damped : bool
+        Whether derivatives by the roll rate were measured: then nothing is added to them.
+
+    Returns
+    -------
+    Part or None
+        The part ``roll``: damping a twentieth of the critical one, with its uncertainty. None
+        where GM or the inertia is not known.
+
+    Examples
+    --------
+    >>> from pmmkit.ship_library import load_ship
+    >>> roll = roll_from_particulars(load_ship("s175"), Water(rho=1025.0))
+    >>> f"{roll.values['damping']:.3g}"
+    '3.08e+07'
+    """
+    if ship.GM is None or ship.GM <= 0 or ship.Ixx is None:
+        return None
+    righting = water.rho * water.g * ship.volume * ship.GM
+    share, doubt = (0.0, 0.0) if damped else DAMPED
+    critical = 2.0 * math.sqrt(righting * ship.Ixx)
+    return Part(
+        effect=ROLL.name,
+        values=MappingProxyType({"damping": share * critical}),
+        source="measured: GM of the campaign file",
+        sources=MappingProxyType({} if damped else {"damping": "empirical: usual roll damping"}),
+        std=MappingProxyType({} if damped else {"damping": doubt * critical}),
+    )
 
 
 def _series(given: Mapping[str, Any]) -> dict[str, float]:

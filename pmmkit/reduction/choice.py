@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.conventions import CHANNELS
+from pmmkit.conventions import CHANNELS, parse_derivative
 from pmmkit.errors import CampaignError
 from pmmkit.presentation import counted, listed
 from pmmkit.reduction.derivatives import Columns
@@ -88,7 +88,9 @@ def largest_determined(
     -----
     The Froude number with the most runs is asked. A term that no run excites, or that others
     make up entirely, has no value there. Terms of X do not decide: the commonest programme, drift,
-    sway and yaw alone, leaves Xvr open, and a model takes it from an estimate.
+    sway and yaw alone, leaves Xvr open, and a model takes it from an estimate. Neither do
+    accelerations, which no rotating arm shows, nor the roll rate, since few laboratories force a
+    model to roll: a model takes added mass and roll damping from estimates too.
     """
     lacking: dict[str, list[str]] = {}
     best: tuple[float, Structure] | None = None
@@ -112,8 +114,14 @@ def largest_determined(
 
 
 def _judged(columns: Columns) -> set[str]:
-    """The terms that decide: of all channels but X, where there are others."""
-    sideways = {name for names in columns.required.values() for name in names if name[0] != "X"}
+    """The terms that decide: of all channels but X, where there are others; see the notes above."""
+    sideways = {
+        name
+        for names in columns.required.values()
+        for name in names
+        if name[0] != "X"
+        and not any(it == "p" or it.endswith("dot") for it in parse_derivative(name).factors)
+    }
     return sideways or {name for names in columns.required.values() for name in names}
 
 

@@ -234,7 +234,7 @@ def measured_and_fitted(
     Returns
     -------
     dict of str to dict of str to (array (n,), array (n,))
-        By channel and title of the kind of test: measured and fitted [N, N m].
+        By fitted channel and title of the kind of test: measured and fitted [N, N m].
     """
     values = np.nan_to_num(solution.joint.value).tolist()  # what the runs do not tell acts in none
     known = dict(zip(solution.joint.labels, values, strict=True))
@@ -242,9 +242,9 @@ def measured_and_fitted(
     for group, places in enumerate(solution.groups):
         for item in (rows[place] for place in places):
             kind = item.result.run.kind_of_test.title
-            for channel, force in item.force.items():
-                own = [known.get((group, name), 0.0) for name in item.names[channel]]
-                pair = np.stack([force, item.design[channel] @ np.array(own)])
+            for channel, names in item.names.items():
+                own = [known.get((group, name), 0.0) for name in names]
+                pair = np.stack([item.force[channel], item.design[channel] @ np.array(own)])
                 found.setdefault(channel, {}).setdefault(kind, []).append(pair)
     return {
         channel: {

@@ -125,7 +125,7 @@ def by_method(reduction: Reduction, reference: Reference | None = None) -> pd.Da
         )
     columns = [*reduction.table.to_pandas().columns, "run", "share"]
     whole = pd.concat([frame.reindex(columns=columns) for frame in frames], ignore_index=True)
-    whole["run"] = whole["run"].fillna("")
+    whole["run"] = whole["run"].astype(object).fillna("")
     return whole[whole["value"].notna() | whole["share"].notna()].reset_index(drop=True)
 
 

@@ -2,8 +2,33 @@
 
 from __future__ import annotations
 
+import json
 from functools import partial
+from types import UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from pmmkit.campaigns.file.schema import (
+    CorrectionEntry,
+    DefaultsEntry,
+    MatrixEntry,
+    RunEntry,
+    SettingsEntry,
+    TableEntry,
+)
+from pmmkit.campaigns.file.single_tables import (
+    AxesEntry,
+    CampaignEntry,
+    CfdEntry,
+    ColumnEntry,
+    ShipEntry,
+    SourceEntry,
+    TrialEntry,
+    UncertainEntry,
+    WaterEntry,
+)
 from pmmkit.campaigns.settings import setting_key
 from pmmkit.campaigns.test_kinds.kind import TestKind
 from pmmkit.campaigns.test_kinds.registry import BUILT_IN
@@ -50,8 +75,73 @@ def stated_table(section: str) -> str:
     )
 
 
+def keys_table(model: type[BaseModel], *without: type[BaseModel]) -> str:
+    """The keys of a table of the campaign file, as its schema describes them.
+
+    Keys that it shares with the tables `without` are left out.
+    """
+    told = {name for other in without for name in other.model_fields}
+    rows = [
+        (f"`{name}`", _values(item), _default(item), item.description or "")
+        for name, item in model.model_fields.items()
+        if name not in told
+    ]
+    return table(("key", "value", "if absent", "meaning"), rows)
+
+
+def _values(item: FieldInfo) -> str:
+    """What may stand right of the =."""
+    words = _words(item.annotation)
+    return " or ".join(dict.fromkeys(filter(None, words)))
+
+
+def _words(kind: Any) -> list[str]:
+    origin = get_origin(kind)
+    if origin is Literal:
+        return [
+            f"`{json.dumps(value)}`" for value in get_args(kind) if not str(value).startswith("+")
+        ]
+    if origin is Annotated:
+        return _words(get_args(kind)[0])
+    if origin in (Union, UnionType):
+        return [word for part in get_args(kind) for word in _words(part)]
+    if origin in (list, tuple):
+        inner = " or ".join(dict.fromkeys(_words(get_args(kind)[0])))
+        return [f"list of {inner}"]
+    if origin is dict or (isinstance(kind, type) and issubclass(kind, BaseModel)):
+        return ["table"]
+    return [_PLAIN.get(kind, "")]
+
+
+def _default(item: FieldInfo) -> str:
+    if item.is_required():
+        return "required"
+    value = item.default
+    return "" if value in (None, "", [], {}, ()) else f"`{json.dumps(value)}`"
+
+
+_PLAIN = {str: "text", float: "number", int: "whole number", bool: "true or false"}
+KEYS = {
+    "campaign": (CampaignEntry,),
+    "ship": (ShipEntry,),
+    "water": (WaterEntry,),
+    "source": (SourceEntry,),
+    "columns": (ColumnEntry,),
+    "axes": (AxesEntry,),
+    "cfd": (CfdEntry,),
+    "trial": (TrialEntry,),
+    "uncertainty": (UncertainEntry,),
+    "corrections": (CorrectionEntry, SettingsEntry),
+    "runs": (RunEntry, SettingsEntry),
+    "settings": (SettingsEntry,),
+    "defaults": (DefaultsEntry, SettingsEntry),
+    "matrix": (MatrixEntry, SettingsEntry),
+    "tables": (TableEntry, RunEntry),
+}
+"""Tables of the campaign file: what describes their keys, and whose keys stand elsewhere."""
 TABLES = {
     "formats.md": {
+        **{f"keys of {name}": partial(keys_table, *models) for name, models in KEYS.items()},
         "tests": test_table,
         **{section: partial(stated_table, section) for section in SECTIONS},
     }

@@ -7,6 +7,7 @@ With --check nothing is written, and the exit status is 1 if a page is out of da
 
 from __future__ import annotations
 
+import argparse
 import sys
 from functools import cache
 from pathlib import Path
@@ -229,12 +230,17 @@ def pictures() -> None:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing, name stale pages")
+    only_checked = parser.parse_args().check
     stale = [
         name
         for name, text in pages().items()
         if not (DOCS / name).is_file() or (DOCS / name).read_text(encoding="utf-8") != text
     ]
-    if "--check" in sys.argv:
+    if only_checked:
         for name in stale:
             print(f"docs/{name} is out of date: run python -m scripts.documentation.make_docs")
         return 1 if stale else 0

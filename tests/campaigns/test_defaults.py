@@ -144,7 +144,10 @@ cfd = { forces_in = "earth", ramp_s = 10.0, rho_inf = 99.91, symmetry_factor = 2
         ("[defaults]\nsped = 1.0\n", "did you mean 'speed'"),
         ("[defaults.pure_jaw]\nperiod = 9.0\n", "did you mean 'pure_yaw'"),
         ("[defaults.pure_yaw]\nperiod = -9.0\n", "must be greater than 0"),
-        ("[defaults.pure_yaw.cfd]\nforces_in = 'sea'\n", "'sea' is not one of body, earth"),
+        (
+            "[defaults.pure_yaw.cfd]\nforces_in = 'sea'\n",
+            "'sea' is not one of body, earth, carriage",
+        ),
     ],
 )
 def test_a_wrong_default_is_said_once_beside_all_other_problems(text, said, tmp_path):

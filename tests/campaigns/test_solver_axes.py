@@ -253,12 +253,25 @@ def test_any_place_heading_centre_and_point_of_motion(x, y, psi, centre, motion)
     midship = (x + motion - motion * math.cos(psi), y - motion * math.sin(psi))
     reported = in_solver(t, *midship, psi, centre=(centre, 0.0))
     place = {name: np.array([value]) for name, value in (("x", x), ("y", y), ("psi", psi))}
-    solver = Solver(earth_axes=True, centre_moves=False, centre_x=centre, motion_x=motion)
+    solver = Solver(axes="earth", centre_moves=False, centre_x=centre, motion_x=motion)
     run = set_to("history", "pure_yaw", Settings(speed=SPEED), "R")
     turned, _ = seen_from_hull({"t": t, **reported, **place}, solver, run)
     truth = on_hull(t, about=centre)
     for name in truth:
         assert turned[name] == pytest.approx(truth[name], abs=1e-9)
+
+
+@pytest.mark.parametrize("test", ["circular_motion", "static_drift", "drift_rudder"])
+@pytest.mark.parametrize("beta", [-0.2, 0.0, 0.3])
+def test_a_balance_on_the_arm_measures_along_its_tangent(test, beta):
+    """Ahead 20 N, to starboard 50 N on a hull whose bow is β to starboard of the way."""
+    angle = beta + math.atan2(50.0, 20.0)
+    felt = math.hypot(20.0, 50.0)
+    along = {"X": np.array([felt * math.cos(angle)]), "Y": np.array([felt * math.sin(angle)])}
+    run = set_to("means", test, Settings(speed=SPEED, drift=beta, radius=12.0), "R")
+    turned, notes = seen_from_hull({**along, "N": np.array([7.0])}, Solver(axes="carriage"), run)
+    assert [float(turned[name][0]) for name in "XYN"] == pytest.approx([20.0, 50.0, 7.0])
+    assert "carriage axes" in " ".join(notes)
 
 
 @pytest.mark.parametrize(

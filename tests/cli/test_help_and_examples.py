@@ -100,7 +100,7 @@ def test_pmmkit_alone_says_what_to_type_first(capsys):
     assert main([]) == 2
     words = capsys.readouterr().err
     typed = [line.split() for line in words.splitlines() if line.startswith("  pmmkit ")]
-    assert [line[1] for line in typed] == ["inspect", "demo", "--help"]
+    assert [line[1] for line in typed] == ["inspect", "demo", "demo", "--help"]
     named = {line[1] for line in typed if not line[1].startswith("-")}
     assert named <= set(typer.main.get_command(app.application()).commands)
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from pmmkit.campaigns.file import schema
 from pmmkit.effects.catalogue import catalogue, forget_effect
-from scripts.documentation import make_docs
+from scripts.documentation import campaign_file, make_docs
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -55,6 +56,32 @@ def test_links_lead_somewhere(page):
 def test_generated_pages_are_up_to_date():
     for name, text in make_docs.pages().items():
         assert (ROOT / "docs" / name).read_text(encoding="utf-8") == text, "run make_docs.py"
+
+
+def test_every_key_of_the_campaign_file_says_what_it_means_and_stands_in_its_page():
+    """A key that is added to the schema without a description, or in no table, is found here."""
+    described = {model for models in campaign_file.KEYS.values() for model in models}
+    for name, model in schema.TABLES.items():
+        if model is None or not model.model_fields:
+            continue
+        assert model in described, f"[{name}] stands in no table of docs/formats.md"
+        for key, item in model.model_fields.items():
+            assert item.description, f"[{name}] {key} does not say what it means"
+    told = "".join(make() for make in campaign_file.TABLES["formats.md"].values())
+    for model in described:
+        for key in model.model_fields:
+            assert f"| `{key}` |" in told
+
+
+def test_help_of_make_docs_makes_nothing(monkeypatch, capsys):
+    def refuse():
+        raise AssertionError("pages were made")
+
+    monkeypatch.setattr(make_docs, "pages", refuse)
+    monkeypatch.setattr("sys.argv", ["make_docs", "--help"])
+    with pytest.raises(SystemExit):
+        make_docs.main()
+    assert "--check" in capsys.readouterr().out
 
 
 def test_readme_example_is_ten_lines():

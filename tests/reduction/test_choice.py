@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from pmmkit.api import model_of
 from pmmkit.errors import CampaignError
 from pmmkit.reduction import reduce_campaign
 from tests.support import second_tank
@@ -42,6 +43,18 @@ def test_drift_sway_and_yaw_alone_leave_the_coupling_out_and_say_so(tanker):
     )
 
 
+def test_what_the_runs_do_not_show_is_estimated_in_the_model_and_not_left_out(tanker):
+    """Whoever lets the runs choose does not say that a coupling is zero."""
+    made = only(tanker, *ROOT_TESTS)
+    chosen, asked = (model_of(reduced(made, name)) for name in ("auto", "abkowitz3"))
+    for name in ("Yvvr", "Yvrr", "Nvvr", "Nvrr"):
+        own, other = (each.part("hull_polynomial") for each in (chosen, asked))
+        assert own.source_of(name).startswith("empirical")
+        assert own.values[name] == pytest.approx(other.values[name], rel=0.01)
+        assert own.std[name] > 0
+    assert "Yvvr" not in model_of(reduced(made, "cubic")).part("hull_polynomial").values
+
+
 def test_drift_alone_determines_no_structure(tanker):
-    with pytest.raises(CampaignError, match="nothing shows Nr, Nrdot, Nvdot"):
+    with pytest.raises(CampaignError, match="nothing shows Nr and Yr"):
         reduced(only(tanker, "static_drift"))

@@ -122,7 +122,7 @@ def computed(setup: Setup, entry: FileEntry) -> Setup:
         frame=replace(frame, symmetry_factor=own.get("symmetry_factor", frame.symmetry_factor)),
         solver=replace(
             solver,
-            earth_axes=own.get("forces_in", "earth" if solver.earth_axes else "body") == "earth",
+            axes=own.get("forces_in", solver.axes),
             centre_moves=own.get("moment_centre_moves", solver.centre_moves),
             ramp=own.get("ramp_s", solver.ramp),
             stated=solver.stated | set(own),

@@ -10,21 +10,18 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.file.assembly import Setup
-from pmmkit.campaigns.file.schema import (
+from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
+from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
     CfdEntry,
     ColumnEntry,
-    CorrectionEntry,
     Entry,
     ShipEntry,
     SourceEntry,
     TrialEntry,
     UncertainEntry,
     WaterEntry,
-    known_columns,
-    read_entry,
-    read_named,
 )
 from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.run import Correction
@@ -148,7 +145,7 @@ def setup_of(
         columns=top.columns,
         corrections=top.corrections,
         solver=Solver(
-            earth_axes=top.cfd.get("forces_in") == "earth",
+            axes=top.cfd.get("forces_in", "body"),
             centre_moves=top.cfd.get("moment_centre_moves", True),
             centre_x=top.moment_reference_x,
             motion_x=top.campaign.motion_reference_x,

@@ -1,4 +1,4 @@
-"""What may stand in a campaign file: tables, keys, kinds and ranges of their values.
+"""What may stand in a campaign file: runs, settings and corrections, and how a table is read.
 
 Nothing else of pmmkit sees these classes: `pmmkit.campaigns.file.campaign_file` turns them into
 Ship, Run and Campaign. The module is imported only when a campaign file is read.
@@ -9,18 +9,28 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Final, Literal, TypeVar
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PlainValidator,
-    ValidationError,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import Field, ValidationError, field_validator, model_validator
 
+from pmmkit.campaigns.file.single_tables import (
+    AxesEntry,
+    CampaignEntry,
+    CfdEntry,
+    ColumnEntry,
+    ComputedEntry,
+    Degrees,
+    EndEntry,
+    Entry,
+    Listed,
+    NumericalEntry,
+    Plain,
+    Positive,
+    ShipEntry,
+    SourceEntry,
+    Steep,
+    TrialEntry,
+    WaterEntry,
+    said,
+)
 from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 from pmmkit.channels import (
     CHANNEL_UNITS,
@@ -30,37 +40,7 @@ from pmmkit.channels import (
     did_you_mean,
     unit_of,
 )
-from pmmkit.conventions import SYSTEMS
 from pmmkit.errors import DataError, Problem
-from pmmkit.readers import readers
-
-
-def _as_tuple(value: Any) -> Any:
-    """A list as a tuple, which can be hashed."""
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _known_format(name: Any) -> Any:
-    """A format that is read, asked when a file is read: readers of other packages count."""
-    if name in tuple(readers()):
-        return name
-    raise PydanticCustomError(
-        "literal_error", "Input should be {expected}", {"expected": ", ".join(readers())}
-    )
-
-
-Positive = Annotated[float, Field(gt=0)]
-Count = Annotated[int, Field(ge=0)]
-Degrees = Annotated[float, Field(ge=-180, le=180)]
-Steep = Annotated[float, Field(gt=-90, lt=90)]
-Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
-Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
-Widths = Annotated[
-    tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
-]
-Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
-Format = Annotated[str, PlainValidator(_known_format)]
-Plain = str | float | int | bool
 
 ACTIONS: Final = (
     "exclude",
@@ -80,202 +60,30 @@ ACTIONS: Final = (
 M = TypeVar("M", bound="Entry")
 
 
-class Entry(BaseModel):
-    """A table of the file: unknown keys, texts for numbers, inf and nan are refused."""
-
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
-
-
-class CampaignEntry(Entry):
-    """``[campaign]``."""
-
-    title: str = ""
-    kind: Literal["captive", "free-running"] = "captive"
-    forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
-    rudder_positive: Literal["starboard", "port"] = "starboard"
-    drift_positive: Literal["starboard-bow", "port-bow"] = "starboard-bow"
-    moment_reference_x: float | None = None
-    moment_reference_z: float = 0.0
-    motion_reference_x: float = 0.0
-    free: list[Literal["surge", "heave", "pitch", "roll", "sway", "yaw", "trim", "sinkage"]] = []
-    data_folder: str | None = None
-    closed: bool = False
-
-
-class EndEntry(Entry):
-    """``[end]``, the last line of files that say ``closed = true``."""
-
-
-class ShipEntry(Entry):
-    """``[ship]``: the name of a library ship, or particulars in full."""
-
-    name: str = ""
-    L: Positive | None = None
-    B: Positive | None = None
-    d: Positive | None = None
-    volume: Positive | None = None
-    mass: Positive | None = None
-    Izz: Positive | None = None
-    Izz_about: Literal["midship", "centre of gravity"] = "midship"
-    xG: float = 0.0
-    zG: float | None = None
-    GM: float | None = None
-    Ix: Positive | None = None
-    balance_mass: Positive | None = None
-    balance_Izz: Positive | None = None
-    balance_xG: float | None = None
-    CB: Annotated[float, Field(gt=0, le=1)] | None = None
-
-
-class WaterEntry(Entry):
-    """``[water]``."""
-
-    rho: Positive | None = None
-    g: Positive = 9.81
-    nu: Positive | None = None
-    depth: Positive | None = None
-    tank_width: Positive | None = None
-    tank_depth: Positive | None = None
-
-
-class SourceEntry(Entry):
-    """``[source]``, of the campaign or of a run."""
-
-    format: Format | None = None
-    skip_rows: Count = 0
-    encoding: str | None = None
-    delimiter: Literal[",", ";", "\t", " ", "|"] | None = None
-    decimal: Literal[".", ","] | None = None
-    header: bool | None = None
-    units_row: bool | None = None
-    comment: Annotated[str, Field(min_length=1)] | None = None
-    widths: Widths | None = None
-    order: Names = ()
-    sheet: str | Annotated[int, Field(ge=1)] | None = None
-    group: str | None = None
-    sample_rate: Positive | None = None
-    missing: Literal["error", "drop"] = "error"
-    nondimensional: Literal[SYSTEMS] | None = None  # type: ignore[valid-type]
-    in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = None
-
-    @field_validator("encoding")
-    @classmethod
-    def _known_encoding(cls, name: str | None) -> str | None:
-        try:
-            if name is not None and "az09".encode(name).decode(name) != "az09":
-                raise LookupError(name)
-        except (LookupError, UnicodeError, ValueError) as error:
-            raise ValueError(f"{name!r} is not an encoding of text, such as 'cp1252'") from error
-        return name
-
-
-class ColumnEntry(Entry):
-    """One key of ``[columns]``: a header, a table, or false where there is no such column."""
-
-    name: str | None = None
-    column: Annotated[int, Field(ge=1)] | None = None
-    unit: str | None = None
-    scale: float = 1.0
-    offset: float = 0.0
-    absent: bool = False
-
-    @model_validator(mode="before")
-    @classmethod
-    def _short_forms(cls, value: Any) -> Any:
-        if isinstance(value, str):
-            return {"name": value}
-        if value is False:
-            return {"absent": True}
-        if not isinstance(value, dict):
-            raise ValueError(
-                'must be their name in quotes, a table such as { column = 2, unit = "m" }, or '
-                f"false; it is {value!r}"
-            )
-        if "absent" in value or ("name" in value) == ("column" in value):
-            raise ValueError("needs either name or column (counted from 1)")
-        return value
-
-    @field_validator("scale")
-    @classmethod
-    def _not_zero(cls, value: float) -> float:
-        if value == 0:
-            raise ValueError("must not be 0")
-        return value
-
-
-class AxesEntry(Entry):
-    """``[axes]``: which way their axes point, seen in ours."""
-
-    x: Literal["x", "+x", "-x"] = "x"
-    y: Literal["y", "+y", "-y"] = "y"
-    z: Literal["z", "+z", "-z"] = "z"
-
-
-class NumericalEntry(Entry):
-    """``U_SN`` of ``[cfd]``."""
-
-    X: Annotated[float, Field(ge=0)] | None = None
-    Y: Annotated[float, Field(ge=0)] | None = None
-    N: Annotated[float, Field(ge=0)] | None = None
-    K: Annotated[float, Field(ge=0)] | None = None
-
-
-class ComputedEntry(Entry):
-    """What ``[cfd]`` may say of one run."""
-
-    rho_inf: Positive | None = None
-    symmetry_factor: Positive | None = None
-    moment_centre_moves: bool | None = None
-    forces_in: Literal["body", "earth"] | None = None
-    ramp_s: Annotated[float, Field(ge=0)] | None = None
-
-
-class CfdEntry(ComputedEntry):
-    """``[cfd]``."""
-
-    moment_centre: float | None = None
-    U_SN: NumericalEntry | None = None
-
-
-class TrialEntry(Entry):
-    """``[trial]``: what a record of a sea trial needs."""
-
-    antenna_x: float = 0.0
-    antenna_y: float = 0.0
-    position_std: Annotated[float, Field(ge=0)] | None = None
-    order: dict[str, float] = {}
-
-
-class UncertainEntry(Entry):
-    """One standard uncertainty."""
-
-    std: Annotated[float, Field(ge=0)]
-    unit: str | None = None
-    shared: bool | None = None
-
-
 class SettingsEntry(Entry):
     """What a test was set to; keys of a run, of a table and of a correction that sets."""
 
-    speed: Positive | None = None
-    drift_deg: Degrees | None = None
-    heel_deg: Steep | None = None
-    rudder_deg: Degrees | None = None
-    propeller_rps: float | None = None
-    period: Positive | None = None
-    frequency_hz: Positive | None = None
-    amplitude_m: Positive | None = None
-    yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
-    path_amplitude_m: Positive | None = None
-    phase_deg: float | None = None
-    yaw_rate: float | None = None
-    radius: float | None = None
-    switch_deg: Degrees | None = None
-    vdot_amplitude: float | None = None
-    v_amplitude: float | None = None
-    r_amplitude: float | None = None
-    rdot_amplitude: float | None = None
-    repeat_of: str | None = None
+    speed: Positive | None = said("of the carriage, or of the approach [m/s]", None)
+    drift_deg: Degrees | None = said("drift angle, signed as `drift_positive` says", None)
+    heel_deg: Steep | None = said("heel, positive to starboard", None)
+    rudder_deg: Degrees | None = said("rudder angle, signed as `rudder_positive` says", None)
+    propeller_rps: float | None = said("revolutions [1/s]", None)
+    period: Positive | None = said("of an oscillation [s]", None)
+    frequency_hz: Positive | None = said("its inverse [Hz]", None)
+    amplitude_m: Positive | None = said("of surge or sway [m]", None)
+    yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = said("of the heading", None)
+    path_amplitude_m: Positive | None = said(
+        "of the path of a pure yaw test instead [m]: the heading is atan(aω/U)", None
+    )
+    phase_deg: float | None = said("of the displacement at t = 0", None)
+    yaw_rate: float | None = said("of a circle [rad/s]", None)
+    radius: float | None = said("of a circle instead [m]", None)
+    switch_deg: Degrees | None = said("heading at which a zigzag puts the rudder over", None)
+    vdot_amplitude: float | None = said("v̇' of pure sway, instead of the amplitude", None)
+    v_amplitude: float | None = said("v' of pure sway, instead of it", None)
+    r_amplitude: float | None = said("r' of pure yaw, instead of the heading", None)
+    rdot_amplitude: float | None = said("ṙ' of pure yaw, instead of it", None)
+    repeat_of: str | None = said("id of the run that this one repeats", None)
 
     @field_validator("radius", "vdot_amplitude", "v_amplitude", "r_amplitude", "rdot_amplitude")
     @classmethod
@@ -296,9 +104,9 @@ class SettingsEntry(Entry):
 class DefaultsEntry(SettingsEntry):
     """``[defaults]``, and what it says of one kind of test."""
 
-    source: SourceEntry | None = None
-    columns: dict[str, ColumnEntry] = {}
-    cfd: ComputedEntry | None = None
+    source: SourceEntry | None = said("how the file is read, over `[source]`", None)
+    columns: dict[str, ColumnEntry] = said("our names = theirs, over `[columns]`", {})
+    cfd: ComputedEntry | None = said("what it says of one run, over `[cfd]`", None)
 
     @field_validator("columns")
     @classmethod
@@ -309,10 +117,16 @@ class DefaultsEntry(SettingsEntry):
 class FileEntry(DefaultsEntry):
     """What runs and tables share."""
 
-    id: Annotated[str, Field(min_length=1)]
-    test: str
-    file: Annotated[str, Field(min_length=1)]
-    rows: Annotated[int, Field(ge=1)] | None = None
+    id: Annotated[str, Field(min_length=1)] = said(
+        "name of the run; of a table, with their columns in braces"
+    )
+    test: str = said("kind of test")
+    file: Annotated[str, Field(min_length=1)] = said(
+        "where its data lie: a file, a pattern, or a folder"
+    )
+    rows: Annotated[int, Field(ge=1)] | None = said(
+        "how many rows of numbers the file has; another number is refused", None
+    )
 
     @field_validator("test")
     @classmethod
@@ -325,8 +139,12 @@ class FileEntry(DefaultsEntry):
 class RunEntry(FileEntry):
     """``[[runs]]``."""
 
-    row: dict[str, Plain] | None = None
-    motion: Annotated[str, Field(min_length=1)] | None = None
+    row: dict[str, Plain] | None = said(
+        'takes one row of a table of means or harmonics: `{ "Run No." = 376 }`', None
+    )
+    motion: Annotated[str, Field(min_length=1)] | None = said(
+        "file with the path of the hull beside the forces", None
+    )
 
     @field_validator("row")
     @classmethod
@@ -345,23 +163,29 @@ class RunEntry(FileEntry):
 class TableEntry(FileEntry):
     """``[[tables]]``."""
 
-    where: dict[str, Plain] = {}
-    skip: list[Annotated[int, Field(ge=1)]] = []
+    where: dict[str, Plain] = said('takes some rows: `{ Type = "Schräg" }`', {})
+    skip: list[Annotated[int, Field(ge=1)]] = said("leaves rows out, counted from 1", [])
 
 
 class MatrixEntry(SettingsEntry):
     """``[[matrix]]``."""
 
-    file: Annotated[str, Field(min_length=1)]
-    source: SourceEntry | None = None
-    id: Annotated[str, Field(min_length=1)]
-    test: Annotated[str, Field(min_length=1)]
-    tests: dict[str, str] = {}
-    run: Annotated[str, Field(min_length=1)]
-    run_sheet: Annotated[str, Field(min_length=1)] | None = None
-    columns: dict[str, ColumnEntry] = {}
-    where: dict[str, Plain] = {}
-    skip: list[Annotated[int, Field(ge=1)]] = []
+    file: Annotated[str, Field(min_length=1)] = said(
+        "the table: a sheet of a workbook, or a text file"
+    )
+    source: SourceEntry | None = said("how the table is read", None)
+    id: Annotated[str, Field(min_length=1)] = said("name of each run, with their columns in braces")
+    test: Annotated[str, Field(min_length=1)] = said("kind of test, or a column in braces")
+    tests: dict[str, str] = said("their words = our kinds of test", {})
+    run: Annotated[str, Field(min_length=1)] = said(
+        "where the history of each row lies, with columns in braces"
+    )
+    run_sheet: Annotated[str, Field(min_length=1)] | None = said(
+        "its sheet, with columns in braces", None
+    )
+    columns: dict[str, ColumnEntry] = said("our settings = their columns", {})
+    where: dict[str, Plain] = said("takes some rows", {})
+    skip: list[Annotated[int, Field(ge=1)]] = said("leaves rows out, counted from 1", [])
 
     @field_validator("columns")
     @classmethod
@@ -380,16 +204,18 @@ class MatrixEntry(SettingsEntry):
 class CorrectionEntry(SettingsEntry):
     """``[[corrections]]``."""
 
-    runs: Listed
-    action: Literal[ACTIONS]  # type: ignore[valid-type]
-    reason: Annotated[str, Field(min_length=1)]
-    channels: Listed = []
-    factor: float | None = None
-    value: float | None = None
-    unit: str | None = None
-    t_start: float | None = None
-    t_end: float | None = None
-    check: Annotated[str, Field(min_length=1)] | None = None
+    runs: Listed = said("ids or patterns of the runs")
+    action: Literal[ACTIONS] = said("what is done")  # type: ignore[valid-type]
+    reason: Annotated[str, Field(min_length=1)] = said("why; it stands in the report")
+    channels: Listed = said("of `scale`, `shift`, `flip`, `drop`, `tare`", [])
+    factor: float | None = said("of `scale`", None)
+    value: float | None = said("of `shift`", None)
+    unit: str | None = said("of `shift`", None)
+    t_start: float | None = said("of `trim` and `tare` [s]", None)
+    t_end: float | None = said("of `trim` and `tare` [s]", None)
+    check: Annotated[str, Field(min_length=1)] | None = said(
+        "of `accept`: the check that is overruled", None
+    )
 
     @field_validator("channels")
     @classmethod

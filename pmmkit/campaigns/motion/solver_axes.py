@@ -1,4 +1,4 @@
-"""Forces of a CFD in earth axes, about a centre that stays behind, seen from the hull.
+"""Forces in axes of the earth or the carriage, about a centre that stays, seen from the hull.
 
 A solver that moves the mesh states forces along axes that stay where they were, and its moments
 about a point that does so too unless it is told to move it. With ψ the heading and (x, y) the
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -30,8 +30,9 @@ class Solver:
 
     Parameters
     ----------
-    earth_axes : bool
-        Whether forces and moments are stated along earth axes.
+    axes : {"body", "earth", "carriage"}
+        Along what forces and moments are stated: the ship, axes that stay where they were, or the
+        way of the carriage; on a rotating arm that is the tangent.
     centre_moves : bool
         Whether the point that moments refer to moves with the hull.
     centre_x, motion_x : float
@@ -42,7 +43,7 @@ class Solver:
         Keys that ``[cfd]`` has.
     """
 
-    earth_axes: bool = False
+    axes: Literal["body", "earth", "carriage"] = "body"
     centre_moves: bool = True
     centre_x: float = 0.0
     motion_x: float = 0.0
@@ -52,12 +53,12 @@ class Solver:
     @property
     def turns(self) -> bool:
         """Whether anything depends on where the hull is."""
-        return self.earth_axes or not self.centre_moves
+        return self.axes != "body" or not self.centre_moves
 
     @property
     def needed(self) -> tuple[str, ...]:
         """What must be known of where the hull is."""
-        return PLACE if not self.centre_moves else ("psi",) if self.earth_axes else ()
+        return PLACE if not self.centre_moves else ("psi",) if self.axes != "body" else ()
 
 
 def without_ramp(
@@ -121,24 +122,29 @@ def seen_from_hull(
     >>> side = {"X": np.array([0.0]), "Y": np.array([10.0]), "N": np.array([0.0])}
     >>> run = Run(id="SD", test="static_drift", kind="means", loader=None,
     ...           settings=Settings(speed=1.0, drift=math.pi / 6))
-    >>> turned, _ = seen_from_hull(side, Solver(earth_axes=True), run)
+    >>> turned, _ = seen_from_hull(side, Solver(axes="earth"), run)
     >>> turned["X"].round(3), turned["Y"].round(3)
     (array([5.]), array([8.66]))
     """
     if not solver.turns:
         return dict(values), []
     _check_pairs(values, solver, run.id)
-    path, whence = hull_path(values, run, solver.needed)
+    on_an_arm = run.kind_of_test.motion.tank is None and solver.axes == "carriage"
+    if on_an_arm and solver.centre_moves:
+        first = next(iter(values.values()))
+        path, whence = {"psi": np.full(len(first), run.settings.drift)}, "the drift angle"
+    else:
+        path, whence = hull_path(values, run, solver.needed)
     cosine, sine = np.cos(path["psi"]), np.sin(path["psi"])
     out = dict(values)
     notes = [f"heading{' and place' if not solver.centre_moves else ''} of the hull: {whence}"]
-    if solver.earth_axes:
+    if solver.axes != "body":
         for ahead, aside in _PAIRS:
             if ahead in values:
                 along, across = values[ahead], values[aside]
                 out[ahead] = along * cosine + across * sine
                 out[aside] = -along * sine + across * cosine
-        notes.append("forces turned from earth axes to ship axes by the heading")
+        notes.append(f"forces turned from {solver.axes} axes to ship axes by the heading")
     if not solver.centre_moves and "N" in values:
         arm = solver.centre_x - solver.motion_x
         rx, ry = path["x"] + arm * cosine - arm, path["y"] + arm * sine
@@ -160,7 +166,7 @@ def _check_pairs(values: Mapping[str, Array], solver: Solver, run: str) -> None:
         other
         for pair in _PAIRS
         for one, other in (pair, pair[::-1])
-        if solver.earth_axes and one in values and other not in values
+        if solver.axes != "body" and one in values and other not in values
     }
     if not solver.centre_moves and "N" in values:
         lacking |= {"X", "Y"} - set(values)

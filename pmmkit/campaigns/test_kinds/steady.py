@@ -98,7 +98,7 @@ STATIC_HEEL: Final = TestKind(
     motion=STRAIGHT,
     fit=Fit(factors=("u", "v", "phi", "T")),
     codes=("SH",),
-    phrase=r"\b(?:static|steady) ?heel\b",
+    phrase=r"\bheel(?:ed)?\b",
     shares={"heel": (0.5, 1.0)},
 )
 STATIC_RUDDER: Final = TestKind(

@@ -272,7 +272,7 @@ SUSPECTS: Final[tuple[Suspect, ...]] = (
     Suspect(
         name="forces in tank axes",
         says=lambda _: "X and Y are forces along and across the tank, not the ship",
-        remedy="Turn the forces by the heading before they are read.",
+        remedy='State forces_in = "carriage" under [cfd].',
         show=in_tank,
         slip=True,
     ),

@@ -192,6 +192,7 @@ def reduced(
     odd_runs: Literal["tell", "weigh", "refuse"] = "tell",
     jobs: int | None = None,
     memory: float = 1000.0,
+    title: str = "",
 ) -> Outcome:
     """Reduce a campaign and write everything.
 
@@ -218,6 +219,8 @@ def reduced(
         A simpler structure: the report ends with what it lacks.
     odd_runs, jobs, memory
         As for `reduce_campaign`.
+    title : str
+        Of the results; that of the campaign if empty.
 
     Returns
     -------
@@ -239,6 +242,7 @@ def reduced(
     donor = load_model(parts) if parts else None
     beside = reference_of(reference, reference_name) if reference else None
     opened = open_campaign(campaign, data=data)
+    opened = opened.with_(title=title) if title else opened
     kept = resume_folder(out)
     with shown() as progress:
         found = reduce_campaign(

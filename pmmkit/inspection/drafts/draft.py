@@ -119,7 +119,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
     Parameters
     ----------
     folder : Path
-        Where the files lie.
+        Where the files lie, or a single file.
     target : Path
         The campaign file that is to be written.
     ship : str, optional
@@ -128,23 +128,24 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
     Raises
     ------
     CampaignError
-        If the folder holds no measurements.
+        If there are no measurements.
     UnknownNameError
         If the library has no such ship.
     """
     known = _library_ship(ship)
-    if not folder.is_dir():
+    if not folder.exists():
         raise CampaignError(
             Problem(
-                message="this is not a folder.",
+                message="there is no such folder.",
                 file=str(folder),
                 remedy="Name the folder in which the files of the tests lie.",
             )
         )
     seen = look(folder)
-    base = _relative(folder, target)
+    place = folder if folder.is_dir() else folder.parent
+    base = _relative(place, target)
     saved = [
-        (base + item.file, open_campaign(folder / item.file))
+        (base + item.file, open_campaign(place / item.file))
         for item in seen.campaigns
         if not item.file.endswith(".toml") and not item.problem
     ]
@@ -188,7 +189,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
     ]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
-        title=folder.resolve().name,
+        title=folder.resolve().stem if folder.is_file() else folder.resolve().name,
         kind=kind,
         ship_name=ship,
         runs=_named_apart(_steady_runs(kept), taken),

@@ -56,6 +56,7 @@ _SETTINGS: Final = tuple(
         ("yaw_amplitude_deg", r"(?:[Pp]si|ψ)#(?:deg|°)?"),
         ("amplitude_m", r"(?:a|A|[Aa]mp|y|ya)#(?:m)?"),
         ("amplitude_mm", r"(?:a|A|[Aa]mp|y|ya)#mm"),
+        ("radius", r"(?:R|[Rr]ad(?:ius)?)#(?:m)?"),
         ("propeller_rps", r"(?:n|N|rps)?#rps|rps#"),
         ("propeller_rpm", r"(?:n|N|rpm)?#rpm|rpm#"),
         ("hint v", r"v#"),
@@ -226,6 +227,8 @@ def _kept(
         dropped.add("amplitude_m")
     if kind is None or not kind.oscillates:
         dropped |= {"period", "frequency_hz"}
+    if kind is None or "yaw_rate" not in kind.held:
+        dropped.add("radius")
     return {key: item for key, item in settings.items() if key not in dropped}
 
 

@@ -138,9 +138,10 @@ def _one(
     if key in recorded:
         value, where = recorded[key]
         return Setting(key=key, value=value, reason=where, todo="right?" if unsure else "")
-    if key == "yaw_amplitude_deg" and _PATH in said:
-        value, text = said[_PATH]
-        return Setting(key=_PATH, value=value, reason=f"{text} in the name: of the path, in metres")
+    instead, meant = _INSTEAD.get(key, ("", ""))
+    if instead in said:
+        value, text = said[instead]
+        return Setting(key=instead, value=value, reason=f"{text} in the name: {meant}, in metres")
     hint = next(
         (
             (name, item)
@@ -158,7 +159,11 @@ def _one(
     return Setting(key=key, value=None, todo=todo, active=False)
 
 
-_PATH: Final = "path_amplitude_m"
+_INSTEAD: Final[dict[str, tuple[str, str]]] = {
+    "yaw_amplitude_deg": ("path_amplitude_m", "of the path"),
+    "yaw_rate": ("radius", "of the circle"),
+}
+"""What a name may state instead of a key, and what that is."""
 _STANDS_FOR: Final = frozenset(
     {("v_amplitude", "amplitude_m"), ("r_amplitude", "yaw_amplitude_deg")}
 )

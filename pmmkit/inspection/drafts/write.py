@@ -200,10 +200,19 @@ def _ship(draft: Draft, todo: _Todo) -> list[str]:
             "# mass = ...                     # TODO mass as tested [kg]",
             "# Izz = ...                      # TODO yaw inertia about midship [kg m²]",
             "# xG = 0.0                       # TODO centre of gravity forward of midship [m]",
+            *(_ROLL if any("K" in entry.look.known for entry in draft.runs) else ()),
         ]
     todo.add("[water] rho: the density of the water [kg/m³].")
     rho = "# rho = ...                      # TODO density [kg/m³]; fresh water of 15 °C: 999.1"
     return [*lines, "", "[water]", rho]
+
+
+_ROLL: Final = (
+    "# zG = 0.0                       # TODO centre of gravity below the origin [m]",
+    "# GM = ...                       # TODO metacentric height [m], for a model that rolls",
+    "# Ix = ...                       # TODO inertia of roll [kg m²], for a model that rolls",
+)
+"""What roll asks of a ship, where K was measured."""
 
 
 def _of_all(runs: Sequence[RunDraft]) -> Mapping[str, float]:

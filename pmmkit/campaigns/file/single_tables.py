@@ -1,0 +1,279 @@
+"""Tables of a campaign file that stand once: the campaign, ship, water, source, axes and so on.
+
+Every key says what it means in its description, from which docs/formats.md is made.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainValidator,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError, PydanticUndefined
+
+from pmmkit.conventions import SYSTEMS
+from pmmkit.readers import readers
+
+
+def said(text: str, default: Any = PydanticUndefined) -> Any:
+    """A key with what it means; required where there is no default."""
+    return Field(default, description=text)
+
+
+def _as_tuple(value: Any) -> Any:
+    """A list as a tuple, which can be hashed."""
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _known_format(name: Any) -> Any:
+    """A format that is read, asked when a file is read: readers of other packages count."""
+    if name in tuple(readers()):
+        return name
+    raise PydanticCustomError(
+        "literal_error", "Input should be {expected}", {"expected": ", ".join(readers())}
+    )
+
+
+Positive = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=0)]
+Degrees = Annotated[float, Field(ge=-180, le=180)]
+Steep = Annotated[float, Field(gt=-90, lt=90)]
+Axis = Literal["x", "-x", "+x", "y", "-y", "+y", "z", "-z", "+z"]
+Listed = Annotated[list[str], BeforeValidator(lambda it: [it] if isinstance(it, str) else it)]
+Widths = Annotated[
+    tuple[Annotated[int, Field(ge=1)], ...], Field(min_length=2), BeforeValidator(_as_tuple)
+]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple)]
+Format = Annotated[str, PlainValidator(_known_format)]
+Plain = str | float | int | bool
+
+
+class Entry(BaseModel):
+    """A table of the file: unknown keys, texts for numbers, inf and nan are refused."""
+
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+class CampaignEntry(Entry):
+    """``[campaign]``."""
+
+    title: str = said("title of reports", "")
+    kind: Literal["captive", "free-running"] = said(
+        "tests of a held model, or of one that sails by itself", "captive"
+    )
+    forces: Literal["hydrodynamic", "balance"] = said(
+        "those of the water, or the reading of the balance: the model's inertia is still inside",
+        "hydrodynamic",
+    )
+    rudder_positive: Literal["starboard", "port"] = said(
+        "which way the ship turns for a positive rudder", "starboard"
+    )
+    drift_positive: Literal["starboard-bow", "port-bow"] = said(
+        "on which bow of the way she points for a positive drift angle", "starboard-bow"
+    )
+    moment_reference_x: float | None = said(
+        "point to which moments refer, forward of midship [m]; midship if absent", None
+    )
+    moment_reference_z: float = said("the same, below the origin [m]", 0.0)
+    motion_reference_x: float = said("point to which motions refer, forward of midship [m]", 0.0)
+    free: list[Literal["surge", "heave", "pitch", "roll", "sway", "yaw", "trim", "sinkage"]] = said(
+        "motions that the mount leaves free", []
+    )
+    data_folder: str | None = said(
+        "folder below `--data` or `PMMKIT_DATA` where the files lie", None
+    )
+    closed: bool = said(
+        "the last line of the file is `[end]`, and a file that lost it is refused as cut off", False
+    )
+
+
+class EndEntry(Entry):
+    """``[end]``, the last line of files that say ``closed = true``."""
+
+
+class ShipEntry(Entry):
+    """``[ship]``: the name of a library ship, or particulars in full."""
+
+    name: str = said("of the ship; alone: a ship of the library", "")
+    L: Positive | None = said("length between perpendiculars [m]", None)
+    B: Positive | None = said("breadth [m]", None)
+    d: Positive | None = said("draught [m]", None)
+    volume: Positive | None = said("displaced volume [m³]; mass over density if absent", None)
+    mass: Positive | None = said("mass as tested [kg]; density times volume if absent", None)
+    Izz: Positive | None = said("inertia of yaw [kg m²]", None)
+    Izz_about: Literal["midship", "centre of gravity"] = said(
+        "point to which Izz refers", "midship"
+    )
+    xG: float = said("centre of gravity forward of midship [m]", 0.0)
+    zG: float | None = said("centre of gravity below the origin [m]", None)
+    GM: float | None = said("metacentric height [m], of a model that rolls", None)
+    Ix: Positive | None = said("inertia of roll [kg m²], of a model that rolls", None)
+    balance_mass: Positive | None = said(
+        "mass that hangs on the balance, if it is another [kg]", None
+    )
+    balance_Izz: Positive | None = said("its inertia of yaw [kg m²]", None)
+    balance_xG: float | None = said("its centre of gravity forward of midship [m]", None)
+    CB: Annotated[float, Field(gt=0, le=1)] | None = said(
+        "block coefficient as published; volume over L B d if absent", None
+    )
+
+
+class WaterEntry(Entry):
+    """``[water]``."""
+
+    rho: Positive | None = said("density [kg/m³]", None)
+    g: Positive = said("gravity [m/s²]", 9.81)
+    nu: Positive | None = said("kinematic viscosity [m²/s]", None)
+    depth: Positive | None = said("depth of the water [m]; deep if absent", None)
+    tank_width: Positive | None = said("width of the tank [m]", None)
+    tank_depth: Positive | None = said("depth of the tank [m]", None)
+
+
+class SourceEntry(Entry):
+    """``[source]``, of the campaign or of a run."""
+
+    format: Format | None = said(
+        "one of those below; otherwise by the suffix, else by content", None
+    )
+    skip_rows: Count = said("rows before the names of the columns", 0)
+    encoding: str | None = said("of text, such as `cp1252`; found if absent", None)
+    delimiter: Literal[",", ";", "\t", " ", "|"] | None = said(
+        "between columns; found if absent", None
+    )
+    decimal: Literal[".", ","] | None = said("decimal point; found if absent", None)
+    header: bool | None = said("whether there are names of columns; found if absent", None)
+    units_row: bool | None = said("whether a row of units follows the names", None)
+    comment: Annotated[str, Field(min_length=1)] | None = said("what comments begin with", None)
+    widths: Widths | None = said("columns of fixed width [characters]", None)
+    order: Names = said("exports of one run in the order in which they were computed", ())
+    sheet: str | Annotated[int, Field(ge=1)] | None = said(
+        "sheet of a workbook, by name or number", None
+    )
+    group: str | None = said("struct, group or run of a MATLAB, TDMS or HDF5 file", None)
+    sample_rate: Positive | None = said("samples a second [Hz] where no column is a time", None)
+    missing: Literal["error", "drop"] = said(
+        "`drop` leaves out rows with empty values; else they are errors", "error"
+    )
+    nondimensional: Literal[SYSTEMS] | None = said(  # type: ignore[valid-type]
+        "system in which the forces of the file are non-dimensional", None
+    )
+    in_phase_with: Literal["displacement", "velocity", "acceleration"] | None = said(
+        'what the source\'s "in phase" means', None
+    )
+
+    @field_validator("encoding")
+    @classmethod
+    def _known_encoding(cls, name: str | None) -> str | None:
+        try:
+            if name is not None and "az09".encode(name).decode(name) != "az09":
+                raise LookupError(name)
+        except (LookupError, UnicodeError, ValueError) as error:
+            raise ValueError(f"{name!r} is not an encoding of text, such as 'cp1252'") from error
+        return name
+
+
+class ColumnEntry(Entry):
+    """One key of ``[columns]``: a header, a table, or false where there is no such column."""
+
+    name: str | None = said("header of their column", None)
+    column: Annotated[int, Field(ge=1)] | None = said("its number instead, counted from 1", None)
+    unit: str | None = said("in which it is, where its header does not say", None)
+    scale: float = said("factor on it", 1.0)
+    offset: float = said("added to it after the factor", 0.0)
+    absent: bool = said("not written: `x = false` says that there is no such column", False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short_forms(cls, value: Any) -> Any:
+        if isinstance(value, str):
+            return {"name": value}
+        if value is False:
+            return {"absent": True}
+        if not isinstance(value, dict):
+            raise ValueError(
+                'must be their name in quotes, a table such as { column = 2, unit = "m" }, or '
+                f"false; it is {value!r}"
+            )
+        if "absent" in value or ("name" in value) == ("column" in value):
+            raise ValueError("needs either name or column (counted from 1)")
+        return value
+
+    @field_validator("scale")
+    @classmethod
+    def _not_zero(cls, value: float) -> float:
+        if value == 0:
+            raise ValueError("must not be 0")
+        return value
+
+
+class AxesEntry(Entry):
+    """``[axes]``: which way their axes point, seen in ours."""
+
+    x: Literal["x", "+x", "-x"] = said("their x seen in ours", "x")
+    y: Literal["y", "+y", "-y"] = said("their y seen in ours", "y")
+    z: Literal["z", "+z", "-z"] = said("their z seen in ours", "z")
+
+
+class NumericalEntry(Entry):
+    """``U_SN`` of ``[cfd]``."""
+
+    X: Annotated[float, Field(ge=0)] | None = said("of the surge force [N]", None)
+    Y: Annotated[float, Field(ge=0)] | None = said("of the sway force [N]", None)
+    N: Annotated[float, Field(ge=0)] | None = said("of the yaw moment [N m]", None)
+    K: Annotated[float, Field(ge=0)] | None = said("of the roll moment [N m]", None)
+
+
+class ComputedEntry(Entry):
+    """What ``[cfd]`` may say of one run."""
+
+    rho_inf: Positive | None = said(
+        "density that the solver had [kg/m³], where forces have to be scaled by it", None
+    )
+    symmetry_factor: Positive | None = said("2 if half a ship was computed; 1 if absent", None)
+    moment_centre_moves: bool | None = said(
+        "whether the point of the moments moves with the hull; `true` if absent", None
+    )
+    forces_in: Literal["body", "earth", "carriage"] | None = said(
+        "along what forces are stated: the hull, axes that stay where they were, or the way of the "
+        "carriage or arm; `body` if absent",
+        None,
+    )
+    ramp_s: Annotated[float, Field(ge=0)] | None = said(
+        "start-up that is cut off each history [s]", None
+    )
+
+
+class CfdEntry(ComputedEntry):
+    """``[cfd]``."""
+
+    moment_centre: float | None = said("where moments refer at rest, forward of midship [m]", None)
+    U_SN: NumericalEntry | None = said(
+        "numerical standard uncertainty of X, Y, N, K [N, N m], a zero error common to all runs",
+        None,
+    )
+
+
+class TrialEntry(Entry):
+    """``[trial]``: what a record of a sea trial needs."""
+
+    antenna_x: float = said("antenna forward of midship [m]", 0.0)
+    antenna_y: float = said("antenna to starboard [m]", 0.0)
+    position_std: Annotated[float, Field(ge=0)] | None = said(
+        "standard deviation of a position [m]", None
+    )
+    order: dict[str, float] = said("instant of the order [s] by run", {})
+
+
+class UncertainEntry(Entry):
+    """One standard uncertainty."""
+
+    std: Annotated[float, Field(ge=0)] = said("standard uncertainty")
+    unit: str | None = said("its unit, or `%`", None)
+    shared: bool | None = said("the same error in all runs; else each draws its own", None)

@@ -1,0 +1,318 @@
+"""Somebody's own files as far as they go: looked at, drafted, checked, reduced, turned.
+
+What stops the way is said with the lines of the campaign file that would open it. Nothing is
+computed with particulars that nobody stated; what is guessed and computed with stands above the
+results and in their title.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from pmmkit.cli.options import stem
+from pmmkit.cli.output import Outcome, words_of
+from pmmkit.cli.outputs import results_folder
+from pmmkit.escaping import quoted
+from pmmkit.presentation import WIDE
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.checks import CheckFinding
+    from pmmkit.inspection.drafts.questions import Question
+    from pmmkit.models import Model
+    from pmmkit.models.model import Part
+
+_HEADS: Final = {
+    "needed": "Needed before it can go on:",
+    "guessed": "Guessed and computed with; take the word TODO away where it is right:",
+    "estimated": "Estimated from the particulars; what is known can be stated there:",
+    "off": "Lines that are off; write them where they apply:",
+}
+EMPIRICAL: Final = "empirical"
+"""How the source of an estimate begins."""
+_SHIPS: Final = 200
+"""Drawn for the interval of the turn."""
+_MOST: Final = 12
+"""Questions of a kind that are printed; --json has all."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """How far it went.
+
+    Parameters
+    ----------
+    file : Path
+        The campaign file.
+    results : Path, optional
+        Where results go; a new folder if absent.
+    done : tuple of (str, str)
+        Stages with what came of each.
+    stopped : str
+        What stopped it, in words; empty where nothing did.
+    wrong : bool
+        Whether that is a contradiction of the data.
+    questions : tuple of Question
+        What a person must say or confirm.
+    result : Outcome, optional
+        Of the reduction, or of the measured manoeuvres.
+    interval : (float, float), optional
+        Tactical diameter over L with 95 %, estimates included.
+    then : str
+        The command that comes after, where nothing stopped it and nothing is guessed.
+    """
+
+    file: Path
+    results: Path | None = None
+    done: tuple[tuple[str, str], ...] = ()
+    stopped: str = ""
+    wrong: bool = False
+    questions: tuple[Question, ...] = ()
+    result: Outcome | None = None
+    interval: tuple[float, float] | None = None
+    then: str = ""
+
+    def after(self, stage: str, words: str) -> Way:
+        """One stage further."""
+        return replace(self, done=(*self.done, (stage, words)))
+
+    @property
+    def place(self) -> Path:
+        """The campaign as it is typed."""
+        from pmmkit.campaigns.file.campaign_file import FILE_NAME
+
+        return self.file.parent if self.file.name == FILE_NAME else self.file
+
+    @property
+    def guesses(self) -> int:
+        """Answers that nobody has confirmed and that are computed with."""
+        return sum(item.kind == "guessed" for item in self.questions)
+
+
+def as_far_as_it_goes(
+    path: Path,
+    *,
+    reduce: Callable[..., Outcome],
+    measure: Callable[..., Outcome],
+    ship: str | None = None,
+    out: Path | None = None,
+) -> Outcome:
+    """Bring files to a turn, or to the questions that stand before it.
+
+    Parameters
+    ----------
+    path : Path
+        A folder, a file of measurements, or a campaign. Nothing is written there.
+    reduce, measure : callable
+        What follows the checks: `reduced` of captive tests, `trial` of free-running records.
+    ship : str, optional
+        A ship of the library, for the draft.
+    out : Path, optional
+        Folder of the results, and of the drafted campaign file; a new one by default.
+
+    Raises
+    ------
+    CampaignError
+        If nothing there can be read as measurements.
+    FileExists
+        If a campaign file stands where the draft should go.
+    """
+    from pmmkit.errors import DataError
+
+    way = _with_campaign(path, ship, out)
+    try:
+        way, campaign = _checked(way)
+        if not way.stopped:
+            results = way.results or results_folder(out, _name(way, campaign))
+            if campaign.kind == "free-running":
+                way = _measured(way, measure, results)
+            else:
+                way = _reduced(way, campaign, reduce, results)
+    except DataError as error:
+        way = replace(way, stopped=words_of(error))
+    return _told(way)
+
+
+def _name(way: Way, campaign: Campaign) -> str:
+    done = "trial" if campaign.kind == "free-running" else "reduced"
+    return f"{stem(way.file)}-{done}"
+
+
+def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
+    """The campaign that is there, or a draft in a folder of its own."""
+    from pmmkit.campaigns.file.campaign_file import FILE_NAME
+    from pmmkit.errors import FileExists
+    from pmmkit.files import write_text
+    from pmmkit.inspection import look
+    from pmmkit.inspection.drafts.draft import draft_of
+    from pmmkit.inspection.drafts.questions import questions_of
+    from pmmkit.inspection.drafts.write import written
+
+    own = path / FILE_NAME if path.is_dir() else path
+    if own.is_file() and (own.suffix == ".toml" or look(own).campaigns):
+        text = own.read_text("utf-8", errors="replace") if own.suffix == ".toml" else ""
+        found = Way(file=own, questions=questions_of(text))
+        return found.after("read", f"{quoted(own)} is there and is taken as it stands")
+    folder = results_folder(out, f"{stem(path)}-first")
+    target = folder / FILE_NAME
+    if target.exists():
+        raise FileExists(
+            f"{target} is there: it was not replaced. To go on with it: "
+            f"pmmkit demo --my-data {quoted(folder)}. Else name another --out."
+        )
+    draft = draft_of(path, target, ship=ship)
+    text = written(draft).text
+    write_text(target, text)
+    entries = [*draft.runs, *draft.tables]
+    tests = sorted({entry.test or "kind unknown" for entry in entries})
+    count = len(entries) + sum(len(saved) for _, saved in draft.saved)
+    way = Way(file=target, results=folder / "results", questions=questions_of(text))
+    way = way.after("read", f"{count} {draft.kind} tests: {', '.join(tests)}")
+    return way.after("draft", f"{quoted(target)}; nothing was written to {quoted(path)}")
+
+
+def _checked(way: Way) -> tuple[Way, Campaign]:
+    """The campaign opened and its runs held against one another."""
+    from pmmkit.campaigns.file.campaign_file import open_campaign
+    from pmmkit.checks import examine
+
+    campaign = open_campaign(way.file)
+    findings = examine(campaign)
+    contradictions = [item for item in findings if item.severity == "error"]
+    if contradictions:
+        told = "\n".join(map(_contradiction, contradictions))
+        return replace(way, stopped=f"The checks contradict it:\n{told}", wrong=True), campaign
+    doubts = [item for item in findings if item.severity == "warning"]
+    words = f"no contradiction in {len(campaign)} runs, {len(doubts)} warnings"
+    return way.after("check", words), campaign
+
+
+def _contradiction(finding: CheckFinding) -> str:
+    return " ".join(filter(None, (f"  {finding.check}: {finding.message}", finding.remedy)))
+
+
+def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], results: Path) -> Way:
+    """Derivatives, the model and its turn."""
+    from pmmkit.models import load_model
+    from pmmkit.reduction.choice import AUTO
+    from pmmkit.toml_files import MODEL
+
+    title = f"{campaign.title}, {way.guesses} guesses not confirmed" if way.guesses else ""
+    result = reduce(way.file, results, structure=AUTO, title=title)
+    content = result.content
+    way = replace(way, result=result)
+    way = way.after("reduce", f"structure {content['structure']}, {content['verdict']['use']}")
+    if content["model"] is None:
+        return replace(way, stopped=" ".join(content["model_lacks"]))
+    file = results / MODEL.file
+    model = load_model(file)
+    estimates = _estimates(model, way.file)
+    way = replace(
+        way, then=f"pmmkit model show {quoted(file)}", questions=(*way.questions, *estimates)
+    )
+    lent = [part.effect for part in model.parts.values() if _estimated(part)]
+    way = way.after("model", f"{quoted(file)}; estimates in {', '.join(lent) or 'nothing'}")
+    return _turned(way, model) if content["turns"] else way
+
+
+def _turned(way: Way, model: Model) -> Way:
+    """The tactical diameter at the middle of the speeds, with its interval."""
+    from pmmkit.metrics import HARD_OVER
+    from pmmkit.simulation.ensemble import monte_carlo
+
+    froude = model.Fn[len(model.Fn) // 2]
+    speed = froude * math.sqrt(model.water.g * model.ship.L)
+    many = monte_carlo(model, speed=speed, rudder_deg=HARD_OVER, n=_SHIPS)
+    low, high = many.interval("tactical_diameter_L")
+    return replace(way, interval=(low, high)).after(
+        "turn",
+        f"{HARD_OVER:g}° of rudder at Fn {froude:.3f}: tactical diameter {low:.2g} to {high:.2g} L "
+        "with 95 %, estimates included",
+    )
+
+
+def _estimated(part: Part) -> list[str]:
+    return [name for name in part.values if part.source_of(name).startswith(EMPIRICAL)]
+
+
+def _estimates(model: Model, file: Path) -> Iterator[Question]:
+    """What a turn depends on most of what nobody stated, and where it can be."""
+    from pmmkit.inspection.drafts.questions import Question
+    from pmmkit.models.stated_parts import SECTIONS, WANTED
+
+    lines = file.read_text("utf-8", errors="replace").splitlines() if file.suffix == ".toml" else []
+    place = next((k for k, line in enumerate(lines, start=1) if line == "[end]"), len(lines) + 1)
+    for section, effect in SECTIONS.items():
+        part = model.parts.get(effect.name)
+        for name in WANTED[section] if part else ():
+            own = effect.parameter(name)
+            if part is None or own is None or name not in _estimated(part):
+                continue
+            value = part.values[name]
+            spread = f" ± {WIDE * part.std[name]:.2g}" if name in part.std else ""
+            yield Question(
+                lines=(place,),
+                key=f"{section}.{name}",
+                text=f"{own.text}, in a table [{section}] before that line",
+                kind="estimated",
+                guess=f"{value:.3g}{spread} {own.unit}".rstrip(" -"),
+                why=part.source_of(name),
+            )
+
+
+def _measured(way: Way, measure: Callable[..., Outcome], results: Path) -> Way:
+    """The manoeuvres of free-running records."""
+    result = measure(way.file, run=None, order=None, current=None, data=None, out=results)
+    way = replace(
+        way, result=result, then=f"pmmkit identify {quoted(way.place)} --model MODEL.toml"
+    )
+    return way.after("measure", f"{len(result.content['runs'])} manoeuvres")
+
+
+def _told(way: Way) -> Outcome:
+    if not way.stopped:
+        way = replace(way, questions=tuple(map(_not_needed, way.questions)))
+    lines = [f"{stage:>8}  {words}" for stage, words in way.done]
+    if way.stopped:
+        lines.append(f"    stop  {way.stopped}")
+    if way.result is not None:
+        if way.guesses:
+            lines += ["", f"PROVISIONAL: {way.guesses} guesses below are computed with."]
+        lines += ["", *way.result.lines]
+    lines += _asked(way.questions, way.file)
+    again = f"pmmkit demo --my-data {quoted(way.place)}"
+    following = again if way.stopped or way.guesses else way.then
+    lines += ["", f"Next: {following}"]
+    status = way.result.status if way.result is not None else int(way.wrong)
+    content = {
+        "campaign": str(way.file),
+        "stages": [{"name": name, "words": words} for name, words in way.done],
+        "stopped": way.stopped,
+        "provisional": bool(way.guesses) and way.result is not None,
+        "questions": [asdict(item) for item in way.questions],
+        "tactical_diameter_L": way.interval,
+        "result": None if way.result is None else way.result.content,
+        "next": following,
+    }
+    return Outcome(content=content, lines=lines, status=status)
+
+
+def _not_needed(question: Question) -> Question:
+    """A question that stood in nobody's way."""
+    return replace(question, kind="off") if question.kind == "needed" else question
+
+
+def _asked(questions: Sequence[Question], file: Path) -> list[str]:
+    """The questions by kind, with the lines of the campaign file."""
+    lines = [] if not questions else ["", f"To say or to confirm in {quoted(file)}:"]
+    for kind, head in _HEADS.items():
+        own = [item for item in questions if item.kind == kind]
+        if own:
+            lines += [f"  {head}", *(f"    {item}" for item in own[:_MOST])]
+        if len(own) > _MOST:
+            lines.append(f"    and {len(own) - _MOST} more in the file.")
+    return lines
