@@ -7,6 +7,7 @@ from typing import Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.checks import (
+    carriage,
     clock,
     copies,
     density,
@@ -49,6 +50,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *scales.CHECKS,
     *copies.CHECKS,
     *motion.CHECKS,
+    *carriage.CHECKS,
     *clock.CHECKS,
     *gauges.CHECKS,
     *agreement.CHECKS,

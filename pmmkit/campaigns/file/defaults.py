@@ -15,8 +15,16 @@ _NESTED: Final = ("source", "columns", "cfd")
 _ALTERNATIVES: Final = (
     frozenset({"period", "frequency_hz"}),
     frozenset({"yaw_rate", "radius"}),
-    frozenset({"amplitude_m", "v_amplitude", "vdot_amplitude"}),
-    frozenset({"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"}),
+    frozenset({"amplitude_m", "strut_amplitude_m", "v_amplitude", "vdot_amplitude"}),
+    frozenset(
+        {
+            "yaw_amplitude_deg",
+            "path_amplitude_m",
+            "strut_amplitude_m",
+            "r_amplitude",
+            "rdot_amplitude",
+        }
+    ),
 )
 """Settings of which one stands for the others: a run that states one takes none by default."""
 
@@ -132,7 +140,7 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
 
 
 def _others(name: str) -> frozenset[str]:
-    return next((group - {name} for group in _ALTERNATIVES if name in group), frozenset())
+    return frozenset().union(*(group for group in _ALTERNATIVES if name in group)) - {name}
 
 
 def _uses(kind: TestKind, name: str) -> bool:
@@ -143,6 +151,8 @@ def _uses(kind: TestKind, name: str) -> bool:
         return kind.sways or kind.surges
     if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
         return kind.yaws
+    if name in ("strut_amplitude_m", "strut_phase_deg"):
+        return kind.yaws or (kind.sways and name == "strut_amplitude_m")
     if name == "path_amplitude_m":
         return kind.yaws and not kind.sways
     if name in ("yaw_rate", "radius"):

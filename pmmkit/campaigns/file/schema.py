@@ -211,6 +211,14 @@ class AxesEntry(Entry):
     z: Literal["z", "+z", "-z"] = "z"
 
 
+class StrutsEntry(Entry):
+    """``[struts]``: a mechanism that swings the model by two struts."""
+
+    spacing: Positive
+    centre_x: float = 0.0
+    slides: Literal["aft", "forward"] = "aft"
+
+
 class NumericalEntry(Entry):
     """``U_SN`` of ``[cfd]``."""
 
@@ -267,6 +275,8 @@ class SettingsEntry(Entry):
     amplitude_m: Positive | None = None
     yaw_amplitude_deg: Annotated[float, Field(gt=0, lt=90)] | None = None
     path_amplitude_m: Positive | None = None
+    strut_amplitude_m: Positive | None = None
+    strut_phase_deg: Degrees | None = None
     phase_deg: float | None = None
     yaw_rate: float | None = None
     radius: float | None = None
@@ -455,6 +465,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "source": SourceEntry,
     "columns": None,
     "axes": AxesEntry,
+    "struts": StrutsEntry,
     "cfd": CfdEntry,
     "propeller": None,
     "rudder": None,
