@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from pmmkit.numerics import Array
 from pmmkit.signals.periodic import TURN
 from pmmkit.signals.record import as_record
-from pmmkit.signals.steady import steady_window
+from pmmkit.signals.steady import calmest_part
 
 BLOCKS: Final = 256
 """Means of the speed that are judged, at most: they average the noise of a speed log."""
@@ -19,14 +19,20 @@ SLOW: Final = 0.8
 """Share of the later speed below which a record begins, or ends, on a ramp."""
 BAND: Final = 0.01
 """Share of the speed by which it may leave what it has in the middle of the run."""
+NOISES: Final = 2.0
+"""Standard deviations of a mean beside that: the largest of the middle are not the largest."""
+MARGIN: Final = 0.1
+"""Part of a ramp left out beside it: a ramp ends softly, and mass times little is much."""
 A_CYCLE: Final = 32
 """Means over a cycle that are held against those a cycle later."""
 NEIGHBOURS: Final = 4
-"""So many of these together are held against the steady part: one alone is too noisy."""
+"""So many of these together are held against the calmest part: one alone is too noisy."""
 SIGMAS: Final = 5.0
-"""Root mean squares of the steady part that are not reached by chance."""
+"""Root mean squares of the calmest part that are not reached by chance."""
 NEGLIGIBLE: Final = 3e-3
 """Share of a channel below which a change is none: computations have no noise."""
+LEAST: Final = 1.5
+"""Cycles that must repeat at least: less may be a chance likeness of a ramp and a stop."""
 PULL: Final = 0.5
 """Share of the run's pull that the surge force must lack where the carriage is slower."""
 LARGEST: Final = 0.5
@@ -65,7 +71,7 @@ def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
     Travel
         The whole record unless it begins or ends at less than 0.8 of the lowest speed of the
         middle of the run; then what lies between the last and the first time that the speed is
-        further than 1 % from what the middle of the run shows.
+        further than 1 % from what the middle of the run shows, with a tenth of the ramp beside it.
 
     Raises
     ------
@@ -77,7 +83,7 @@ def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
     >>> t = np.arange(0.0, 60.0, 0.1)
     >>> found = at_speed(t, 1.2 * np.clip((t - 3.0) / 5.0, 0.0, 1.0))
     >>> found.start, found.stop == t.size, found.reason
-    (81, True, '0 to 8.1 s (the carriage speeds up)')
+    (87, True, '0 to 8.7 s (the carriage speeds up)')
     >>> at_speed(t, 1.2 + 0.3 * np.sin(t)).reason
     ''
     """
@@ -95,14 +101,23 @@ def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
     first, last = int(fast[0]), int(fast[-1]) + 1
     inner = means[first + (last - first) // 4 : last - (last - first) // 4]
     low, high = float(inner.min()), float(inner.max())
-    outside = (means < low - BAND * level) | (means > high + BAND * level)
+    noise = float(np.std(np.diff(inner)) / np.sqrt(2.0)) if inner.size > 1 else 0.0
+    band = BAND * level + NOISES * noise
+    outside = (means < low - band) | (means > high + band)
     middle = (first + last) // 2
     start, stop = 0, time.size
+    moving = np.flatnonzero(means > (1.0 - SLOW) * level)
     if means[0] < SLOW * low and outside[:middle].any():
-        start = int(starts[np.flatnonzero(outside[:middle])[-1] + 1])
+        end = int(np.flatnonzero(outside[:middle])[-1]) + 1
+        start = int(starts[min(end + _margin(end - int(moving[0])), middle)])
     if means[-1] < SLOW * low and outside[middle:].any():
-        stop = int(starts[middle + np.flatnonzero(outside[middle:])[0]])
+        begin = middle + int(np.flatnonzero(outside[middle:])[0])
+        stop = int(starts[max(begin - _margin(int(moving[-1]) + 1 - begin), middle)])
     return _told(time, start, stop) if start < stop else whole
+
+
+def _margin(ramp: int) -> int:
+    return int(np.ceil(MARGIN * ramp))
 
 
 def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Travel:
@@ -132,7 +147,7 @@ def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Tra
     Notes
     -----
     Once the carriage is at its speed, each cycle repeats the one before: the difference of means
-    over 32nds of a cycle to those a cycle later is noise. Its steady part is found as that of a
+    over 32nds of a cycle to those a cycle later is noise. Its calmest part is found as that of a
     static run is, and then followed to both sides until four neighbouring differences together
     leave what they are in it. What is left over is a ramp only if half of the pull or more is
     missing where the record begins (or ends): the start of the oscillator, or of the waves, stays
@@ -156,18 +171,18 @@ def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Tra
     whole = Travel(0, time.size)
     count = int((phase[-1] - phase[0]) / TURN * A_CYCLE)
     edges = np.searchsorted(phase, phase[0] + TURN / A_CYCLE * np.arange(count + 1) - 1e-9)
-    if count < 2 * A_CYCLE or np.diff(edges).min() < 1:
+    if count < (LEAST + 0.5) * A_CYCLE + NEIGHBOURS or np.diff(edges).min() < 1:
         return whole
     cells = np.add.reduceat(values, edges[:-1], axis=1)[:, :count]
     width = np.diff(edges)
     cells[:, -1] = values[:, edges[-2] : edges[-1]].sum(axis=1)
     cells = cells / width
     change = cells[:, A_CYCLE:] - cells[:, :-A_CYCLE]
-    window = steady_window(np.arange(change.shape[1], dtype=float), change)
-    if not window.steady:
-        return whole
-    head, tail = _repeating(change, cells, (window.start, window.stop))
+    core = calmest_part(np.arange(change.shape[1], dtype=float), change)
+    head, tail = _repeating(change, cells, core)
     tail += A_CYCLE
+    if tail - head < LEAST * A_CYCLE:
+        return whole
     pull = float(np.mean(cells[surge, head:tail]))
     if abs(pull) < PULL * float(np.sqrt(np.mean(cells[surge, head:tail] ** 2))):
         return whole
@@ -181,7 +196,7 @@ def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Tra
 
 
 def _repeating(change: Array, cells: Array, core: tuple[int, int]) -> tuple[int, int]:
-    """The cells [first, last) around a steady core whose changes are as small as in the core."""
+    """The cells [first, last) around a calm core whose changes are as small as in the core."""
     sums = np.insert(np.cumsum(change, axis=1), 0, 0.0, axis=1)
     smooth = (sums[:, NEIGHBOURS:] - sums[:, :-NEIGHBOURS]) / NEIGHBOURS
     first, last = core[0], max(core[1] - NEIGHBOURS + 1, core[0] + 1)
