@@ -25,6 +25,7 @@ from pmmkit.checks import (
     signs,
     static,
     whole_files,
+    zeros,
 )
 from pmmkit.checks.agreement import examine as agreement
 from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
@@ -59,6 +60,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *frequency.CHECKS,
     *static.CHECKS,
     *rest.CHECKS,
+    *zeros.CHECKS,
     *positions.CHECKS,
     *free_running.CHECKS,
     *density.CHECKS,

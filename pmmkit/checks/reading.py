@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -133,7 +134,8 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     )
     facts |= motion_facts(run, clean, t)
     facts |= carriage_facts(run, clean, t)
-    facts |= rest_facts(t, dict(zip(present, forces, strict=True)))
+    tared = json.loads(data.attrs.get("tared", "{}"))
+    facts |= rest_facts(t, dict(zip(present, forces, strict=True)), tared)
     at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)
     hull = [row for row, name in enumerate(present) if name in _HULL]
     shared: dict[str, Any] = {

@@ -12,6 +12,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.day import places_in_day
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.effects.state import State
@@ -162,13 +163,12 @@ def views_of(
         raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
     rig = rig_of(campaign)
     found: list[View] = []
-    last = max(len(campaign.runs) - 1, 1)
-    for number, run in enumerate(campaign.runs):
+    for place, run in zip(places_in_day(campaign.runs), campaign.runs, strict=True):
         if pieces:
             own = _pieces(run, campaign, rig, unknown_noise)
         else:
             own = [_view(prepare(run, campaign), rig, unknown_noise)]
-        found += [replace(view, day=number / last) for view in own]
+        found += [replace(view, day=place) for view in own]
     pooled = _pooled(found)
     return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 

@@ -21,6 +21,7 @@ from pmmkit.figures import (
     forces_over_drift,
     forest,
     over_a_cycle,
+    zeros_at_rest,
 )
 from pmmkit.figures.correlations import correlated, strongest
 from pmmkit.figures.forests import farthest
@@ -167,6 +168,25 @@ def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Pictu
             facts=farthest(tables),
             file="methods",
         )
+
+
+def of_findings(reduction: Reduction) -> Iterator[Picture]:
+    """What the gauges show at rest over the day, where the checks tell it.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        With its findings.
+    """
+    for item in reduction.findings:
+        if item.by_run:
+            yield drawn(
+                zeros_at_rest(item),
+                "Zeros of the gauges at rest, run by run in the order of the day, with 95 % "
+                "intervals; the line is their mean.",
+                facts=[item.message],
+                file=item.check,
+            )
 
 
 def drift_points(reduction: Reduction) -> list[DriftPoints]:

@@ -115,9 +115,7 @@ def test_a_sound_record_has_nothing_to_tell(tmp_path):
 
 @pytest.mark.parametrize(("factor", "severity"), [(1.05, "warning"), (3.6, "error")])
 def test_another_speed_than_stated_is_told(factor, severity, tmp_path):
-    write(
-        tmp_path / "c", TESTS, extra=lambda x: {"U_carriage": factor * x["U_carriage"]}, ramp=4.0
-    )
+    write(tmp_path / "c", TESTS, extra=lambda x: {"U_carriage": factor * x["U_carriage"]}, ramp=4.0)
     (found,) = said(tmp_path / "c")
     assert found.severity == severity
     assert len(found.runs) == 3
@@ -139,7 +137,8 @@ def test_velocities_that_are_not_the_hulls_are_told(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "header", ["U_carriage [m/s]", "Carriage speed [m/s]", "Schleppgeschwindigkeit [m/s]", "台車速度"]
+    "header",
+    ["U_carriage [m/s]", "Carriage speed [m/s]", "Schleppgeschwindigkeit [m/s]", "台車速度"],
 )
 def test_it_is_found_by_its_usual_names(header, tmp_path):
     t = np.arange(0.0, 20.0, 0.05)

@@ -129,11 +129,17 @@ def forces(t: np.ndarray, x: np.ndarray, y: np.ndarray, psi: np.ndarray) -> dict
 
 
 def record(
-    test: Test, *, rest: float = 0.0, ramp: float = 0.0, stop: float = 0.0, finer: int = 8
+    test: Test,
+    *,
+    rest: float = 0.0,
+    ramp: float = 0.0,
+    stop: float = 0.0,
+    together: bool = False,
+    finer: int = 8,
 ) -> dict[str, np.ndarray]:
     """A run from the rest on; its own time begins where the carriage is at its speed.
 
-    The oscillator runs throughout, as where it is switched on before the carriage.
+    The oscillator runs throughout, or comes up together with the carriage.
     """
     begin, end = -rest - ramp, test.seconds + stop
     t = np.arange(round(begin * RATE * finer), round(end * RATE * finer)) / (RATE * finer)
@@ -142,6 +148,8 @@ def record(
     carriage = U * (0.5 - 0.5 * np.cos(np.pi * np.minimum(up, down)))
     x = np.concatenate([[0.0], np.cumsum(0.5 * (carriage[1:] + carriage[:-1]) * np.diff(t))])
     on_carriage, y, psi = test.course(t)
+    if together and "period" in test.keys:
+        y, psi = (x * (0.5 - 0.5 * np.cos(np.pi * up)) for x in (y, psi))
     columns = {"t": t, **forces(t, x + on_carriage, y, psi)}
     columns |= {"U_carriage": carriage, "x": on_carriage, "y": y, "psi": psi}
     return {name: values[::finer] for name, values in columns.items()}

@@ -304,7 +304,7 @@ def _add_history(
     setup: Setup,
     out: Assembled,
 ) -> None:
-    corrections = _corrections(entry.id, setup)
+    corrections = _with_tare(entry, _corrections(entry.id, setup))
     given = {**entry.settings(), **_set(corrections)}
     motion = _motion(entry, label, request, setup, out)
     missing = missing_settings(entry.test, given)
@@ -350,6 +350,7 @@ def _add_history(
         loader=loader,
         stated=_numbers(entry.settings()),
         source=entry.file,
+        started="" if entry.started is None else entry.started.isoformat(),
     )
     out.runs.append(_said(run, corrections, setup))
 
@@ -538,6 +539,20 @@ def _needs(missing: Sequence[str], test: str, label: str, setup: Setup, out: Ass
 
 def _corrections(run_id: str, setup: Setup) -> tuple[Correction, ...]:
     return tuple(item for item in setup.corrections if item.applies_to(run_id))
+
+
+def _with_tare(entry: FileEntry, corrections: tuple[Correction, ...]) -> tuple[Correction, ...]:
+    """With the tare that a run or the defaults state, before what else is done to its samples."""
+    stated = entry.tare
+    if stated is None or stated.off or any(item.action == "tare" for item in corrections):
+        return corrections
+    tare = Correction(
+        runs=("*",),
+        action="tare",
+        reason="tare of the run, or of [defaults]",
+        values=MappingProxyType(stated.model_dump(exclude_defaults=True)),
+    )
+    return (tare, *corrections)
 
 
 def _set(corrections: Iterable[Correction]) -> dict[str, Any]:

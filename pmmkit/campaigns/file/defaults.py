@@ -12,6 +12,7 @@ from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 from pmmkit.errors import Problem
 
 _NESTED: Final = ("source", "columns", "cfd")
+_NO_KINDS: Final = (*_NESTED, "tare")
 _ALTERNATIVES: Final = (
     frozenset({"period", "frequency_hz"}),
     frozenset({"yaw_rate", "radius"}),
@@ -63,7 +64,7 @@ def read_defaults(raw: Any, toml: str, problems: list[Problem]) -> Defaults:
     tables = {
         name: item
         for name, item in raw.items()
-        if isinstance(item, Mapping) and name not in _NESTED
+        if isinstance(item, Mapping) and name not in _NO_KINDS
     }
     problems += [
         Problem(message=not_a_kind(name), file=toml, entry=f"[defaults.{name}]")
@@ -95,7 +96,9 @@ def _valid(
     }
 
 
-def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) -> Any:
+def with_defaults(
+    raw: Any, defaults: Defaults, mapped: Collection[str] = (), *, histories: bool = True
+) -> Any:
     """An entry of ``[[runs]]``, ``[[tables]]`` or ``[[matrix]]`` with what it does not state.
 
     What a run states counts before what its kind has by default, and that before what all have;
@@ -110,6 +113,8 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
         From `read_defaults`.
     mapped : collection of str
         Settings that columns of the file tell.
+    histories : bool
+        Whether each run has a record of its own; rows of a table have no rest to tare by.
 
     Examples
     --------
@@ -127,10 +132,13 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
         return raw
     kind = kinds()[test]
     found = dict(raw)
+    rows = "row" in raw or not histories
     used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
     for common in (defaults.of_kind.get(test, {}), used):
         stated = {*found, *mapped}
         for name, item in common.items():
+            if name == "tare" and rows:
+                continue
             if name in _NESTED:
                 own = found.get(name, {})
                 found[name] = {**item, **own} if isinstance(own, Mapping) else own

@@ -296,7 +296,7 @@ def dataset(
     if kind == "harmonics":
         others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
         converted = {**others, **stacked_harmonics(converted)}
-    converted, corrections = correct(
+    converted, corrections, tared = correct(
         converted, context.corrections, file=request.shown, run=request.run or ""
     )
     said += [*more, *seen, *corrections]
@@ -322,6 +322,7 @@ def dataset(
             "conversions": json.dumps(said, ensure_ascii=False),
             "source": request.shown,
             "run": request.run or "",
+            **({"tared": json.dumps(tared)} if tared else {}),
         },
     )
 
