@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from own_tank import U, sway, write
+from own_tank import HEAD, U, record, sway, write
 
 import pmmkit as pk
 from pmmkit.campaigns.motion.kinematics import measured_motion, motion_at_phase, nominal_motion
@@ -247,3 +247,33 @@ def test_the_hull_is_where_its_struts_put_it(tmp_path):
     psi = np.arctan2(forward - 0.3 * np.sin(OMEGA * T - 0.45), B)
     np.testing.assert_allclose(place[0], 0.5 * B * (1 - np.cos(psi)), atol=1e-12)
     np.testing.assert_allclose(place[1], forward - 0.5 * B * np.sin(psi), atol=1e-12)
+
+
+def test_the_example_of_the_documentation_is_read_as_it_says(tmp_path):
+    """docs/formats.md: a carriage's recorder, gauges that drift, struts recorded and set."""
+    page = (Path(__file__).parents[2] / "docs" / "formats.md").read_text(encoding="utf-8")
+    example = page.split("### Carriage and struts", 1)[1].split("```toml\n", 1)[1].split("```")[0]
+    (tmp_path / "campaign.toml").write_text(f"{HEAD}\n{example}", encoding="utf-8")
+    found = record(sway(9.0, 0.25), rest=3.0, ramp=4.0, together=True)
+    moved = by_hand(found["t"], 0.3, OWN)
+    dice = np.random.default_rng(0)
+    rows = [found["t"], *(found[x] + 0.2 * dice.normal(size=found["t"].size) + 1.0 for x in "XYN")]
+    rows.append(found["U_carriage"])
+    names = ["t", "X", "Y", "N", "Wagengeschwindigkeit [m/s]"]
+    for name, more in (
+        ("ps1", {}),
+        ("py1", {"Strut 1": 1e3 * moved["forward"], "Strut 2": 1e3 * moved["aft"]}),
+    ):
+        np.savetxt(
+            tmp_path / f"{name}.txt", np.column_stack([*rows, *more.values()]), delimiter=";",
+            header=";".join([*names, *more]), comments="", fmt="%.6f",
+        )  # fmt: skip
+    campaign = pk.open_campaign(tmp_path)
+    for run in campaign:
+        assert "tared" in run.data.attrs
+        assert "U_carriage" in run.data
+    assert campaign["PS1"].settings.amplitude == 0.25
+    late = campaign["PY1"].data.isel(t=slice(200, None))
+    heading = np.degrees(np.abs(late["psi"].values).max())
+    assert heading == pytest.approx(math.degrees(math.atan(0.6 * math.sin(OWN / 2) / B)), rel=1e-3)
+    assert np.abs(measured_motion(campaign["PY1"], late, late["t"].values).v).max() < 0.05
