@@ -12,6 +12,7 @@ from own_tank import TRUTH, U, drift, sway, write, yaw
 import pmmkit as pk
 from pmmkit.campaigns.motion import counted
 from pmmkit.observations.prepare import prepare
+from pmmkit.observations.views import views_of
 from pmmkit.reduction import reduce_campaign
 from pmmkit.signals import Travel
 from pmmkit.structures import Structure
@@ -103,6 +104,19 @@ def test_cycles_that_are_asked_for_count_from_the_start_of_the_record(tmp_path):
     result = prepare(campaign.runs[0], campaign, cycles=2).result
     assert result.window == "took cycle 2 of 3, as asked"
     assert result.ramp == ""
+
+
+def test_a_diagnosis_counts_its_cycles_from_the_carriage_at_speed(tmp_path):
+    """Its second cycle is one of the run, where the record's would be of the ramp."""
+    folder = write(
+        tmp_path / "c", [sway(9.0, 0.4, 5.3)], columns=("U_carriage",), rest=8.0, ramp=12.0
+    )
+    early, late = views_of(pk.open_campaign(folder))
+    assert early.early
+    assert early.t.size == pytest.approx(9.0 * own_tank.RATE, abs=1)
+    level = 0.5 * own_tank.RHO * own_tank.L**2 * U**2 * TRUTH["Xuu"]
+    for view in (early, late):
+        assert view.force["X"][0] == pytest.approx(level, rel=0.05)
 
 
 def test_a_static_run_is_cut_by_the_speed_too(tmp_path):
