@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign, Run
@@ -97,7 +98,14 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         "uncertainty": _uncertainty(campaign.uncertainty),
         "corrections": _corrections(campaign, kept),
         "runs": [
-            {"id": run.id, "test": run.test, **settings_of(run), **entries[run.id]} for run in kept
+            {
+                "id": run.id,
+                "test": run.test,
+                **({"started": datetime.fromisoformat(run.started)} if run.started else {}),
+                **settings_of(run),
+                **entries[run.id],
+            }
+            for run in kept
         ],
     }
     lines = [

@@ -89,6 +89,10 @@ def test_the_order_is_that_of_the_clock_where_runs_state_it(tmp_path):
     file.write_text("\n[[runs]]\n".join([head, *timed]))
     campaign = pk.open_campaign(folder)
     assert places_in_day(campaign.runs) == pytest.approx(order / (len(runs) - 1))
+    pk.export(campaign, tmp_path / "csv", to="csv")
+    pk.save_campaign(campaign, tmp_path / "all.h5")
+    for again in (tmp_path / "csv", tmp_path / "all.h5"):
+        assert [run.started for run in pk.open_campaign(again)] == [x.started for x in campaign]
     (found,) = said(folder)
     assert "by the times at which they started" in found.message
     assert list(found.by_run) == [test.name for test in TESTS]

@@ -267,7 +267,7 @@ def _carriage(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
     found = seen.get("U_carriage", seen.get("speed"))
     if found is None:
         return {}
-    return {"speed": (_rounded(float(np.mean(found)), 4), "recorded speed")}
+    return {"speed": (_rounded(float(np.median(found)), 4), "recorded speed")}
 
 
 def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
