@@ -53,8 +53,8 @@ class Settings:
         Circular motion: yaw rate [rad/s] or radius [m].
     strut_spacing : float, optional
         Distance along the rails of the two struts that swing the model, negative where the aft
-        one is pivoted to it; the motion is then theirs, with `amplitude` that of the point midway
-        and atan of the heading's tangent `yaw_amplitude` [m].
+        one is pivoted to it [m]. The motion is then theirs: `amplitude` is that of the point
+        midway, `yaw_amplitude` the largest heading of the line of struts.
     strut_centre : float
         That point at rest, forward of the point whose motion is meant [m].
     switch : float, optional

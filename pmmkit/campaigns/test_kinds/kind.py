@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Final, Literal
 
 import numpy as np
@@ -329,7 +329,7 @@ class TestKind:
         """Motion in tank axes that a captive test is set to, see `nominal`."""
         if self._on_struts(settings):
             found = swung(settings, self._phase_of_struts(theta), lags=self.sways)
-            return TankMotion(**{name: found[name] for name in TankMotion.__dataclass_fields__})
+            return TankMotion(**{each.name: found[each.name] for each in fields(TankMotion)})
         if self.motion.tank is None:
             raise NotImplementedError(f"{self.title} has no nominal motion in tank axes")
         return self.motion.tank(settings, theta)
