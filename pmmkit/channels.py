@@ -38,6 +38,9 @@ CHANNEL_UNITS: Final[dict[str, str]] = {
     "sinkage": "m",
     "trim": "rad",
     "speed": "m/s",
+    "U_carriage": "m/s",
+    "y_forward": "m",
+    "y_aft": "m",
     "x": "m",
     "y": "m",
     "psi": "rad",
@@ -52,6 +55,9 @@ CHANNEL_UNITS: Final[dict[str, str]] = {
 }
 """SI unit of each channel of a history or of a row of means; positions on the earth stay in
 degrees."""
+
+STRUT_CHANNELS: Final = frozenset({"y_forward", "y_aft"})
+"""Positions of two struts across the tank, which tell place and heading of the hull."""
 
 DEGREE_CHANNELS: Final[dict[str, str]] = {
     "psi_deg": "psi",
@@ -77,6 +83,8 @@ SETTING_UNITS: Final[dict[str, str]] = {
     "amplitude_m": "m",
     "yaw_amplitude_deg": "deg",
     "path_amplitude_m": "m",
+    "strut_amplitude_m": "m",
+    "strut_phase_deg": "deg",
     "phase_deg": "deg",
     "yaw_rate": "rad/s",
     "radius": "m",

@@ -83,6 +83,8 @@ class Run(Described):
         What the campaign file asked for on this run.
     source : str
         File (and row) the data come from, relative to the campaign's folder.
+    started : str
+        When it started, ISO 8601; empty where that is not stated.
     """
 
     id: str
@@ -95,6 +97,7 @@ class Run(Described):
     stated: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     corrections: tuple[Correction, ...] = ()
     source: str = ""
+    started: str = ""
 
     @property
     def data(self) -> xr.Dataset:

@@ -51,6 +51,12 @@ class Settings:
         Phase of the displacement at t = 0: y = a sin(ωt + phase) [rad].
     yaw_rate, radius : float, optional
         Circular motion: yaw rate [rad/s] or radius [m].
+    strut_spacing : float, optional
+        Distance along the rails of the two struts that swing the model, negative where the aft
+        one is pivoted to it [m]. The motion is then theirs: `amplitude` is that of the point
+        midway, `yaw_amplitude` the largest heading of the line of struts.
+    strut_centre : float
+        That point at rest, forward of the point whose motion is meant [m].
     switch : float, optional
         Heading at which a zigzag switches [rad].
     repeat_of : str, optional
@@ -68,6 +74,8 @@ class Settings:
     phase: float = 0.0
     yaw_rate: float | None = None
     radius: float | None = None
+    strut_spacing: float | None = None
+    strut_centre: float = 0.0
     switch: float | None = None
     repeat_of: str | None = None
 

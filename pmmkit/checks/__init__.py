@@ -7,6 +7,7 @@ from typing import Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.checks import (
+    carriage,
     clock,
     copies,
     density,
@@ -24,6 +25,7 @@ from pmmkit.checks import (
     signs,
     static,
     whole_files,
+    zeros,
 )
 from pmmkit.checks.agreement import examine as agreement
 from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
@@ -49,6 +51,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *scales.CHECKS,
     *copies.CHECKS,
     *motion.CHECKS,
+    *carriage.CHECKS,
     *clock.CHECKS,
     *gauges.CHECKS,
     *agreement.CHECKS,
@@ -57,6 +60,7 @@ CHECKS: Final[tuple[Check, ...]] = (
     *frequency.CHECKS,
     *static.CHECKS,
     *rest.CHECKS,
+    *zeros.CHECKS,
     *positions.CHECKS,
     *free_running.CHECKS,
     *density.CHECKS,

@@ -40,6 +40,8 @@ class CheckFinding:
         The numbers by name, for programs.
     channels : tuple of str
         The channels that are at fault, where it is they.
+    by_run : mapping of str to mapping
+        Numbers of each run, in the order in which they are shown.
     cause : str
         What is thought to be wrong: the word by which the catalogue has the fault, or the name of
         a slip; empty where the check names none.
@@ -53,6 +55,7 @@ class CheckFinding:
     numbers: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     channels: tuple[str, ...] = ()
     cause: str = ""
+    by_run: Mapping[str, Mapping[str, float]] = field(default_factory=lambda: MappingProxyType({}))
 
     def __str__(self) -> str:
         where = f" ({name_runs(self.runs)})" if self.runs else ""
@@ -69,6 +72,11 @@ class CheckFinding:
             "numbers": dict(self.numbers),
             "channels": list(self.channels),
             "cause": self.cause,
+            **(
+                {"by_run": {name: dict(x) for name, x in self.by_run.items()}}
+                if self.by_run
+                else {}
+            ),
         }
 
 

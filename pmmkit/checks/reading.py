@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
@@ -11,8 +12,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.motion.kinematics import displacement_phase, measured_motion, motion_at_phase
+from pmmkit.campaigns.motion.counted import counted_cycles, counted_window
+from pmmkit.campaigns.motion.kinematics import measured_motion, motion_at_phase
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.checks.carriage import carriage_facts
 from pmmkit.checks.clock import clock_facts
 from pmmkit.checks.density import density_facts
 from pmmkit.checks.free_running import record_facts
@@ -24,7 +27,7 @@ from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array, coefficients
-from pmmkit.signals import design_matrix, steady_window, whole_cycles
+from pmmkit.signals import design_matrix
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,7 +133,9 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
         np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
     )
     facts |= motion_facts(run, clean, t)
-    facts |= rest_facts(t, dict(zip(present, forces, strict=True)))
+    facts |= carriage_facts(run, clean, t)
+    tared = json.loads(data.attrs.get("tared", "{}"))
+    facts |= rest_facts(t, dict(zip(present, forces, strict=True)), tared)
     at = np.linspace(0, len(t) - 1, _SKETCH).astype(int)
     hull = [row for row, name in enumerate(present) if name in _HULL]
     shared: dict[str, Any] = {
@@ -143,7 +148,7 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
         return Summary(**shared)
     if run.dynamic:
         return _oscillating(run, clean, t, present, forces, shared)
-    window = steady_window(t, forces)
+    window = counted_window(run, clean, t, forces, present)
     part = forces[:, window.start : window.stop]
     shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
     return Summary(
@@ -178,20 +183,23 @@ def _oscillating(
 ) -> Summary:
     """Harmonics of the whole cycles without transient, and of each cycle."""
     try:
-        theta = displacement_phase(run, data, t)
-        state = measured_motion(run, data, t)
-        cycles = whole_cycles(t, theta, forces)
+        counted = counted_cycles(run, data, t, forces, names)
+        travel, cycles = counted.travel, counted.cycles
+        moving = slice(travel.start, travel.stop)
+        state = measured_motion(run, data.isel(t=moving), t[moving])
     except DataError:
         means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
         return Summary(means=means, **shared)
     part = slice(cycles.start, cycles.stop)
-    rows = np.concatenate([forces[:, part], _stack(state)[:, part]])
+    theta, motions = counted.theta, _stack(state)
+    inner = slice(part.start - moving.start, part.stop - moving.start)
+    rows = np.concatenate([forces[:, part], motions[:, inner]])
     found = _fit(theta[part], rows)
     cos, sin = {}, {}
     for row, name in enumerate([*names, *MOTIONS]):
         cos[name], sin[name] = _split(found[row])
     nominal = _split_nominal(run, theta[part])
-    single, noise = _by_cycle(theta, forces)
+    single, noise = _by_cycle(theta[moving], forces[:, moving])
     count = max(cycles.count, 1)
     gauges = _gauge_facts(t[part], forces[:, part], theta[part], names)
     more = {**shared, "facts": {**shared["facts"], **gauges}}

@@ -26,7 +26,9 @@ SHARE: Final = 2e-3
 """Share of a channel's usual force below which a zero is of no interest."""
 
 
-def rest_facts(t: Array, forces: Mapping[str, Array]) -> dict[str, float]:
+def rest_facts(
+    t: Array, forces: Mapping[str, Array], tared: Mapping[str, tuple[float, float]]
+) -> dict[str, float]:
     """What the channels show at rest; nothing where the record begins on the way.
 
     Parameters
@@ -35,13 +37,28 @@ def rest_facts(t: Array, forces: Mapping[str, Array]) -> dict[str, float]:
         Time [s].
     forces : mapping of str to array (n,)
         Channels.
+    tared : mapping of str to (float, float)
+        Zeros that were taken off already, and their standard uncertainties.
 
     Returns
     -------
     dict
         ``rest_s`` [s]; ``X_rest``, ``X_rest_std``, ``X_size`` (rms of the force
-        afterwards) …
+        afterwards), ``X_zero``, ``X_zero_std`` (what the gauge showed, before a tare) …; ``tared``.
     """
+    facts = _rest_left(t, forces)
+    for name in CHANNELS:
+        if name in tared:
+            facts |= {f"{name}_zero": tared[name][0], f"{name}_zero_std": tared[name][1]}
+        elif f"{name}_rest" in facts:
+            facts |= {
+                f"{name}_zero": facts[f"{name}_rest"],
+                f"{name}_zero_std": facts[f"{name}_rest_std"],
+            }
+    return facts | ({"tared": 1.0} if tared else {})
+
+
+def _rest_left(t: Array, forces: Mapping[str, Array]) -> dict[str, float]:
     names = [name for name in CHANNELS if name in forces]
     if names[:1] != ["X"]:
         return {}
@@ -97,7 +114,8 @@ def examine_rest(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[
             f"about {figure(seconds, 2)} s, and the gauges do not show zero there: "
             f"{', '.join(words)}. Nothing takes it off; in X it is taken for resistance.",
             runs=tuple(item.run.id for item in standing),
-            remedy='Take it off each record: [[corrections]] with action = "tare" and these runs.',
+            remedy="Take it off each record: tare = true under [defaults], or [[corrections]] with "
+            'action = "tare" and these runs.',
             numbers=numbers,
         )
 

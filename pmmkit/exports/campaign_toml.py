@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.samples.corrections import OF_SAMPLES
+from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.escaping import comment
@@ -88,6 +90,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         },
         "ship": _given({key: getattr(campaign.ship, name) for name, key in _SHIP.items()}),
         "water": _given({name: getattr(campaign.water, name) for name in _WATER}),
+        "struts": _struts(campaign, kept),
         "cfd": _cfd(campaign),
         "propeller": campaign.propeller,
         "rudder": campaign.rudder,
@@ -95,7 +98,14 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         "uncertainty": _uncertainty(campaign.uncertainty),
         "corrections": _corrections(campaign, kept),
         "runs": [
-            {"id": run.id, "test": run.test, **settings_of(run), **entries[run.id]} for run in kept
+            {
+                "id": run.id,
+                "test": run.test,
+                **({"started": datetime.fromisoformat(run.started)} if run.started else {}),
+                **settings_of(run),
+                **entries[run.id],
+            }
+            for run in kept
         ],
     }
     lines = [
@@ -147,7 +157,27 @@ def settings_of(run: Run) -> dict[str, Any]:
         value = getattr(given, name)
         if value is not None:
             found[key] = _before(math.radians, value, math.degrees(value)) if angle else value
+    if given.strut_spacing is not None:
+        for key in ("amplitude_m", "yaw_amplitude_deg"):
+            found.pop(key, None)
+        kind = run.kind_of_test
+        mechanism = Struts(spacing=abs(given.strut_spacing))
+        amplitude, lead = mechanism.amplitude_and_phase(given, lags=kind.sways)
+        found |= {"strut_amplitude_m": amplitude, "strut_phase_deg": math.degrees(lead)}
     return found
+
+
+def _struts(campaign: Campaign, runs: list[Run]) -> dict[str, Any]:
+    """``[struts]``, the same for all runs that state theirs."""
+    found = [run.settings for run in runs if run.settings.strut_spacing is not None]
+    if not found:
+        return {}
+    spacing = found[0].strut_spacing or 0.0
+    return {
+        "spacing": abs(spacing),
+        "centre_x": found[0].strut_centre + campaign.motion_reference_x,
+        "slides": "aft" if spacing > 0 else "forward",
+    }
 
 
 def _before(forward: Callable[[float], float], value: float, guess: float) -> float:

@@ -1,5 +1,6 @@
 """What people look at: each function gives a matplotlib Figure and changes nothing global."""
 
+from pmmkit.figures.checking import zeros_at_rest
 from pmmkit.figures.correlations import correlations
 from pmmkit.figures.derivatives import beside_reference, derivatives_over_froude
 from pmmkit.figures.forces import Cycle, DriftPoints, forces_over_drift, over_a_cycle
@@ -29,5 +30,6 @@ __all__ = [
     "svg",
     "trajectory",
     "turn_histories",
+    "zeros_at_rest",
     "zigzag",
 ]

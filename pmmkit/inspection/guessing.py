@@ -376,7 +376,11 @@ _NAMES: Final = tuple(
         "cog": "cog|course over ground",
         "x": "x|x ?0|x ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?x|north(?:ing)?",
         "y": "y|y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
-        "speed": "speed|(?:carriage|towing|model) speed|v ?carriage|u ?c",
+        "U_carriage": "(?:towing )?carriage (?:speed|velo(?:city)?)|towing speed|[uv] ?carriage|"
+        "u ?c",
+        "y_forward": "y ?(?:forward|fwd|fore)|(?:forward|fore) (?:strut|post|ram)(?: y)?",
+        "y_aft": "y ?aft|aft (?:strut|post|ram)(?: y)?",
+        "speed": "speed|model speed",
         "t": "t|time(?: s)?|physical time(?: physical time)?|zeit|temps|tiempo|tijd|时间|時間",
     }.items()
 )
@@ -396,7 +400,7 @@ _TABLE_NAMES: Final = tuple(
         "rdot_amplitude": "rdot|r dot",
         "v_amplitude": "v",
         "r_amplitude": "r",
-        "speed": "speed(?: m s)?|v|u|carriage speed",
+        "speed": "speed(?: m s)?|v|u|(?:towing )?carriage speed|towing speed|v ?carriage|u ?c",
         "T": "t ?x|thrust",
         "X": "resistance(?: n)?",
         "FX_rudder": "r ?x",
@@ -405,6 +409,7 @@ _TABLE_NAMES: Final = tuple(
 )
 
 _SETTINGS_OF: Final = {
+    "U_carriage": "speed",
     "delta": "rudder_deg",
     "phi": "heel_deg",
     "n": "propeller_rps",

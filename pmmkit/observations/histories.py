@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.campaigns.motion.inertia import Rig, force_of_water
-from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import Convention
 from pmmkit.numerics import Array, projector
@@ -107,15 +106,14 @@ def history_of(
     force = force_of_water(read, prepared.result.run, prepared.motion_at_midship(rig), rig)
     order = list(names)
     count = prepared.result.cycles
-    if count is None:
+    if count is None or prepared.phase is None:
         weights = time_weights(prepared.t)
         starts = np.unique(np.linspace(0, len(weights), STEADY, endpoint=False).astype(np.intp))
         basis = np.ones((len(starts), 1))
         whole = len(starts)
     else:
         weights = np.ones(len(prepared.t))
-        phase = displacement_phase(prepared.result.run, data, times)[cut]
-        starts, a_cycle = phase_cells(phase, count)
+        starts, a_cycle = phase_cells(prepared.phase, count)
         whole = a_cycle * count
         basis = _means(np.asarray(np.linalg.pinv(prepared.projection), float), starts, weights)
     forces = _means(np.stack([force[channel] for channel in order], axis=1), starts, weights)

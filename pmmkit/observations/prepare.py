@@ -10,13 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from pmmkit.campaigns.motion.counted import counted_cycles, counted_window
 from pmmkit.campaigns.motion.inertia import Rig, force_of_water
-from pmmkit.campaigns.motion.kinematics import (
-    displacement_phase,
-    measured_motion,
-    move_motion,
-    nominal_motion,
-)
+from pmmkit.campaigns.motion.kinematics import measured_motion, move_motion, nominal_motion
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
@@ -30,8 +26,6 @@ from pmmkit.signals import (
     estimate_frequency,
     harmonics,
     steady_mean,
-    steady_window,
-    whole_cycles,
 )
 from pmmkit.signals.harmonics import trapezoid_projector
 from pmmkit.signals.record import time_weights
@@ -84,6 +78,8 @@ class RunResult:
         What a reader should know of this run.
     conversions : tuple of str
         What was done to the source's numbers when they were read.
+    ramp : str
+        Times left out of an oscillating record because the carriage was not at its speed.
     """
 
     run: Run
@@ -101,6 +97,7 @@ class RunResult:
     extras: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     conversions: tuple[str, ...] = ()
+    ramp: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -119,6 +116,8 @@ class Prepared:
         Time of the samples [s]; zeros where there is no record.
     begin : float
         Time at which the record begins [s].
+    phase : array (n,) or None
+        Phase of the displacement at the samples of an oscillating record [rad].
     """
 
     result: RunResult
@@ -126,6 +125,7 @@ class Prepared:
     motion: State
     t: Array
     begin: float = 0.0
+    phase: Array | None = None
 
     def motion_at_midship(self, rig: Rig) -> State:
         """Motion of midship at the samples."""
@@ -231,7 +231,7 @@ def _from_history(
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
-    window = steady_window(times, record)
+    window = counted_window(run, data, times, record, channels)
     cut = slice(window.start, window.stop)
     mean = steady_mean(times[cut], record[:, cut])
     steady = data.isel(t=cut)
@@ -282,8 +282,8 @@ def _from_cycles(
 ) -> Prepared:
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
-    phase = displacement_phase(run, data, times)
-    kept = whole_cycles(times, phase, record, cycles=cycles)
+    counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
+    kept = counted.cycles
     cut = slice(kept.start, kept.stop)
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
@@ -296,11 +296,11 @@ def _from_cycles(
                 f"the campaign says {nominal:.5g}; the record counts.",
             )
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
-            phase = displacement_phase(run, data, times)
-            kept = whole_cycles(times, phase, record, cycles=cycles)
+            counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
+            kept = counted.cycles
             cut = slice(kept.start, kept.stop)
     part = data.isel(t=cut)
-    theta = phase[cut]
+    theta = counted.theta[cut]
     if integrated:
         projection = trapezoid_projector(theta, ORDER)
     else:
@@ -325,11 +325,13 @@ def _from_cycles(
             frequency=run.settings.omega,
             extras=_extras(part, np.full(len(theta), 1 / len(theta))),
             notes=notes,
+            ramp=counted.travel.reason,
         ),
         projection=projection,
         motion=measured_motion(run, part, times[cut]),
         t=times[cut],
         begin=float(times[0]),
+        phase=theta,
     )
 
 

@@ -7,17 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from pmmkit.campaigns.day import places_in_day
+from pmmkit.campaigns.motion.counted import travel_of
 from pmmkit.campaigns.motion.inertia import Rig, rig_of
 from pmmkit.campaigns.run import Campaign, Run
+from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import Prepared, prepare
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Noise = Literal["record", "repeats", "stated", "numerical", "unknown"]
 """Where the noise of a channel is known from."""
@@ -162,13 +168,12 @@ def views_of(
         raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
     rig = rig_of(campaign)
     found: list[View] = []
-    last = max(len(campaign.runs) - 1, 1)
-    for number, run in enumerate(campaign.runs):
+    for place, run in zip(places_in_day(campaign.runs), campaign.runs, strict=True):
         if pieces:
             own = _pieces(run, campaign, rig, unknown_noise)
         else:
             own = [_view(prepare(run, campaign), rig, unknown_noise)]
-        found += [replace(view, day=number / last) for view in own]
+        found += [replace(view, day=place) for view in own]
     pooled = _pooled(found)
     return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
 
@@ -176,12 +181,14 @@ def views_of(
 def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
     """The run as a reduction takes it; a long record in two pieces, its second cycle and the rest.
 
+    Cycles count from where the carriage is at its speed.
+
     Noise is that of all cycles but the first together; that of a piece goes with the inverse of
     its cycles.
     """
     if run.kind != "history" or not run.dynamic:
         return [_view(prepare(run, campaign), rig, keep)]
-    data = run.data
+    data = _at_speed(run)
     run = run.with_(loader=lambda: data)
     times = np.asarray(data["t"].values, float)
     omega = run.settings.omega or 1.0
@@ -194,6 +201,17 @@ def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
         except DataError:
             continue
     return [_view(prepare(run, campaign), rig, keep)]
+
+
+def _at_speed(run: Run) -> xr.Dataset:
+    """The data of a history without a ramp and a stop of the carriage."""
+    data = run.data
+    names = [name for name in CHANNELS if name in data]
+    if not names:
+        return data
+    record = np.stack([np.asarray(data[name].values, float) for name in names])
+    travel = travel_of(run, data, np.asarray(data["t"].values, float), record, names)
+    return data.isel(t=slice(travel.start, travel.stop)) if travel.reason else data
 
 
 def _cycles(run: Run, campaign: Campaign, rig: Rig, keep: bool, count: int) -> list[View]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from pmmkit.conventions import bare, parse_derivative
 from pmmkit.observations.equations import Rows
-from pmmkit.presentation import at_froude, listed
+from pmmkit.presentation import at_froude, counted, listed
 from pmmkit.reduction.estimate import ChannelFit
 from pmmkit.reduction.solve import Solution
 
@@ -107,7 +107,18 @@ def notes(solution: Solution, rows: Sequence[Rows]) -> tuple[str, ...]:
         *_not_excited(solution),
         *_thrust_inside(solution, rows),
         *dict.fromkeys(_sentences(solution)),
+        *_ramps(rows),
     )
+
+
+def _ramps(rows: Sequence[Rows]) -> Iterator[str]:
+    """Oscillating records of which a ramp of the carriage was cut."""
+    cut = [f"{item.result.run.id} {item.result.ramp}" for item in rows if item.result.ramp]
+    if cut:
+        yield (
+            f"The carriage speeds up or stops within {counted(len(cut), 'oscillating record')}; "
+            f"cycles count from where it is at its speed. Left out: {'; '.join(cut)}."
+        )
 
 
 def _thrust_inside(solution: Solution, rows: Sequence[Rows]) -> Iterator[str]:

@@ -69,7 +69,7 @@ def surge_zero(solution: Solution) -> tuple[CheckFinding, ...]:
             f"common to all runs, would fit better: Xuu would be {found.after:.4g} in place of "
             f"{found.before:.4g}{'' if pooled else ' (mean over the speeds)'}. A resistance that "
             "does not grow as u² looks the same.",
-            remedy='A rest at the head of the records (corrections, action = "tare") or a zero '
+            remedy="A rest at the head of the records (tare = true under [defaults]) or a zero "
             "record tells, and a slow run.",
             numbers={"zero": found.value, "std": found.std, "Xuu": found.after},
         ),

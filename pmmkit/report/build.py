@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pmmkit.checks.finding import name_runs
+from pmmkit.checks.zeros import zeros_grid
 from pmmkit.files import write_text
 from pmmkit.presentation import Grid, Group, Section, counted, percent
 from pmmkit.reduction import Reduction
@@ -274,6 +275,8 @@ def _findings(reduction: Reduction) -> Section:
         title="What the checks found",
         paragraphs=[] if shown else ["The checks found nothing to say."],
         findings=shown,
+        tables=[zeros_grid(item) for item in reduction.findings if item.by_run],
+        figures=list(pictures.of_findings(reduction)),
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from pmmkit.campaigns.motion.kinematics import displacement_phase
+from pmmkit.campaigns.motion.counted import counted_cycles
 from pmmkit.campaigns.test_kinds.registry import captive_kinds
 from pmmkit.campaigns.test_kinds.steady import STATIC_DRIFT
 from pmmkit.errors import TableError
@@ -21,6 +21,7 @@ from pmmkit.figures import (
     forces_over_drift,
     forest,
     over_a_cycle,
+    zeros_at_rest,
 )
 from pmmkit.figures.correlations import correlated, strongest
 from pmmkit.figures.forests import farthest
@@ -28,7 +29,6 @@ from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.drawn import drawn
 from pmmkit.report.reference import Reference
-from pmmkit.signals import whole_cycles
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -170,6 +170,25 @@ def of_methods(reduction: Reduction, beside: Reference | None) -> Iterator[Pictu
         )
 
 
+def of_findings(reduction: Reduction) -> Iterator[Picture]:
+    """What the gauges show at rest over the day, where the checks tell it.
+
+    Parameters
+    ----------
+    reduction : Reduction
+        With its findings.
+    """
+    for item in reduction.findings:
+        if item.by_run:
+            yield drawn(
+                zeros_at_rest(item),
+                "Zeros of the gauges at rest, run by run in the order of the day, with 95 % "
+                "intervals; the line is their mean.",
+                facts=[item.message],
+                file=item.check,
+            )
+
+
 def drift_points(reduction: Reduction) -> list[DriftPoints]:
     """Means of the static drift runs, a set per Froude number of the runs.
 
@@ -236,12 +255,11 @@ def _typical(results: list[RunResult]) -> RunResult:
 def _cycle(result: RunResult, reduction: Reduction) -> Cycle:
     data = result.run.data
     times = np.asarray(data["t"].values, float)
-    theta = displacement_phase(result.run, data, times)
     channels = [name for name in _SHOWN if name in result.measured]
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
     asked = reduction.table.provenance.get("cycles")
-    kept = whole_cycles(times, theta, record, cycles=asked)
-    cut = slice(kept.start, kept.stop)
+    counted = counted_cycles(result.run, data, times, record, channels, cycles=asked)
+    theta, cut = counted.theta, slice(counted.cycles.start, counted.cycles.stop)
     kind = result.run.kind_of_test
     return Cycle(
         title=f"{kind.title}, Fn {result.froude:.3f}\n{figure_text(result.run.id)}",

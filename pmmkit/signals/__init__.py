@@ -8,17 +8,21 @@ from pmmkit.signals.harmonics import Harmonics, design_matrix, harmonics, trapez
 from pmmkit.signals.noise import Mean, steady_mean
 from pmmkit.signals.rest import Rest, head_rest
 from pmmkit.signals.steady import Window, steady_window
+from pmmkit.signals.travel import Travel, at_speed, in_step
 
 __all__ = [
     "Cycles",
     "Harmonics",
     "Mean",
     "Rest",
+    "Travel",
     "Window",
+    "at_speed",
     "design_matrix",
     "estimate_frequency",
     "harmonics",
     "head_rest",
+    "in_step",
     "steady_mean",
     "steady_window",
     "trapezoid_harmonics",

@@ -17,6 +17,7 @@ from pmmkit.campaigns.file.schema import (
     RunEntry,
     SettingsEntry,
     TableEntry,
+    TareEntry,
 )
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -25,6 +26,7 @@ from pmmkit.campaigns.file.single_tables import (
     ColumnEntry,
     ShipEntry,
     SourceEntry,
+    StrutsEntry,
     TrialEntry,
     UncertainEntry,
     WaterEntry,
@@ -128,6 +130,8 @@ KEYS = {
     "source": (SourceEntry,),
     "columns": (ColumnEntry,),
     "axes": (AxesEntry,),
+    "struts": (StrutsEntry,),
+    "tare": (TareEntry,),
     "cfd": (CfdEntry,),
     "trial": (TrialEntry,),
     "uncertainty": (UncertainEntry,),

@@ -9,13 +9,16 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from pmmkit.campaigns.file.settings import missing_settings, settings_of
+from pmmkit.campaigns.file.struts import on_struts
 from pmmkit.campaigns.motion.solver_axes import Solver
 from pmmkit.campaigns.run import Correction, Kind, Run
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec, Picked, pick
 from pmmkit.campaigns.samples.conversions import Frame, in_phase_parts
 from pmmkit.campaigns.samples.loading import Context, HistoryLoader, RowLoader, check_rows
+from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kind_of
-from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, harmonic_part
+from pmmkit.campaigns.test_kinds.struts import Struts
+from pmmkit.channels import FORCE_CHANNELS, SETTING_UNITS, STRUT_CHANNELS, harmonic_part
 from pmmkit.errors import DataError, Problem
 from pmmkit.readers import reader_for
 from pmmkit.readers.base import Cells, Options, Request, fault, to_number
@@ -58,6 +61,8 @@ class Setup:
         ``[trial]``.
     solver : Solver
         ``[cfd]``, besides factors.
+    struts : Struts or None
+        ``[struts]``.
     """
 
     ship: Ship
@@ -74,6 +79,7 @@ class Setup:
     toml: str
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     solver: Solver = field(default_factory=Solver)
+    struts: Struts | None = None
 
 
 @dataclass
@@ -298,7 +304,7 @@ def _add_history(
     setup: Setup,
     out: Assembled,
 ) -> None:
-    corrections = _corrections(entry.id, setup)
+    corrections = _with_tare(entry, _corrections(entry.id, setup))
     given = {**entry.settings(), **_set(corrections)}
     motion = _motion(entry, label, request, setup, out)
     missing = missing_settings(entry.test, given)
@@ -312,7 +318,10 @@ def _add_history(
     if _needs(missing, entry.test, label, setup, out):
         return
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
-    settings, notes = settings_of(entry.test, given, frame, setup.ship.L)
+    found = _settings(entry.test, given, frame, label, setup, out)
+    if found is None:
+        return
+    settings, notes = found
     loader = HistoryLoader(
         request=request,
         columns=MappingProxyType(dict(specs)),
@@ -327,6 +336,7 @@ def _add_history(
             solver=setup.solver,
             test=entry.test,
             settings=settings,
+            struts=setup.struts,
         ),
         kind=setup.kind,
         rows=entry.rows,
@@ -340,8 +350,29 @@ def _add_history(
         loader=loader,
         stated=_numbers(entry.settings()),
         source=entry.file,
+        started="" if entry.started is None else entry.started.isoformat(),
     )
     out.runs.append(_said(run, corrections, setup))
+
+
+def _settings(
+    test: str,
+    given: Mapping[str, Any],
+    frame: Frame,
+    label: str,
+    setup: Setup,
+    out: Assembled,
+    *,
+    turn_phase: bool = True,
+) -> tuple[Settings, tuple[str, ...]] | None:
+    """What a test was set to, with its struts, in SI and in words; None where they cannot do it."""
+    settings, notes = settings_of(test, given, frame, setup.ship.L, turn_phase=turn_phase)
+    try:
+        settings, more = on_struts(test, given, settings, setup.struts, frame)
+    except ValueError as error:
+        out.problems.append(Problem(message=f"{error}.", file=setup.toml, entry=label))
+        return None
+    return settings, (*notes, *more)
 
 
 def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
@@ -349,7 +380,8 @@ def _measured(request: Request, specs: Mapping[str, ColumnSpec]) -> set[str]:
     reader = reader_for(request)
     names = reader.names(request)
     found, _ = pick(names, len(names), specs, request, usual=reader.usual(names))
-    return {column.name for column in found}
+    channels = {column.name for column in found}
+    return channels | ({"x", "y", "psi"} if channels >= STRUT_CHANNELS else set())
 
 
 def _motion(
@@ -404,9 +436,10 @@ def _add_row(
     ):
         return
     frame = replace(setup.frame, nondimensional=request.options.nondimensional)
-    settings, notes = settings_of(
-        entry.test, given, frame, setup.ship.L, turn_phase=kind == "means"
-    )
+    found = _settings(entry.test, given, frame, label, setup, out, turn_phase=kind == "means")
+    if found is None:
+        return
+    settings, notes = found
     phase = request.options.in_phase_with
     if kind == "harmonics" and phase:
         notes = (*notes, f"in-phase parts of harmonics are in phase with the {phase}")
@@ -506,6 +539,20 @@ def _needs(missing: Sequence[str], test: str, label: str, setup: Setup, out: Ass
 
 def _corrections(run_id: str, setup: Setup) -> tuple[Correction, ...]:
     return tuple(item for item in setup.corrections if item.applies_to(run_id))
+
+
+def _with_tare(entry: FileEntry, corrections: tuple[Correction, ...]) -> tuple[Correction, ...]:
+    """With the tare that a run or the defaults state, before what else is done to its samples."""
+    stated = entry.tare
+    if stated is None or stated.off or any(item.action == "tare" for item in corrections):
+        return corrections
+    tare = Correction(
+        runs=("*",),
+        action="tare",
+        reason="tare of the run, or of [defaults]",
+        values=MappingProxyType(stated.model_dump(exclude_defaults=True)),
+    )
+    return (tare, *corrections)
 
 
 def _set(corrections: Iterable[Correction]) -> dict[str, Any]:

@@ -406,7 +406,7 @@ def _add_all(raw: Mapping[str, Any], setup: Setup, out: Assembled) -> None:
         own = item.get("columns", {}) if isinstance(item, Mapping) else {}
         table = schema.read_entry(
             schema.TableEntry,
-            with_defaults(item, defaults, mapped={*setup.columns, *own}),
+            with_defaults(item, defaults, mapped={*setup.columns, *own}, histories=False),
             file=setup.toml,
             entry=label,
             problems=out.problems,

@@ -12,11 +12,20 @@ from pmmkit.campaigns.test_kinds.registry import kinds, not_a_kind
 from pmmkit.errors import Problem
 
 _NESTED: Final = ("source", "columns", "cfd")
+_NO_KINDS: Final = (*_NESTED, "tare")
 _ALTERNATIVES: Final = (
     frozenset({"period", "frequency_hz"}),
     frozenset({"yaw_rate", "radius"}),
-    frozenset({"amplitude_m", "v_amplitude", "vdot_amplitude"}),
-    frozenset({"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"}),
+    frozenset({"amplitude_m", "strut_amplitude_m", "v_amplitude", "vdot_amplitude"}),
+    frozenset(
+        {
+            "yaw_amplitude_deg",
+            "path_amplitude_m",
+            "strut_amplitude_m",
+            "r_amplitude",
+            "rdot_amplitude",
+        }
+    ),
 )
 """Settings of which one stands for the others: a run that states one takes none by default."""
 
@@ -55,7 +64,7 @@ def read_defaults(raw: Any, toml: str, problems: list[Problem]) -> Defaults:
     tables = {
         name: item
         for name, item in raw.items()
-        if isinstance(item, Mapping) and name not in _NESTED
+        if isinstance(item, Mapping) and name not in _NO_KINDS
     }
     problems += [
         Problem(message=not_a_kind(name), file=toml, entry=f"[defaults.{name}]")
@@ -87,7 +96,9 @@ def _valid(
     }
 
 
-def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) -> Any:
+def with_defaults(
+    raw: Any, defaults: Defaults, mapped: Collection[str] = (), *, histories: bool = True
+) -> Any:
     """An entry of ``[[runs]]``, ``[[tables]]`` or ``[[matrix]]`` with what it does not state.
 
     What a run states counts before what its kind has by default, and that before what all have;
@@ -102,6 +113,8 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
         From `read_defaults`.
     mapped : collection of str
         Settings that columns of the file tell.
+    histories : bool
+        Whether each run has a record of its own; rows of a table have no rest to tare by.
 
     Examples
     --------
@@ -119,10 +132,13 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
         return raw
     kind = kinds()[test]
     found = dict(raw)
+    rows = "row" in raw or not histories
     used = {name: item for name, item in defaults.every.items() if _uses(kind, name)}
     for common in (defaults.of_kind.get(test, {}), used):
         stated = {*found, *mapped}
         for name, item in common.items():
+            if name == "tare" and rows:
+                continue
             if name in _NESTED:
                 own = found.get(name, {})
                 found[name] = {**item, **own} if isinstance(own, Mapping) else own
@@ -132,7 +148,7 @@ def with_defaults(raw: Any, defaults: Defaults, mapped: Collection[str] = ()) ->
 
 
 def _others(name: str) -> frozenset[str]:
-    return next((group - {name} for group in _ALTERNATIVES if name in group), frozenset())
+    return frozenset().union(*(group for group in _ALTERNATIVES if name in group)) - {name}
 
 
 def _uses(kind: TestKind, name: str) -> bool:
@@ -143,6 +159,8 @@ def _uses(kind: TestKind, name: str) -> bool:
         return kind.sways or kind.surges
     if name in ("yaw_amplitude_deg", "r_amplitude", "rdot_amplitude"):
         return kind.yaws
+    if name in ("strut_amplitude_m", "strut_phase_deg"):
+        return kind.yaws or (kind.sways and name == "strut_amplitude_m")
     if name == "path_amplitude_m":
         return kind.yaws and not kind.sways
     if name in ("yaw_rate", "radius"):

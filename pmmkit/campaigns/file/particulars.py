@@ -19,6 +19,7 @@ from pmmkit.campaigns.file.single_tables import (
     Entry,
     ShipEntry,
     SourceEntry,
+    StrutsEntry,
     TrialEntry,
     UncertainEntry,
     WaterEntry,
@@ -28,6 +29,7 @@ from pmmkit.campaigns.run import Correction
 from pmmkit.campaigns.samples.column_mapping import ColumnSpec
 from pmmkit.campaigns.samples.conversions import Frame
 from pmmkit.campaigns.samples.corrections import shift_in_si
+from pmmkit.campaigns.test_kinds.struts import Struts
 from pmmkit.campaigns.uncertainty import STATABLE, Statable, TypeB
 from pmmkit.channels import CHANNEL_UNITS, did_you_mean, factor_to
 from pmmkit.errors import DataError, PmmkitError, Problem
@@ -51,6 +53,7 @@ class Top:
     source: SourceEntry
     columns: Mapping[str, ColumnSpec]
     axes: AxesEntry
+    struts: StrutsEntry | None
     moment_reference_x: float
     cfd: dict[str, Any]
     numerical: dict[str, float]
@@ -106,6 +109,11 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         source=source,
         columns=_columns(raw, toml, problems),
         axes=table("axes", AxesEntry),
+        struts=read_entry(
+            StrutsEntry, raw["struts"], file=toml, entry="[struts]", problems=problems
+        )
+        if "struts" in raw
+        else None,
         moment_reference_x=_moment_reference(campaign, cfd, toml, problems),
         cfd=_given(cfd),
         numerical={} if cfd.U_SN is None else _given(cfd.U_SN),
@@ -144,6 +152,14 @@ def setup_of(
         options=Options(**top.source.model_dump()),
         columns=top.columns,
         corrections=top.corrections,
+        struts=None
+        if top.struts is None
+        else Struts(
+            spacing=top.struts.spacing,
+            centre_x=top.struts.centre_x,
+            slides=top.struts.slides,
+            motion_x=top.campaign.motion_reference_x,
+        ),
         solver=Solver(
             axes=top.cfd.get("forces_in", "body"),
             centre_moves=top.cfd.get("moment_centre_moves", True),

@@ -6,11 +6,13 @@ Ship, Run and Campaign. The module is imported only when a campaign file is read
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
+from datetime import datetime
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from pydantic import Field, ValidationError, field_validator, model_validator
 
+from pmmkit.campaigns.file.faults import fault_words, shown
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
@@ -27,6 +29,7 @@ from pmmkit.campaigns.file.single_tables import (
     ShipEntry,
     SourceEntry,
     Steep,
+    StrutsEntry,
     TrialEntry,
     WaterEntry,
     said,
@@ -40,6 +43,7 @@ from pmmkit.channels import (
     did_you_mean,
     unit_of,
 )
+from pmmkit.conventions import CHANNELS
 from pmmkit.errors import DataError, Problem
 
 ACTIONS: Final = (
@@ -75,6 +79,8 @@ class SettingsEntry(Entry):
     path_amplitude_m: Positive | None = said(
         "of the path of a pure yaw test instead [m]: the heading is atan(aω/U)", None
     )
+    strut_amplitude_m: Positive | None = said("of each of two struts [m]", None)
+    strut_phase_deg: Degrees | None = said("by which the forward strut leads", None)
     phase_deg: float | None = said("of the displacement at t = 0", None)
     yaw_rate: float | None = said("of a circle [rad/s]", None)
     radius: float | None = said("of a circle instead [m]", None)
@@ -101,12 +107,36 @@ class SettingsEntry(Entry):
         }
 
 
+class TareEntry(Entry):
+    """``tare`` of a run or of ``[defaults]``: true, false, or where the rest is."""
+
+    channels: list[Literal[CHANNELS]] = said("those that are tared; all if absent", [])  # type: ignore[valid-type]
+    t_start: float | None = said("begin of the rest [s]; found if absent", None)
+    t_end: float | None = said("its end [s]", None)
+    off: bool = said("not tared: `tare = false`", False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _short_forms(cls, value: Any) -> Any:
+        if isinstance(value, bool):
+            return {"off": not value}
+        if not isinstance(value, dict) or "off" in value:
+            raise ValueError(
+                "must be true, false, or a table such as { t_start = 0.0, t_end = 3.0 }; it is "
+                f"{shown(value)}"
+            )
+        return value
+
+
 class DefaultsEntry(SettingsEntry):
     """``[defaults]``, and what it says of one kind of test."""
 
     source: SourceEntry | None = said("how the file is read, over `[source]`", None)
     columns: dict[str, ColumnEntry] = said("our names = theirs, over `[columns]`", {})
     cfd: ComputedEntry | None = said("what it says of one run, over `[cfd]`", None)
+    tare: TareEntry | None = said(
+        "zeros of the gauges from the rest of the record: true, false, or where the rest is", None
+    )
 
     @field_validator("columns")
     @classmethod
@@ -145,6 +175,7 @@ class RunEntry(FileEntry):
     motion: Annotated[str, Field(min_length=1)] | None = said(
         "file with the path of the hull beside the forces", None
     )
+    started: datetime | None = said("when it was made, such as 2026-05-04T09:15:00", None)
 
     @field_validator("row")
     @classmethod
@@ -157,6 +188,8 @@ class RunEntry(FileEntry):
     def _motion_of_a_history(self) -> RunEntry:
         if self.row is not None and self.motion is not None:
             raise ValueError("a row of a table has no motion: take row or motion away")
+        if self.row is not None and self.tare and not self.tare.off:
+            raise ValueError("a row of a table has no rest to tare by: take row or tare away")
         return self
 
 
@@ -165,6 +198,12 @@ class TableEntry(FileEntry):
 
     where: dict[str, Plain] = said('takes some rows: `{ Type = "Schräg" }`', {})
     skip: list[Annotated[int, Field(ge=1)]] = said("leaves rows out, counted from 1", [])
+
+    @model_validator(mode="after")
+    def _no_rest(self) -> TableEntry:
+        if self.tare and not self.tare.off:
+            raise ValueError("rows of a table have no rest to tare by: take tare away")
+        return self
 
 
 class MatrixEntry(SettingsEntry):
@@ -281,6 +320,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "source": SourceEntry,
     "columns": None,
     "axes": AxesEntry,
+    "struts": StrutsEntry,
     "cfd": CfdEntry,
     "propeller": None,
     "rudder": None,
@@ -314,7 +354,7 @@ def read_entry(
     """
     if not isinstance(raw, Mapping):
         problems.append(
-            Problem(message=f"must be a table, not {_shown(raw)}.", file=file, entry=entry)
+            Problem(message=f"must be a table, not {shown(raw)}.", file=file, entry=entry)
         )
         return None
     try:
@@ -333,7 +373,7 @@ def read_named(
     """A table whose keys are names, each value validated."""
     if not isinstance(raw, Mapping):
         problems.append(
-            Problem(message=f"must be a table, not {_shown(raw)}.", file=file, entry=entry)
+            Problem(message=f"must be a table, not {shown(raw)}.", file=file, entry=entry)
         )
         return {}
     found: dict[str, M] = {}
@@ -351,65 +391,18 @@ def _problem(model: type[Entry], found: dict[str, Any], file: str, entry: str) -
     place = [str(part) for part in found["loc"] if not str(part).startswith("function-")]
     key = ".".join(place)
     where = f"{entry}, key {key!r}" if key else entry
-    return Problem(message=_words(model, found, place), file=file, entry=where)
-
-
-def _words(model: type[Entry], found: dict[str, Any], place: list[str]) -> str:
-    kind, given, extra = found["type"], found.get("input"), found.get("ctx", {})
-    if kind == "extra_forbidden":
-        return f"not known{did_you_mean(place[-1], _keys(model, place)) or '.'}"
-    if kind == "missing":
-        return "is missing."
-    if kind == "literal_error":
-        options = [option.strip("'") for option in _options(extra["expected"])]
-        guess = did_you_mean(given, options) if isinstance(given, str) else ""
-        return f"{_shown(given)} is not one of {', '.join(options)}{guess or '.'}"
-    if kind in ("value_error", "assertion_error"):
-        return str(extra.get("error", found["msg"])).rstrip(".") + "."
-    bounds = {
-        "greater_than": "greater than",
-        "greater_than_equal": "at least",
-        "less_than": "less than",
-        "less_than_equal": "at most",
-    }
-    if kind in bounds:
-        limit = next(iter(extra.values()))
-        return f"must be {bounds[kind]} {limit:g}, it is {_shown(given)}."
-    plain = {
-        "float_type": "a number",
-        "int_type": "a whole number",
-        "string_type": "text in quotes",
-        "bool_type": "true or false",
-        "list_type": "a list",
-        "dict_type": "a table",
-        "model_type": "a table",
-        "model_attributes_type": "a table",
-        "finite_number": "a finite number",
-        "int_from_float": "a whole number",
-        "string_too_short": "not empty",
-    }
-    if kind in plain:
-        return f"must be {plain[kind]}, it is {_shown(given)}."
-    return f"{found['msg'].rstrip('.')}: {_shown(given)}."
-
-
-def _options(expected: str) -> Iterable[str]:
-    return expected.replace(" or ", ", ").split(", ")
+    words = fault_words(found, place[-1] if place else "", _keys(model, place))
+    return Problem(message=words, file=file, entry=where)
 
 
 def _keys(model: type[Entry], place: list[str]) -> list[str]:
     nested: dict[str, type[Entry]] = {
         "source": SourceEntry,
         "cfd": ComputedEntry,
+        "tare": TareEntry,
         "U_SN": NumericalEntry,
         "columns": ColumnEntry,
     }
     if len(place) > 1 and place[0] in nested:
         return list(nested[place[0]].model_fields)
     return list(model.model_fields)
-
-
-def _shown(value: Any) -> str:
-    text = {True: "true", False: "false"}.get(value, "") if isinstance(value, bool) else ""
-    text = text or repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."

@@ -13,8 +13,14 @@ from pmmkit.campaigns.test_kinds.registry import kind_of
 _MEASURED_BY: Final = {"drift": "v", "heel": "phi", "rudder": "delta"}
 """Channel that tells a setting where the file measures it."""
 _AMPLITUDES: Final = {
-    "amplitude": {"amplitude_m", "vdot_amplitude", "v_amplitude"},
-    "yaw_amplitude": {"yaw_amplitude_deg", "path_amplitude_m", "r_amplitude", "rdot_amplitude"},
+    "amplitude": {"amplitude_m", "strut_amplitude_m", "vdot_amplitude", "v_amplitude"},
+    "yaw_amplitude": {
+        "yaw_amplitude_deg",
+        "path_amplitude_m",
+        "strut_amplitude_m",
+        "r_amplitude",
+        "rdot_amplitude",
+    },
 }
 """Keys, any of which gives the amplitude of an oscillation."""
 
@@ -72,6 +78,8 @@ def missing_settings(
         if not kind.places <= set(measured) and not _AMPLITUDES[swing.amplitude] & set(given)
     ]
     words = [_WORDS[name] for name in missing]
+    if kind.sways and kind.yaws and "strut_amplitude_m" in given and "strut_phase_deg" not in given:
+        words.append("the lead of the forward strut, strut_phase_deg")
     if kind.circles and "r" not in measured:
         turning = [name for name in ("yaw_rate", "radius") if name in given]
         if not turning:

@@ -221,6 +221,14 @@ class AxesEntry(Entry):
     z: Literal["z", "+z", "-z"] = said("their z seen in ours", "z")
 
 
+class StrutsEntry(Entry):
+    """``[struts]``: a mechanism that swings the model by two struts."""
+
+    spacing: Positive = said("between the struts along the rails [m]")
+    centre_x: float = said("the point midway, forward of midship [m]", 0.0)
+    slides: Literal["aft", "forward"] = said("the strut that slides along the hull", "aft")
+
+
 class NumericalEntry(Entry):
     """``U_SN`` of ``[cfd]``."""
 

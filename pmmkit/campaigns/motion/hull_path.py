@@ -88,15 +88,15 @@ def _phase(run: Run, values: Mapping[str, Array]) -> Array:
 def _set_path(run: Run, theta: Array) -> dict[str, Array]:
     """The path that a test was set to, in axes that move with the carriage."""
     kind = run.kind_of_test
-    if kind.motion.place is None:
+    place = kind.place(run.settings, theta)
+    if place is None:
         raise _problem(
             run.id,
             f"a {run.test} test does not say where the hull is at each instant.",
             'Name a file of t, x, y, psi: motion = "…".',
         )
     require_settings(run)
-    x, y = kind.motion.place(run.settings, theta)
-    return {"x": x, "y": y, "psi": kind.in_tank(run.settings, theta).psi}
+    return {"x": place[0], "y": place[1], "psi": kind.in_tank(run.settings, theta).psi}
 
 
 def recorded_in(

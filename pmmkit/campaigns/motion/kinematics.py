@@ -22,7 +22,7 @@ from pmmkit.campaigns.motion.nominal import (
 )
 from pmmkit.campaigns.motion.series import fit_series
 from pmmkit.campaigns.run import Run
-from pmmkit.campaigns.test_kinds.kind import ship_axes
+from pmmkit.campaigns.test_kinds.kind import TankMotion, ship_axes
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
@@ -41,6 +41,7 @@ __all__ = [
 
 _RATES: Final = ("udot", "vdot", "rdot", "pdot")
 _OSCILLATING: Final = ("u", "v", "r", "p", *_RATES, "x", "y", "psi")
+_CARRIAGE: Final = "U_carriage"
 _HELD: Final = {
     "phi": "phi",
     "delta": "delta",
@@ -56,7 +57,9 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
     """Motion of the record: what was measured, and the nominal motion for the rest.
 
     For each of u, v, r the order is: its own channel, what follows from the positions and heading
-    ``x, y, psi``, the nominal value (at the phase of the measured motion). Accelerations that were
+    ``x, y, psi``, the nominal value (at the phase of the measured motion). Where the carriage's
+    speed ``U_carriage`` was recorded it stands for the nominal speed: its mean, and in an
+    oscillating test its series where it swings with the motion. Accelerations that were
     not measured follow from the velocity: in an oscillating test through its least-squares Fourier
     series (harmonics 0 to 5 at the frequency of the run, on the actual times), in a static test
     they are zero. In a static test only the mean heading and the mean speeds are taken from
@@ -68,9 +71,9 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
         A captive test.
     data : Dataset
         The run's data, or a part of them. Channels ``u, v, r, p, phi, udot, vdot, rdot, pdot,
-        delta, n, T, x, y, psi`` are used; scalars hold for all times. A channel that is NaN
-        throughout counts as not measured, and so does a single value of what oscillates. ``x``
-        may count from the tank or from the carriage; its trend tells. Harmonics of a motion
+        delta, n, T, x, y, psi, U_carriage`` are used; scalars hold for all times. A channel that
+        is NaN throughout counts as not measured, and so does a single value of what oscillates.
+        ``x`` may count from the tank or from the carriage; its trend tells. Harmonics of a motion
         (``v_cos``, ``v_sin``) are summed at the nominal phase.
     times : array (n,)
         Times of the samples [s], even or not.
@@ -118,7 +121,9 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
     return State.of(len(instants), **known)
 
 
-def displacement_phase(run: Run, data: xr.Dataset, times: ArrayLike) -> Array:
+def displacement_phase(
+    run: Run, data: xr.Dataset, times: ArrayLike, *, within: slice = slice(None)
+) -> Array:
     """Phase θ of the displacement of an oscillating test: the motion is ∝ sin θ.
 
     The displacement is the heading in yaw tests, the sway displacement in sway tests, the surge
@@ -135,6 +140,8 @@ def displacement_phase(run: Run, data: xr.Dataset, times: ArrayLike) -> Array:
         The run's data, or a part of them.
     times : array (n,)
         Times of the samples [s], even or not.
+    within : slice
+        Samples by which the phase is told; a ramp of the carriage stays out of them.
 
     Returns
     -------
@@ -159,7 +166,7 @@ def displacement_phase(run: Run, data: xr.Dataset, times: ArrayLike) -> Array:
     for told in run.kind_of_test.phase_channels:
         if told.channel not in channels:
             continue
-        series = fit_series(run, instants, channels[told.channel], told.channel)
+        series = fit_series(run, instants[within], channels[told.channel][within], told.channel)
         cosine, sine = series.fundamental
         if not math.hypot(cosine, sine) > _CLEAR * series.standard_error:
             continue
@@ -197,7 +204,7 @@ def _channels(run: Run, data: xr.Dataset, times: Array) -> dict[str, Array]:
     """The measured motions, each (n,)."""
     found: dict[str, Array] = {}
     problems = []
-    for name in (*_OSCILLATING, *_HELD):
+    for name in (*_OSCILLATING, *_HELD, _CARRIAGE):
         if name in data:
             values = np.asarray(data[name].values, float)
             if values.ndim == 0 and run.dynamic and name in _OSCILLATING:
@@ -242,15 +249,17 @@ def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Arra
     measured = {"x", "y", "psi"} & set(channels)
     if not run.dynamic:
         return _rest_static(run, channels, times)
-    if not measured:
+    if not measured and _CARRIAGE not in channels:
         return motion_at_phase(run, displacement_phase(run, data, times))
     kind = run.kind_of_test
     if kind.places - measured:
         require_settings(run)
     tank = kind.in_tank(run.settings, displacement_phase(run, data, times))
+    if _CARRIAGE in channels:
+        tank = _towed(tank, run, channels[_CARRIAGE], times)
     if "x" in measured:
         series = fit_series(run, times, channels["x"], "x")
-        xdot = series.derivative(times, 1) + _carriage(run, series.slope)
+        xdot = series.derivative(times, 1) + _carriage(run, channels, series.slope)
         tank = replace(tank, xdot=xdot, xddot=series.derivative(times, 2))
     if "y" in measured:
         series = fit_series(run, times, channels["y"], "y")
@@ -263,14 +272,19 @@ def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Arra
 
 
 def _rest_static(run: Run, channels: Mapping[str, Array], times: Array) -> State:
-    nominal = motion_at_phase(run, np.zeros_like(times))
+    speed = _towing_speed(run, channels)
+    nominal = motion_at_phase(
+        run
+        if speed == run.settings.speed
+        else run.with_(settings=replace(run.settings, speed=speed)),
+        np.zeros_like(times),
+    )
     slopes = {name: _slope(times, channels[name]) for name in ("x", "y", "psi") if name in channels}
-    if run.kind_of_test.circles:
-        return nominal.with_(r=np.full_like(times, slopes.get("psi", run.settings.turn_rate)))
-    if not slopes:
+    if run.kind_of_test.circles and "psi" in slopes:
+        return nominal.with_(r=np.full_like(times, slopes["psi"]))
+    if run.kind_of_test.circles or not slopes:
         return nominal
-    speed = run.settings.speed
-    ahead = slopes["x"] + _carriage(run, slopes["x"]) if "x" in slopes else speed
+    ahead = slopes["x"] + _carriage(run, channels, slopes["x"]) if "x" in slopes else speed
     aside = slopes.get("y", 0.0)
     psi = float(np.nanmean(channels["psi"])) if "psi" in channels else run.settings.drift
     return nominal.with_(
@@ -279,9 +293,34 @@ def _rest_static(run: Run, channels: Mapping[str, Array], times: Array) -> State
     )
 
 
-def _carriage(run: Run, slope: float) -> float:
+def _towing_speed(run: Run, channels: Mapping[str, Array]) -> float:
+    """The speed of the carriage: the mean of what was recorded, else as the test was set."""
+    if _CARRIAGE not in channels:
+        return run.settings.speed
+    return float(np.nanmean(channels[_CARRIAGE]))
+
+
+def _towed(tank: TankMotion, run: Run, speed: Array, times: Array) -> TankMotion:
+    """A motion in the tank with the recorded speed of the carriage in place of the one set.
+
+    A swing of the carriage counts where it stands five standard errors clear of zero: surge that
+    the carriage itself makes, or a carriage that keeps the hull's speed in yaw. Else its noise
+    would be taken for an acceleration.
+    """
+    mean = float(np.nanmean(speed))
+    if np.nanmin(speed) == np.nanmax(speed):
+        return replace(tank, xdot=tank.xdot + (mean - run.settings.speed))
+    series = fit_series(run, times, speed, _CARRIAGE)
+    swings = np.hypot(series.cosines[1:], series.sines[1:])
+    if not np.any(swings > _CLEAR * series.standard_error):
+        return replace(tank, xdot=tank.xdot + (mean - run.settings.speed))
+    return replace(tank, xdot=series.derivative(times, 0), xddot=series.derivative(times, 1))
+
+
+def _carriage(run: Run, channels: Mapping[str, Array], slope: float) -> float:
     """What to add to the trend of x: the carriage's speed where x counts from the carriage."""
-    return run.settings.speed if abs(slope) < abs(run.settings.speed) / 2 else 0.0
+    speed = _towing_speed(run, channels)
+    return speed if abs(slope) < abs(speed) / 2 else 0.0
 
 
 def _slope(times: Array, values: Array) -> float:

@@ -28,6 +28,8 @@ _AXIS_PARITY: Final[dict[str, str]] = {
     "vdot": "y",
     "y": "y",
     "ydot": "y",
+    "y_forward": "y",
+    "y_aft": "y",
     "FY_rudder": "y",
     "N": "xy",
     "r": "xy",

@@ -26,7 +26,7 @@ OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop", "tare"})
 
 def correct(
     data: Mapping[str, Array], corrections: Sequence[Correction], *, file: str, run: str
-) -> tuple[dict[str, Array], list[str]]:
+) -> tuple[dict[str, Array], list[str], dict[str, tuple[float, float]]]:
     """Channels with the corrections of the campaign file, in its order.
 
     Values are SI, in ship axes and our signs: corrections come after all conversions. Of harmonics
@@ -48,6 +48,8 @@ def correct(
         Channels; those dropped are not there.
     notes : list of str
         What was done and why.
+    tared : dict
+        By channel the zero that was taken off and its standard uncertainty.
 
     Raises
     ------
@@ -56,6 +58,7 @@ def correct(
     """
     out = dict(data)
     notes: list[str] = []
+    tared: dict[str, tuple[float, float]] = {}
     problems: list[Problem] = []
     for correction in corrections:
         if correction.action not in OF_SAMPLES:
@@ -79,7 +82,8 @@ def correct(
             continue
         if correction.action == "tare":
             try:
-                out, note = _tared(out, correction)
+                out, note, zeros = _tared(out, correction)
+                tared |= zeros
                 notes.append(f"{note} ({correction.reason})")
             except DataError as error:
                 problems += [replace(item, file=file, run=run) for item in error.problems]
@@ -99,7 +103,7 @@ def correct(
             notes.append(f"{note} ({correction.reason})")
     if problems:
         raise CampaignError(problems)
-    return out, notes
+    return out, notes, tared
 
 
 def shift_in_si(channel: str, value: float, unit: str | None) -> float | None:
@@ -150,7 +154,9 @@ def _trimmed(data: dict[str, Array], correction: Correction) -> dict[str, Array]
     return {name: numbers[inside] for name, numbers in data.items()} if inside.any() else None
 
 
-def _tared(data: Mapping[str, Array], correction: Correction) -> tuple[dict[str, Array], str]:
+def _tared(
+    data: Mapping[str, Array], correction: Correction
+) -> tuple[dict[str, Array], str, dict[str, tuple[float, float]]]:
     """Channels without what they show at rest: from the times stated, else at the head."""
     named = correction.values.get("channels", [name for name in CHANNELS if name in data])
     absent = [name for name in named if name not in data]
@@ -166,7 +172,9 @@ def _tared(data: Mapping[str, Array], correction: Correction) -> tuple[dict[str,
         for name, x, s in zip(named, zero.value, zero.std, strict=True)
     )
     shifted = {name: data[name] - x for name, x in zip(named, zero.value, strict=True)}
-    return {**data, **shifted}, f"correction: tared by {seconds:.3g} s of rest: {told} taken off"
+    note = f"correction: tared by {seconds:.3g} s of rest: {told} taken off"
+    zeros = zip(zero.value.tolist(), zero.std.tolist(), strict=True)
+    return {**data, **shifted}, note, dict(zip(named, zeros, strict=True))
 
 
 def _at_rest(data: Mapping[str, Array], correction: Correction) -> NDArray[np.bool_]:
@@ -190,7 +198,7 @@ def _at_rest(data: Mapping[str, Array], correction: Correction) -> NDArray[np.bo
     if found is None:
         raise DataError(
             "the correction 'tare' finds no rest at the head of the record: state t_start and "
-            "t_end, or leave this run out of the correction."
+            "t_end, or leave this run out of the correction (tare = false where [defaults] tare)."
         )
     return np.arange(len(t)) < found.stop
 

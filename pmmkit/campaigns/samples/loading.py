@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,7 +25,8 @@ from pmmkit.campaigns.samples.conversions import Frame, stacked_harmonics, to_ou
 from pmmkit.campaigns.samples.corrections import correct
 from pmmkit.campaigns.samples.geodesy import out_of_range, placed
 from pmmkit.campaigns.settings import Settings
-from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.campaigns.test_kinds.struts import Struts, place_on_struts
+from pmmkit.channels import CHANNEL_UNITS, STRUT_CHANNELS
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.files import sha256
 from pmmkit.numerics import Array
@@ -64,6 +66,8 @@ class Context:
         Kind of test.
     settings : Settings or None
         What it was set to.
+    struts : Struts or None
+        The mechanism that swings the model.
     """
 
     ship: Ship
@@ -76,6 +80,7 @@ class Context:
     solver: Solver = field(default_factory=Solver)
     test: str = ""
     settings: Settings | None = None
+    struts: Struts | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -284,11 +289,14 @@ def dataset(
     )
     converted, moved = placed({**converted, **compass}, context.antenna)
     said += moved
+    if kind == "history":
+        converted, carried = _carried(converted, context, request)
+        said += carried
     converted, seen = _seen(kind, converted, context, request, motion)
     if kind == "harmonics":
         others = {name: numbers for name, numbers in converted.items() if name in CHANNEL_UNITS}
         converted = {**others, **stacked_harmonics(converted)}
-    converted, corrections = correct(
+    converted, corrections, tared = correct(
         converted, context.corrections, file=request.shown, run=request.run or ""
     )
     said += [*more, *seen, *corrections]
@@ -314,8 +322,48 @@ def dataset(
             "conversions": json.dumps(said, ensure_ascii=False),
             "source": request.shown,
             "run": request.run or "",
+            **({"tared": json.dumps(tared)} if tared else {}),
         },
     )
+
+
+def _carried(
+    values: Mapping[str, Array], context: Context, request: Request
+) -> tuple[dict[str, Array], list[str]]:
+    """Place and heading of the hull instead of the positions of its struts."""
+    present = STRUT_CHANNELS & set(values)
+    if not present:
+        return dict(values), []
+    if present != STRUT_CHANNELS:
+        raise request.error(
+            request.problem(
+                f"{', '.join(sorted(present))} is there without "
+                f"{', '.join(sorted(STRUT_CHANNELS - present))}.",
+                remedy="Map both struts under [columns], or leave out the one with = false.",
+            )
+        )
+    if context.struts is None:
+        raise request.error(
+            request.problem(
+                "y_forward and y_aft need the distance of the struts.",
+                remedy="State it: [struts] with spacing = … in metres.",
+            )
+        )
+    forward, aft = values["y_forward"], values["y_aft"]
+    drift = 0.0 if context.settings is None else context.settings.drift
+    leans = float(np.arctan(np.mean(forward - aft) / context.struts.spacing))
+    turned = drift if abs(leans) <= abs(leans - drift) else 0.0
+    found = place_on_struts(forward, aft, context.struts, turned)
+    kept = {name: x for name, x in values.items() if name not in STRUT_CHANNELS}
+    own = [name for name in found if name not in kept]
+    said = f"{', '.join(own)} from two struts {context.struts.spacing:g} m apart"
+    if drift:
+        said += (
+            f", on which the model is turned by {math.degrees(drift):.4g}°"
+            if turned
+            else ", whose distance across the tank holds the drift angle"
+        )
+    return {**found, **kept}, [said] if own else []
 
 
 def _seen(

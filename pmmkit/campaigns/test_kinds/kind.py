@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import ClassVar, Final, Literal
 
 import numpy as np
 
 from pmmkit.campaigns.settings import Settings
+from pmmkit.campaigns.test_kinds.struts import swung
 from pmmkit.numerics import Array
 
 Family = Literal["steady", "oscillating", "free-running"]
@@ -320,15 +321,38 @@ class TestKind:
         NotImplementedError
             If the kind has no nominal motion.
         """
-        if self.motion.ship is not None:
+        if self.motion.ship is not None and not self._on_struts(settings):
             return self.motion.ship(settings, theta)
         return ship_axes(self.in_tank(settings, theta))
 
     def in_tank(self, settings: Settings, theta: Array) -> TankMotion:
         """Motion in tank axes that a captive test is set to, see `nominal`."""
+        if self._on_struts(settings):
+            found = swung(settings, self._phase_of_struts(theta), lags=self.sways)
+            return TankMotion(**{each.name: found[each.name] for each in fields(TankMotion)})
         if self.motion.tank is None:
             raise NotImplementedError(f"{self.title} has no nominal motion in tank axes")
         return self.motion.tank(settings, theta)
+
+    def place(self, settings: Settings, theta: Array) -> tuple[Array, Array] | None:
+        """Where the hull is, x and y from rest [m]; None where the settings do not tell it.
+
+        Parameters
+        ----------
+        settings, theta
+            As for `nominal`; the axes move with the carriage.
+        """
+        if self._on_struts(settings):
+            found = swung(settings, self._phase_of_struts(theta), lags=self.sways)
+            return found["x"], found["y"]
+        return None if self.motion.place is None else self.motion.place(settings, theta)
+
+    def _on_struts(self, settings: Settings) -> bool:
+        return settings.strut_spacing is not None and (self.sways or self.yaws)
+
+    def _phase_of_struts(self, theta: Array) -> Array:
+        """Phase θs of `swung`: with sway θ itself; alone the heading goes with sin θ = cos θs."""
+        return theta if self.sways else theta - 0.5 * math.pi
 
 
 def ship_axes(tank: TankMotion) -> dict[str, Array]:

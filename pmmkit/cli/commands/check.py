@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
 from pmmkit.cli.options import Campaign, Data
@@ -35,13 +35,24 @@ def check(campaign: Campaign, data: Data = None, out: Out = None) -> Outcome:
         "findings": findings,
     }
     if out:
-        write_results(out, [("findings.json", findings)])
+        write_results(out, [("findings.json", findings), *_files(found)])
     return Outcome(content=content, lines=[_text(found)], status=1 if errors else 0)
+
+
+def _files(findings: Sequence[CheckFinding]) -> Iterator[tuple[str, str]]:
+    """Figures and tables of the findings that have numbers of each run."""
+    from pmmkit.figures import svg, zeros_at_rest
+
+    for item in findings:
+        if item.by_run:
+            yield f"{item.check}.svg", svg(zeros_at_rest(item))
 
 
 def _text(findings: Sequence[CheckFinding]) -> str:
     """Findings of the checks for people."""
     from pmmkit.checks.finding import name_runs
+    from pmmkit.checks.zeros import zeros_grid
+    from pmmkit.presentation.layout import table_lines
 
     if not findings:
         return "The checks found nothing to say."
@@ -51,5 +62,6 @@ def _text(findings: Sequence[CheckFinding]) -> str:
         lines = [f"{item.severity.upper()} {item.check}{where}", f"  {item.message}"]
         if item.remedy:
             lines.append(f"  {item.remedy}")
+        lines += [f"  {line}" for line in table_lines(zeros_grid(item))] if item.by_run else []
         blocks.append("\n".join(lines))
     return "\n".join(blocks)

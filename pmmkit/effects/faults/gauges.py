@@ -164,7 +164,7 @@ EFFECTS: Final = (
     fault(
         "fault_gauge_drift_of_the_day",
         "gauges",
-        "Gauges that show more from run to run, in the order of the campaign file.",
+        "Gauges that show more from run to run, in the order of the day.",
         creep_over_the_day,
         (
             size("Y", "N", 2.4, "from the first run to the last"),

@@ -264,9 +264,10 @@ def _static_test(settings: Mapping[str, tuple[float, str]]) -> TestKind | None:
 
 
 def _carriage(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:
-    if "speed" not in seen:
+    found = seen.get("U_carriage", seen.get("speed"))
+    if found is None:
         return {}
-    return {"speed": (_rounded(float(np.mean(seen["speed"])), 4), "recorded speed")}
+    return {"speed": (_rounded(float(np.median(found)), 4), "recorded speed")}
 
 
 def _held(seen: Mapping[str, Array]) -> dict[str, tuple[float, str]]:

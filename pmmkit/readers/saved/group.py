@@ -59,6 +59,9 @@ _MEANINGS: Final[dict[str, str]] = {
     "cog": "course over ground",
     "harmonic": "order of the harmonic",
     "speed": "speed of the carriage",
+    "U_carriage": "speed of the carriage along its rails",
+    "y_forward": "position of the forward strut across the tank",
+    "y_aft": "position of the aft strut across the tank",
 }
 _PARTS: Final = {
     "cos": "{}, cosine harmonics (in phase with the velocity)",

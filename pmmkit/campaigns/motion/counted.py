@@ -1,0 +1,148 @@
+"""Which samples of a record count: with the carriage at its speed, and of whole cycles."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from pmmkit.campaigns.motion.kinematics import displacement_phase
+from pmmkit.campaigns.motion.nominal import nominal_phase
+from pmmkit.campaigns.run import Run
+from pmmkit.numerics import Array
+from pmmkit.signals import Cycles, Travel, Window, at_speed, in_step, steady_window, whole_cycles
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True, kw_only=True)
+class Counted:
+    """The whole cycles of an oscillating record.
+
+    Parameters
+    ----------
+    theta : array (n,)
+        Phase of the displacement at all samples of the record [rad].
+    cycles : Cycles
+        Those that count; samples are those of the whole record.
+    travel : Travel
+        Where the carriage is at its speed.
+    """
+
+    theta: Array
+    cycles: Cycles
+    travel: Travel
+
+
+def travel_of(
+    run: Run, data: xr.Dataset, times: Array, record: Array, names: Sequence[str]
+) -> Travel:
+    """Where the carriage is at its speed: by its recorded speed, else by that of the hull.
+
+    Of an oscillating run without either the forces tell; of a static one `steady_window` finds
+    the ramp.
+
+    Parameters
+    ----------
+    run : Run
+        A captive test with a history.
+    data : Dataset
+        Its data.
+    times : array (n,)
+        Of the samples [s].
+    record : array (c, n)
+        Forces.
+    names : sequence of str
+        Their channels.
+    """
+    speed = _speed(data)
+    if speed is not None:
+        return at_speed(times, speed)
+    if run.dynamic and run.settings.period and "X" in names:
+        return in_step(times, nominal_phase(run, times), record, list(names).index("X"))
+    return Travel(0, times.size)
+
+
+def counted_window(
+    run: Run, data: xr.Dataset, times: Array, record: Array, names: Sequence[str]
+) -> Window:
+    """The steady part of a static record while the carriage is at its speed.
+
+    Parameters
+    ----------
+    run, data, times, record, names
+        As for `travel_of`.
+
+    Raises
+    ------
+    DataError
+        If too little is left, or the record is damaged.
+    """
+    travel = travel_of(run, data, times, record, names)
+    if not travel.reason:
+        return steady_window(times, record)
+    cut = slice(travel.start, travel.stop)
+    found = steady_window(times[cut], record[:, cut])
+    return replace(
+        found,
+        start=found.start + travel.start,
+        stop=found.stop + travel.start,
+        reason=f"left out {travel.reason}; {found.reason}",
+    )
+
+
+def counted_cycles(
+    run: Run,
+    data: xr.Dataset,
+    times: Array,
+    record: Array,
+    names: Sequence[str],
+    *,
+    cycles: int | tuple[int, int] | None = None,
+) -> Counted:
+    """Whole cycles of an oscillating record while the carriage is at its speed.
+
+    Parameters
+    ----------
+    run, data, times, record, names
+        As for `travel_of`; the run's period counts.
+    cycles : int or (int, int), optional
+        Only these, counted from 1 at the start of the record, whatever the carriage does.
+
+    Raises
+    ------
+    DataError
+        If there are too few whole cycles, or the record is damaged.
+    """
+    travel = Travel(0, times.size)
+    if cycles is None:
+        travel = travel_of(run, data, times, record, names)
+    if not travel.reason:
+        theta = displacement_phase(run, data, times)
+        found = whole_cycles(times, theta, record, cycles=cycles)
+        return Counted(theta=theta, cycles=found, travel=travel)
+    cut = slice(travel.start, travel.stop)
+    theta = displacement_phase(run, data, times, within=cut)
+    found = whole_cycles(times[cut], theta[cut], record[:, cut])
+    moved = replace(
+        found,
+        start=found.start + travel.start,
+        stop=found.stop + travel.start,
+        reason=f"left out {travel.reason}; {found.reason}",
+    )
+    return Counted(theta=theta, cycles=moved, travel=travel)
+
+
+def _speed(data: xr.Dataset) -> Array | None:
+    """The recorded speed of the carriage, or of the hull; None where there is none."""
+    found = {
+        name: np.asarray(data[name].values, float)
+        for name in ("U_carriage", "u", "v")
+        if name in data and data[name].dims == ("t",) and np.isfinite(data[name].values).all()
+    }
+    if "U_carriage" in found:
+        return found["U_carriage"]
+    return np.hypot(found["u"], found.get("v", 0.0)) if "u" in found else None
