@@ -93,7 +93,7 @@ class CampaignEntry(Entry):
     kind: Literal["captive", "free-running"] = "captive"
     forces: Literal["hydrodynamic", "balance"] = "hydrodynamic"
     rudder_positive: Literal["starboard", "port"] = "starboard"
-    drift_positive: Literal["starboard-bow", "port-bow"] = "starboard-bow"
+    drift_positive: Literal["starboard-bow", "port-bow"] | None = None
     moment_reference_x: float | None = None
     moment_reference_z: float = 0.0
     motion_reference_x: float = 0.0
