@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
@@ -53,8 +54,8 @@ class RunDraft:
         Where the motion of the hull lies beside its forces.
     sheet : str, int or None
         Sheet of the workbook that holds the run, where it has several.
-    computation : mapping of str to float
-        What lies beside it and says what ``[cfd]`` asks.
+    computation : mapping
+        What lies beside it, or the format says, of what ``[cfd]`` asks.
     listed : bool
         Whether a matrix says what it was set to.
     """
@@ -67,7 +68,7 @@ class RunDraft:
     problems: tuple[str, ...] = ()
     motion: str | None = None
     sheet: str | int | None = None
-    computation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
 
 
@@ -87,6 +88,8 @@ class Draft:
         Histories; tables whose rows are runs.
     matrix : MatrixDraft or None
         A table that lists runs.
+    proposal : Proposal or None
+        Axes and signs by the physics of all runs; None where they were not asked.
     saved : tuple of (str, Campaign)
         Saved campaigns by their files.
     unused : tuple of str
@@ -104,6 +107,7 @@ class Draft:
     unused: tuple[str, ...]
     look: Look
     matrix: MatrixDraft | None = None
+    proposal: Proposal | None = None
 
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
@@ -277,10 +281,17 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
-                computation=reader_of(item.format).computation(item.request),
+                computation=_computation(item, test),
             )
         )
     return drafts
+
+
+def _computation(item: FileLook, test: str | None) -> dict[str, Any]:
+    """What is known of the computation; of a hull that oscillates the mesh moves."""
+    reader = reader_of(item.format)
+    moves = test is not None and kind_of(test).captive and kind_of(test).oscillates
+    return {**(reader.of_moving_mesh if moves else {}), **reader.computation(item.request)}
 
 
 def _motion_beside(item: FileLook, base: str) -> str | None:

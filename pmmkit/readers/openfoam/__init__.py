@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.reader import Reader
@@ -52,7 +53,16 @@ class OpenFoam(Reader):
 
         return USUAL
 
-    def computation(self, request: Request) -> Mapping[str, float]:
+    @property
+    def of_moving_mesh(self) -> Mapping[str, Any]:
+        """Forces along axes that stay, moments about a CofR that does so too.
+
+        The function object ``forces`` sums over the patches in the axes of the mesh's space and
+        takes moments about a CofR that is read once (its source, both branches of OpenFOAM).
+        """
+        return {"forces_in": "earth", "moment_centre_moves": False}
+
+    def computation(self, request: Request) -> Mapping[str, Any]:
         """The density by which the forces were multiplied, where controlDict states it."""
         from pmmkit.readers.openfoam.case import density_in, entries_of
         from pmmkit.readers.openfoam.places import series_of
