@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
+from pmmkit.checks.expected import prime_unit
 from pmmkit.checks.finding import figure
 from pmmkit.checks.inertia import inertia_ratio
 from pmmkit.checks.signs import DRIFT_LIMIT, SIGMAS, damping, drift_slope, rudder_slope
@@ -37,6 +38,12 @@ ALONG_HULL: Final = -0.5
 ALONG_TANK: Final = -0.95
 """Growth of X with the square of drift over the slope of Y: (Xvv - Xuu)/|Yv| is -0.06 to -0.30 for
 KVLCC2, KCS and S175, -0.68 for the Mariner; along the tank it is 1 less, by the drag of Y."""
+
+SHARE: Final = 0.01
+"""Doubt of a slope: this share of the largest force over the range of the angle, which gauges and
+rounding leave, whatever the scatter of a few runs says."""
+PHASE: Final = 0.02
+"""Doubt of a part of a harmonic: this share of its size, a phase that is wrong by one degree."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,25 +167,62 @@ def _slopes(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[AskedS
         for channel, sign in right.items():
             slope = slope_of(campaign, summaries, channel)
             if slope is not None:
+                doubt = _doubt_of_slope(campaign, summaries, channel, motion, slope.runs)
                 yield AskedSign(
                     channel=channel,
                     motion=motion,  # type: ignore[arg-type]
                     words=f"{channel}' over {words}",
                     value=slope.value,
-                    std=slope.std,
+                    std=max(slope.std, doubt),
                     right=sign,
                     runs=slope.runs,
                 )
 
 
+def _named(summaries: Sequence[Summary], runs: Sequence[str]) -> list[Summary]:
+    found = {item.run.id: item for item in summaries}
+    return [found[run] for run in runs]
+
+
+def _doubt_of_slope(
+    campaign: Campaign, summaries: Sequence[Summary], channel: str, angle: str, runs: Sequence[str]
+) -> float:
+    """Standard error of a slope by the noise of the means behind it, and by what gauges leave."""
+    items = _named(summaries, runs)
+    unit = [prime_unit(campaign, channel, item.run.settings.speed) for item in items]
+    noise = np.array([item.harmonic_noise.get(channel, 0.0) for item in items]) / unit
+    largest = float(np.max(np.abs([item.mean(channel) for item in items] / np.array(unit))))
+    angles = np.array([float(getattr(item.run.settings, angle)) for item in items])
+    centred = angles - angles.mean()
+    by_noise = float(np.sqrt(np.sum((noise * centred) ** 2)) / np.sum(centred**2))
+    return max(by_noise, SHARE * largest / float(np.ptp(angles)))
+
+
+def _doubt_of_harmonic(item: Summary, channel: str) -> float:
+    """Standard error of a part of the first harmonic of a force."""
+    size = float(np.hypot(item.c(channel, 1), item.s(channel, 1)))
+    return max(item.harmonic_noise.get(channel, 0.0), PHASE * size)
+
+
 def _damped(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[AskedSign]:
     for found in damping(campaign, summaries):
+        items = _named(summaries, found.runs)
+        scale = [
+            prime_unit(campaign, found.motion, item.run.settings.speed)
+            / prime_unit(campaign, found.channel, item.run.settings.speed)
+            / abs(item.c(found.motion, 1))
+            for item in items
+        ]
+        doubts = [
+            one * _doubt_of_harmonic(item, found.channel)
+            for one, item in zip(scale, items, strict=True)
+        ]
         yield AskedSign(
             channel=found.channel,
             motion="sway" if found.motion == "v" else "yaw",
             words=f"{found.derivative}' of {found.tests}",
             value=found.value,
-            std=found.std,
+            std=max(found.std, float(np.median(doubts))),
             right=-1,
             runs=found.runs,
         )
@@ -191,12 +235,17 @@ def _inertia(summaries: Sequence[Summary]) -> Iterator[AskedSign]:
     ):
         ratio = inertia_ratio(key, summaries)
         if ratio is not None:
+            accelerated = "vdot" if motion == "sway" else "rdot"
+            doubts = [
+                _doubt_of_harmonic(item, key) / abs(item.s(accelerated, 1))
+                for item in _named(summaries, ratio.runs)
+            ]
             yield AskedSign(
                 channel=key,
                 motion=motion,  # type: ignore[arg-type]
                 words=words,
                 value=ratio.slope,
-                std=ratio.error,
+                std=float(np.nanmax([ratio.error, np.median(doubts)])),
                 right=-1,
                 runs=ratio.runs,
             )
@@ -219,7 +268,8 @@ def _ahead(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[AskedSi
     values: Array = np.array([item.mean("X") / _pressure(campaign, item) for item in straight])
     value = float(np.median(values))
     alike = bool(np.all(np.sign(values) == np.sign(value)))
-    large = side is not None and abs(value) > AHEAD * abs(side.value)
+    noise = max(item.harmonic_noise.get("X", 0.0) / _pressure(campaign, item) for item in straight)
+    large = side is not None and abs(value) > max(AHEAD * abs(side.value), 2 * SIGMAS * noise)
     yield AskedSign(
         channel="X",
         motion="ahead",

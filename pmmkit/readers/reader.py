@@ -8,6 +8,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
+from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 
 
@@ -126,6 +127,21 @@ class Reader(ABC):
     def computation(self, request: Request) -> Mapping[str, Any]:  # noqa: ARG002
         """What lies beside the files of a computation and says what ``[cfd]`` asks, by its keys."""
         return MappingProxyType({})
+
+    def prescribed(
+        self,
+        request: Request,  # noqa: ARG002
+    ) -> tuple[Mapping[str, Array], tuple[str, ...]]:
+        """The path that the hull was told to follow, where it lies beside the files.
+
+        Returns
+        -------
+        path : mapping of str to array (n,)
+            ``t`` [s], ``x``, ``y`` [m] and ``psi`` [rad] along the axes of the source, or nothing.
+        notes : tuple of str
+            What of it was not followed.
+        """
+        return MappingProxyType({}), ()
 
     @property
     def of_moving_mesh(self) -> Mapping[str, Any]:

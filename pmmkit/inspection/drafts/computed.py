@@ -45,8 +45,9 @@ def computed_in(runs: Sequence[RunDraft]) -> Computed:
     every = _alike(runs)
     of_kind = {}
     for test in dict.fromkeys(run.test for run in runs if run.test is not None):
-        shared = _alike([run for run in runs if run.test == test])
-        if own := {key: value for key, value in shared.items() if key not in every}:
+        group = [run for run in runs if run.test == test]
+        own = {key: value for key, value in _alike(group).items() if key not in every}
+        if own and len(group) > 1:
             of_kind[test] = own
     return Computed(every=every, of_kind=of_kind)
 

@@ -58,6 +58,8 @@ class RunDraft:
         What lies beside it, or the format says, of what ``[cfd]`` asks.
     listed : bool
         Whether a matrix says what it was set to.
+    notes : tuple of str
+        What of the motion that it was told to make was not followed.
     """
 
     id: str
@@ -70,6 +72,7 @@ class RunDraft:
     sheet: str | int | None = None
     computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -267,6 +270,10 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         )
         time = channels.pop("t", np.zeros(0))
         moved = motion_facts(time, channels, named.test) if len(time) else Moved()
+        told = _told(item, named.test)
+        moved = replace(
+            moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
+        )
         test = named.test if named.test is not None else moved.test
         test = _sharper(test, moved)
         motion = _motion_beside(item, base)
@@ -281,10 +288,35 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
+                notes=reader_of(item.format).prescribed(item.request)[1],
                 computation=_computation(item, test),
             )
         )
     return drafts
+
+
+def _told(item: FileLook, test: str | None) -> Moved:
+    """What the path says that the hull was told to follow, where one lies beside the file."""
+    path, _ = reader_of(item.format).prescribed(item.request)
+    if not path:
+        return Moved()
+    found = motion_facts(path["t"], {name: path[name] for name in ("y", "psi")}, test)
+    if _only_turns(path):
+        found = Moved(settings=found.settings)
+    along = np.polyfit(path["t"], path["x"], 1)[0]
+    settings = {key: (value, f"told to: {why}") for key, (value, why) in found.settings.items()}
+    if abs(along) > _AT_REST:
+        settings["speed"] = (float(f"{abs(along):.5g}"), "told to: velocity along x")
+    return Moved(test=found.test, settings=settings)
+
+
+def _only_turns(path: Mapping[str, Array]) -> bool:
+    """Whether a hull turns to and fro without going aside: no test that only yaws."""
+    return bool(np.ptp(path["psi"]) > 0 and np.ptp(path["y"]) == 0)
+
+
+_AT_REST: Final = 0.01
+"""Speed of a mesh below which it stays where it is, and the inflow has the speed [m/s]."""
 
 
 def _computation(item: FileLook, test: str | None) -> dict[str, Any]:

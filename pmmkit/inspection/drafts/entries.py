@@ -111,6 +111,7 @@ def entry_lines(
     if entry.look is base and entry.sheet is not None and apart:
         lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
     lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
+    lines += [f"# {toml_comment(note)}" for note in entry.notes]
     lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
     if entry.problems:
         todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
