@@ -16,7 +16,7 @@ import numpy as np
 from pmmkit.checks.expected import prime_unit
 from pmmkit.checks.finding import figure
 from pmmkit.checks.inertia import inertia_ratio
-from pmmkit.checks.signs import DRIFT_LIMIT, SIGMAS, damping, drift_slope, rudder_slope
+from pmmkit.checks.signs import DRIFT_LIMIT, SIGMAS, Slope, damping, drift_slope, rudder_slope
 from pmmkit.numerics import Array
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ def _slopes(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[AskedS
         for channel, sign in right.items():
             slope = slope_of(campaign, summaries, channel)
             if slope is not None:
-                doubt = _doubt_of_slope(campaign, summaries, channel, motion, slope.runs)
+                doubt = _doubt_of_slope(campaign, summaries, channel, motion, slope)
                 yield AskedSign(
                     channel=channel,
                     motion=motion,  # type: ignore[arg-type]
@@ -185,17 +185,21 @@ def _named(summaries: Sequence[Summary], runs: Sequence[str]) -> list[Summary]:
 
 
 def _doubt_of_slope(
-    campaign: Campaign, summaries: Sequence[Summary], channel: str, angle: str, runs: Sequence[str]
+    campaign: Campaign, summaries: Sequence[Summary], channel: str, angle: str, slope: Slope
 ) -> float:
-    """Standard error of a slope by the noise of the means behind it, and by what gauges leave."""
-    items = _named(summaries, runs)
+    """Standard error of a slope by the noise of the means, and by what gauges and zeros leave.
+
+    A force without angle that is larger than what the angle makes of it is no answer of a hull.
+    """
+    items = _named(summaries, slope.runs)
     unit = [prime_unit(campaign, channel, item.run.settings.speed) for item in items]
     noise = np.array([item.harmonic_noise.get(channel, 0.0) for item in items]) / unit
     largest = float(np.max(np.abs([item.mean(channel) for item in items] / np.array(unit))))
     angles = np.array([float(getattr(item.run.settings, angle)) for item in items])
     centred = angles - angles.mean()
     by_noise = float(np.sqrt(np.sum((noise * centred) ** 2)) / np.sum(centred**2))
-    return max(by_noise, SHARE * largest / float(np.ptp(angles)))
+    left = max(SHARE * largest, abs(slope.intercept) / 2)
+    return max(by_noise, left / float(np.ptp(angles)))
 
 
 def _doubt_of_harmonic(item: Summary, channel: str) -> float:

@@ -242,9 +242,9 @@ def measured_and_fitted(
     for group, places in enumerate(solution.groups):
         for item in (rows[place] for place in places):
             kind = item.result.run.kind_of_test.title
-            for channel, force in item.force.items():
-                own = [known.get((group, name), 0.0) for name in item.names[channel]]
-                pair = np.stack([force, item.design[channel] @ np.array(own)])
+            for channel, names in item.names.items():
+                own = [known.get((group, name), 0.0) for name in names]
+                pair = np.stack([item.force[channel], item.design[channel] @ np.array(own)])
                 found.setdefault(channel, {}).setdefault(kind, []).append(pair)
     return {
         channel: {

@@ -44,7 +44,7 @@ def seen_by(axes: str, flips: set[str], asked=ASKED, *, uncertain=()) -> list[As
             * (-1) ** len({channel, motion} & flips),
             std=1.0 if (channel, motion) in uncertain else 0.0,
             right=right,
-            runs=("a", "b"),
+            runs=("a", "b", "c"),
         )
         for channel, motion, right in asked
     ]

@@ -11,6 +11,7 @@ import pytest
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.reduction.reduce import reduce_campaign
+from pmmkit.reduction.solve import measured_and_fitted
 from tests.support.small_campaign import write_campaign
 
 CHANGED = {
@@ -100,3 +101,13 @@ def test_stated_turns_and_heel_go_with_the_axes(tmp_path, ours, axes, turn, heel
     assert found["rate"].settings.turn_rate == turn * 0.2
     assert found["radius"].settings.turn_rate == turn * 0.05
     assert np.sign(found["heel"].settings.heel) == heel
+
+
+def test_a_roll_moment_that_the_structure_does_not_hold_is_passed_over(ours, tmp_path):
+    """Some runs hold K and no derivative of it is asked: what the fit makes of forces has none."""
+    folder = shutil.copytree(ours, tmp_path / "rolled")
+    for path in (folder / "runs").glob("SD_*.csv"):
+        head, *rows = path.read_text().splitlines()
+        path.write_text("\n".join([f"{head},K", *(f"{row},0.5" for row in rows)]) + "\n")
+    found = reduce_campaign(open_campaign(folder), structure=["Yv", "Nv", "Xuu"], check=False)
+    assert set(measured_and_fitted(found.rows, found.solution)) == {"X", "Y", "N"}

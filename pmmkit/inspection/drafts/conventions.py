@@ -25,6 +25,8 @@ _FLIP_COST: Final = {"X": 1.0, "Y": 3.0, "N": 3.0, "drift": 0.9, "rudder": 0.9, 
 _UNLIKELY: Final = 3.0
 """Cost from which a flip is listed for a person to judge, and never proposed."""
 _LISTED: Final = 3
+_FEWEST: Final = 3
+"""Runs without which nothing is proposed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +154,7 @@ def ranked(
     --------
     >>> def sign(channel, motion, value, right):
     ...     return AskedSign(channel=channel, motion=motion, words="", value=value, std=0.0,
-    ...                      right=right, runs=("a",))
+    ...                      right=right, runs=("a", "b", "c"))
     >>> runs = [sign("Y", "drift", -1.0, 1), sign("N", "drift", -0.4, 1),
     ...         sign("Y", "sway", -1.0, -1), sign("N", "sway", -0.4, -1)]
     >>> print(ranked(runs, computed=True).best)
@@ -163,7 +165,8 @@ def ranked(
     None
     """
     certain = tuple(sign for sign in signs if sign.verdict)
-    if not {"Y", "N"} <= {sign.channel for sign in certain}:
+    runs = {run for sign in certain for run in sign.runs}
+    if len(runs) < _FEWEST or not {"Y", "N"} <= {sign.channel for sign in certain}:
         return Ranking(best=None, remaining=(), signs=certain)
     tried = sorted(_conventions(certain, recorded, computed=computed), key=lambda item: item.cost)
     wrong = {item: _contradicted(item, certain, recorded) for item in tried}
