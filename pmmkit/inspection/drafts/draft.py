@@ -89,8 +89,8 @@ class Draft:
         Ship of the library.
     runs, tables : tuple of RunDraft
         Histories; tables whose rows are runs.
-    matrix : MatrixDraft or None
-        A table that lists runs.
+    matrices : tuple of MatrixDraft
+        Tables that list runs: one for the files, one for each workbook with a sheet per run.
     proposal : Proposal or None
         Axes and signs by the physics of all runs; None where they were not asked.
     saved : tuple of (str, Campaign)
@@ -109,7 +109,7 @@ class Draft:
     saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
-    matrix: MatrixDraft | None = None
+    matrices: tuple[MatrixDraft, ...] = ()
     proposal: Proposal | None = None
 
 
@@ -172,9 +172,10 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
                 remedy=f"See what they hold: pmmkit inspect {folder}",
             )
         )
-    matrix = _matrix(seen, base, runs)
-    if matrix is not None:
+    matrices = _matrices(seen, base, runs)
+    for matrix in matrices:
         runs = [_as_listed(run, matrix) for run in runs]
+    listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
         run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
@@ -191,7 +192,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
-        if matrix is None or item.path != matrix.look.path or item.options != matrix.look.options
+        if (item.path, item.options) not in listing
     ]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
@@ -203,22 +204,32 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
-        matrix=matrix,
+        matrices=matrices,
     )
 
 
-def _matrix(seen: Look, base: str, runs: Sequence[RunDraft]) -> MatrixDraft | None:
-    """The table that lists the runs of the layout that most of them have."""
+def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:
+    """The tables that list the runs of the layout that most of them have, one for each workbook."""
     counted = Counter(id(run.look) for run in runs)
     likes = [run for run in runs if id(run.look) == max(counted, key=lambda key: counted[key])]
-    books = {run.file for run in likes if run.sheet is not None}
-    if len(books) > 1 or (books and any(run.sheet is None for run in likes)):
-        return None
     looks = [
         item for group in seen.groups if group.first.kind == "unknown" for item in _read_all(group)
     ]
-    places = [str(run.sheet) if books else run.file for run in likes if not run.problems]
-    return matrix_of(looks, base, places, next(iter(books), None))
+    books = dict.fromkeys(run.file if run.sheet is not None else None for run in likes)
+    found = []
+    for book in books:
+        own = [run for run in likes if (run.file if run.sheet is not None else None) == book]
+        places = [run.file if book is None else str(run.sheet) for run in own if not run.problems]
+        beside = [item for item in looks if base + _file(item) == book]
+        matrix = matrix_of(beside, base, places, book) or matrix_of(looks, base, places, book)
+        found += [] if matrix is None else [matrix]
+    names = Counter(name for matrix in found for name in matrix.runs)
+    return tuple(
+        matrix
+        if matrix.run_sheet is None or all(names[name] == 1 for name in matrix.runs)
+        else replace(matrix, id=f"{PurePosixPath(_stem(matrix.run)).name}_{matrix.id}")
+        for matrix in found
+    )
 
 
 def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:

@@ -81,8 +81,8 @@ def written(draft: Draft) -> Written:
             lines += ["", *saved_run_lines(file, run)]
     common = in_common(draft.runs, draft.tables)
     lines += default_lines(common, computed, todo)
-    if draft.matrix is not None:
-        lines += ["", *matrix_lines(draft.matrix, todo)]
+    for matrix in draft.matrices:
+        lines += ["", *matrix_lines(matrix, todo)]
     for entry in common.runs:
         if entry.listed:
             continue
@@ -229,7 +229,7 @@ def _largest(draft: Draft) -> FileLook | None:
 
 def _unused(draft: Draft) -> list[str]:
     lines = [f"# {toml_comment(text)}" for text in draft.unused]
-    matrix = None if draft.matrix is None else draft.matrix.look.shown
-    problems = [problem for problem in draft.look.problems if problem.file != matrix]
+    listing = {matrix.look.shown for matrix in draft.matrices}
+    problems = [problem for problem in draft.look.problems if problem.file not in listing]
     lines += [f"# {toml_comment(str(problem))}" for problem in problems]
     return ["", "# Files that are not used:", *lines] if lines else []
