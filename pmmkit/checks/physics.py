@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 Motion = Literal["ahead", "drift", "rudder", "sway", "yaw"]
 """What a force answers to; ``ahead`` has no sign of its own."""
 
-AHEAD: Final = 0.03
-"""Least X straight ahead over the slope of Y with drift, per radian: 0.07 to 0.1 for bare hulls
-(KCS, KVLCC2, Mariner of the ship library); a propeller at the point of self-propulsion leaves less.
-"""
+AHEAD: Final = 0.015
+"""Least X straight ahead over the slope of Y with drift, per radian: 0.04 to 0.1 for bare hulls
+(S175, KCS, KVLCC2, Mariner of the ship library); a propeller at the point of self-propulsion leaves
+less."""
 WITHOUT_INERTIA: Final = 0.05
 WITH_INERTIA: Final = 0.2
 """Y over r u in yaw, over Y over the acceleration in sway: Yr/Yv̇ is -0.26 to -0.40 (KCS, KVLCC2,

@@ -185,6 +185,7 @@ def test_the_draft_of_a_folder_gives_the_same_derivatives(ours, true, tmp_path, 
         head + SHIP + rest[rest.index("[water]") :].replace("# rho = ...", "rho = 999.1 #")
     )
     campaign = open_campaign(folder)
+    assert 'TODO "balance"' not in text, "the runs say that the inertia is not inside"
     assert all(sign.verdict >= 0 for sign in asked_signs(campaign, summaries_of(campaign)))
     assert not [x for x in examine(campaign) if x.severity == "error"]
     found = reduce_campaign(campaign, structure=LINEAR, check=False).table

@@ -10,7 +10,7 @@ from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.escaping import toml_comment
 from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.draft import RunDraft
-from pmmkit.inspection.drafts.text import Todo, aligned, toml
+from pmmkit.inspection.drafts.text import Todo, aligned, commented, toml
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +84,8 @@ def axes_lines(proposal: Proposal | None, todo: Todo, *, computed: bool) -> list
             "is so, or do the moments refer to a point far from midship?"
         )
         listed = [f"#   {number}. {item}" for number, item in enumerate(remaining, start=1)]
-        seen = f"# TODO axes and signs: {toml_comment(proposal.seen)}."
-        return ["", seen, "# One of these, or moments about a point far from midship:", *listed]
+        seen = commented(f"TODO axes and signs: {proposal.seen}.")
+        return ["", *seen, "# One of these, or moments about a point far from midship:", *listed]
     if found is not None or not computed:
         return []
     todo.add("[axes] which way the axes of the mesh point.")

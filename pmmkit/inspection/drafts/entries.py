@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.test_kinds.registry import kinds
+from pmmkit.errors import DataError
 from pmmkit.escaping import toml_comment, toml_string
 from pmmkit.inspection import FileLook
 from pmmkit.inspection.drafts.columns import column_lines, source_lines, their_column
@@ -16,17 +19,23 @@ from pmmkit.inspection.drafts.draft import RunDraft
 from pmmkit.inspection.drafts.matrix import MatrixDraft
 from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
 from pmmkit.inspection.drafts.text import Todo, aligned, toml
+from pmmkit.readers import reader_of
+from pmmkit.readers.rows import filled_in
 
 
 def default_lines(common: Common, computed: Computed, todo: Todo) -> list[str]:
     """What runs have in common, and what is asked for all of them at once."""
     tests = dict.fromkeys([*common.of_kind, *computed.of_kind])
-    lines = []
+    lines: list[str] = []
+    guessed = guessed_source(common.tables)
+    for key in guessed:
+        todo.add(f"{key}: {_ASKED_OF_TABLES[key]}")
     for name, items, cfd in (
         ("defaults", common.every, None),
         *((f"defaults.{x}", common.of_kind.get(x, ()), computed.of_kind.get(x)) for x in tests),
     ):
-        if not items and cfd is None:
+        asked = guessed if name == "defaults" else {}
+        if not items and cfd is None and not asked:
             continue
         lines += ["", f"[{name}]"]
         for item in items:
@@ -35,6 +44,8 @@ def default_lines(common: Common, computed: Computed, todo: Todo) -> list[str]:
                 todo.add(f"[{name}] {_question(item)}.")
         if cfd is not None:
             lines.append(f"cfd = {toml(cfd)}")
+        if asked:
+            lines.append(aligned(f"# source = {toml(asked)}", "TODO of all tables"))
     return lines
 
 
@@ -93,7 +104,7 @@ def entry_lines(
     identity = entry.id
     if table == "tables":
         plain = entry.id.replace("{", "(").replace("}", ")")
-        identity = f"{plain}_{{{_id_column(entry.look)}}}"
+        identity = _told_apart(f"{plain}_{{{_id_column(entry.look)}}}", entry.look)
     lines += [f"id = {toml(identity)}"]
     if entry.test is None:
         free = kind == "free-running"
@@ -119,8 +130,6 @@ def entry_lines(
         options = replace(entry.look.options, sheet=entry.sheet)
         source = source_lines(entry.look, options, every=base is not None)
         lines += [f"[{table}.source]", *source]
-        if table == "tables":
-            lines += _conventions(entry, todo)
         lines.append(f"[{table}.columns]")
         lines += column_lines(entry.look, kind, todo, table=table == "tables")
         here = {
@@ -134,18 +143,43 @@ def entry_lines(
     return lines
 
 
-def _conventions(entry: RunDraft, todo: Todo) -> list[str]:
-    """What a table of non-dimensional forces or of harmonics must say of itself."""
-    lines = []
-    look = entry.look
-    titles = " ".join(look.titles)
-    if "'" in titles:
-        lines.append('# nondimensional = "prime"       # TODO "prime", "prime-d" or "bis"')
-        todo.of_run("nondimensional: in which system are the forces of the table?", entry.id)
-    if any("_in" in name or "_out" in name for name in look.known):
-        lines.append('# in_phase_with = "displacement" # TODO or "velocity", "acceleration"')
-        todo.of_run("in_phase_with: with what are the in-phase parts of the table?", entry.id)
-    return lines
+def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
+    """What tables of non-dimensional forces or of harmonics must say of themselves, as is usual.
+
+    Parameters
+    ----------
+    entries : sequence of RunDraft
+        Tables whose rows are runs.
+    """
+    guessed = {}
+    if any("'" in title for entry in entries for title in entry.look.titles):
+        guessed["nondimensional"] = "prime"
+    if any("_in" in name or "_out" in name for entry in entries for name in entry.look.known):
+        guessed["in_phase_with"] = "displacement"
+    return guessed
+
+
+_ASKED_OF_TABLES: Final = {
+    "nondimensional": 'are the forces of the tables "prime", "prime-d" or "bis"?',
+    "in_phase_with": "with what are the in-phase parts of the tables: displacement, velocity or "
+    "acceleration?",
+}
+
+
+def _told_apart(template: str, look: FileLook) -> str:
+    """An id for the rows of a table, with further settings where rows would share one."""
+    try:
+        cells = reader_of(look.format).cells(look.request)
+    except DataError:
+        return template
+    told = [column.title for column in look.known.values() if not column.constant]
+    named = [title for title in told if cells.headers.count(title) == 1 and "{" not in title]
+    for title in ("", *named):
+        longer = f"{template}_{{{title}}}" if title else template
+        ids = [filled_in(longer, cells, index)[0] for index in range(len(cells.rows))]
+        if len(set(ids)) == len(ids):
+            return longer
+    return template
 
 
 def _id_column(look: FileLook) -> str:

@@ -15,6 +15,7 @@ from pmmkit.checks.physics import AskedSign, along_tank, asked_signs, inertia_in
 from pmmkit.inspection import FileLook
 from pmmkit.inspection.drafts.conventions import Convention, Proposal, ranked
 from pmmkit.inspection.drafts.draft import Draft, RunDraft
+from pmmkit.inspection.drafts.entries import guessed_source
 from pmmkit.inspection.drafts.settle import Setting
 from pmmkit.inspection.drafts.trial import knows_speed, summaries_of, trial_campaign
 from pmmkit.inspection.guessing import Suggestion
@@ -46,67 +47,55 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
     if draft.kind != "captive" or draft.saved:
         return draft
     plain = write(_seen_from_mesh(draft))
-    trial = trial_campaign(plain, target)
+    trial = trial_campaign(plain, target, guessed_source(draft.tables))
     if trial is None:
         return draft
     summaries = summaries_of(trial)
     recorded = _recorded(draft)
     computed = any(reader_of(run.look.format).computed for run in draft.runs)
     found = ranked(asked_signs(trial, summaries), recorded=recorded, computed=computed)
+    known = Proposal(recorded=recorded)
+    if computed:
+        why = "computed forces hold no inertia of a model"
+        known = replace(known, balance=False, why_balance=why)
     if found.best is None:
-        remaining = tuple(item for item in found.remaining if found.signs)
-        sure = bool(remaining) and not remaining[0].changes
+        sure = bool(found.remaining) and not found.remaining[0].changes
+        remaining = () if sure else found.remaining
         return replace(
-            draft,
-            proposal=Proposal(
-                remaining=() if sure else remaining, seen=_words(found.signs), recorded=recorded
-            ),
+            draft, proposal=replace(known, remaining=remaining, seen=_words(found.signs))
         )
-    proposal = Proposal(convention=found.best, seen=_agreeing(found.signs), recorded=recorded)
-    tried = _with(draft, proposal)
+    proposal = replace(known, convention=found.best, seen=_agreeing(found.signs))
     if found.best.changes:
-        summaries = _summaries(_seen_from_mesh(tried), target, write)
-    proposal = _further(proposal, trial, summaries, computed=computed, timed=_timed(draft, plain))
-    tried = _with(draft, proposal)
-    against = [
-        sign for sign in asked_signs(trial, _summaries(tried, target, write)) if sign.verdict < 0
-    ]
-    if against:
-        refused = Proposal(remaining=(found.best,), seen=_words(against), recorded=recorded)
+        summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target, write)
+    timed = _timed(draft, plain) and not computed
+    tried = _with(draft, _further(proposal, trial, summaries, timed=timed))
+    found_then = asked_signs(trial, _summaries(tried, target, write))
+    if against := [sign for sign in found_then if sign.verdict < 0]:
+        refused = replace(known, remaining=(found.best,), seen=_words(against))
         return replace(draft, proposal=refused)
     return tried
 
 
 def _summaries(draft: Draft, target: Path, write: Callable[[Draft], str]) -> tuple[Summary, ...]:
-    campaign = trial_campaign(write(draft), target)
+    campaign = trial_campaign(write(draft), target, guessed_source(draft.tables))
     return () if campaign is None else summaries_of(campaign)
 
 
 def _further(
-    proposal: Proposal,
-    trial: Campaign,
-    summaries: Sequence[Summary],
-    *,
-    computed: bool,
-    timed: bool,
+    proposal: Proposal, trial: Campaign, summaries: Sequence[Summary], *, timed: bool
 ) -> Proposal:
-    """With what can be told once the signs are right."""
-    inside = inertia_inside(summaries) if timed and not computed else None
+    """With what can be told once the signs are right; of the inertia where r u is known."""
+    inside = inertia_inside(summaries) if timed else None
+    if inside is not None:
+        why = f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: "
+        why += "0.3 to 0.5 with the inertia"
+        proposal = replace(proposal, balance=inside[0], why_balance=why)
     along = along_tank(trial, summaries)
-    return replace(
-        proposal,
-        balance=False if computed else None if inside is None else inside[0],
-        why_balance="computed forces hold no inertia of a model"
-        if computed
-        else ""
-        if inside is None
-        else f"Y/(r u) over Y/(sway acceleration) is {inside[1]:.2f}: 0.3 to 0.5 with the inertia",
-        along_tank=None if along is None else along[0],
-        why_along=""
-        if along is None
-        else f"X grows with drift squared by {along[1]:+.2f} of Y's slope: about "
-        f"{'-1 along the tank' if along[0] else '-0.1 to -0.7 along the hull'}",
-    )
+    if along is not None:
+        usual = "-1 along the tank" if along[0] else "-0.1 to -0.7 along the hull"
+        why = f"X grows with drift squared by {along[1]:+.2f} of Y's slope: about {usual}"
+        proposal = replace(proposal, along_tank=along[0], why_along=why)
+    return proposal
 
 
 def _timed(draft: Draft, text: str) -> bool:
@@ -200,7 +189,8 @@ def _along(run: RunDraft) -> RunDraft:
     steady = kind is not None and kind.captive and kind.steady
     if not steady or not reader_of(run.look.format).computed:
         return run
-    return replace(run, computation={"forces_in": "earth", **run.computation})
+    turned = {"forces_in": "earth", **reader_of(run.look.format).of_moving_mesh}
+    return replace(run, computation={**turned, **run.computation})
 
 
 _ANSWERS: Final = {

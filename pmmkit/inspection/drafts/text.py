@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -42,6 +43,11 @@ class Todo:
 
 def aligned(left: str, note: str) -> str:
     return f"{left:<32} # {toml_comment(note)}" if note else left
+
+
+def commented(text: str) -> list[str]:
+    """A longer text as lines of comment."""
+    return textwrap.wrap(toml_comment(text), 98, initial_indent="# ", subsequent_indent="# ")
 
 
 def toml(value: Any) -> str:

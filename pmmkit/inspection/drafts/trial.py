@@ -30,7 +30,7 @@ _MOST: Final = 12
 """Runs of a kind of test that are read, evenly among them: enough for every sign."""
 
 
-def trial_campaign(text: str, target: Path) -> Campaign | None:
+def trial_campaign(text: str, target: Path, source: Mapping[str, str]) -> Campaign | None:
     """The runs of a campaign file that are complete, with stand-ins for ship, water and speed.
 
     Parameters
@@ -39,6 +39,8 @@ def trial_campaign(text: str, target: Path) -> Campaign | None:
         The file, as it would be written.
     target : Path
         Where it would be written.
+    source : mapping of str to str
+        What stands in for what a person must say of its tables.
 
     Returns
     -------
@@ -49,7 +51,8 @@ def trial_campaign(text: str, target: Path) -> Campaign | None:
     if "name" not in raw.get("ship", {}):
         raw["ship"] = {**_SHIP, **raw.get("ship", {})}
     raw["water"] = {**_WATER, **raw.get("water", {})}
-    raw["defaults"] = {"speed": _SPEED, **raw.get("defaults", {})}
+    stated = raw.get("defaults", {})
+    raw["defaults"] = {"speed": _SPEED, **stated, "source": {**source, **stated.get("source", {})}}
     found = [campaign for part in _parts(raw) if (campaign := _opened(part, target)) is not None]
     if not found:
         return None

@@ -19,7 +19,7 @@ from pmmkit.inspection.drafts.entries import (
     matrix_lines,
     saved_run_lines,
 )
-from pmmkit.inspection.drafts.text import Todo, aligned, toml
+from pmmkit.inspection.drafts.text import Todo, aligned, commented, toml
 from pmmkit.readers import reader_of
 from pmmkit.readers.saved import SavedCampaign
 
@@ -125,6 +125,8 @@ _TURNS: Final = 'rudder_positive = "starboard"    # TODO "port" if + rudder turn
 def _forces(proposal: Proposal | None, todo: Todo) -> str:
     if proposal is not None and proposal.balance is not None:
         forces = "balance" if proposal.balance else "hydrodynamic"
+        if proposal.balance:
+            todo.add('Proposed from the physics of all runs: forces = "balance". Is it so?')
         return aligned(f'forces = "{forces}"', proposal.why_balance)
     todo.add(
         "[campaign] forces: is the inertia of the model removed from the forces of oscillating "
@@ -151,7 +153,7 @@ def _signs(proposal: Proposal | None, todo: Todo) -> list[str]:
     if found.changes:
         todo.add(f"Proposed from the physics of all runs: {found}. Is it so?")
     return [
-        f"# Axes and signs by the physics of all runs; {proposal.seen}.",
+        *commented(f"Axes and signs by the physics of all runs: {proposal.seen}."),
         "# All sideways forces and motions turned at once would give the same but for Y0 and N0.",
         drift,
         rudder,
