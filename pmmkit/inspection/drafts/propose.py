@@ -69,6 +69,8 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
         summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target, write)
     timed = _timed(draft, plain) and not computed
     tried = _with(draft, _further(proposal, trial, summaries, timed=timed))
+    if not (found.best.changes or computed):
+        return tried  # the runs were read as they stand in the draft
     found_then = asked_signs(trial, _summaries(tried, target, write))
     if against := [sign for sign in found_then if sign.verdict < 0]:
         refused = replace(known, remaining=(found.best,), seen=_words(against))

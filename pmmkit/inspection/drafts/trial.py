@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from pmmkit.campaigns.file.campaign_file import campaign_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.checks import Summary, summarise
 from pmmkit.errors import DataError
 from pmmkit.inspection.sampling import LARGE
+
+Item = TypeVar("Item")
 
 _SHIP: Final[Mapping[str, Any]] = {
     "name": "stand-in",
@@ -75,7 +77,7 @@ def summaries_of(campaign: Campaign) -> tuple[Summary, ...]:
         kinds.setdefault(run.test, []).append(run)
     found = []
     for runs in kinds.values():
-        for run in runs[:: -(-len(runs) // _MOST)]:
+        for run in _some(runs):
             try:
                 if not _large(run):
                     found.append(summarise(run, campaign))
@@ -85,12 +87,23 @@ def summaries_of(campaign: Campaign) -> tuple[Summary, ...]:
 
 
 def _parts(raw: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """The file with one run, table or matrix each: what is wrong with one leaves the others."""
+    """The file with one run, table or matrix each: what is wrong with one leaves the others.
+
+    Of many runs of a kind of test some are taken, evenly among them.
+    """
     names = ("runs", "tables", "matrix")
     rest = {name: item for name, item in raw.items() if name not in names}
     for name in names:
+        kinds: dict[Any, list[Any]] = {}
         for entry in raw.get(name, []):
-            yield {**rest, name: [entry]}
+            kinds.setdefault(entry.get("test"), []).append(entry)
+        for entries in kinds.values():
+            for entry in _some(entries) if name == "runs" else entries:
+                yield {**rest, name: [entry]}
+
+
+def _some(items: Sequence[Item]) -> Sequence[Item]:
+    return items[:: -(-len(items) // _MOST)]
 
 
 def _opened(raw: Mapping[str, Any], target: Path) -> Campaign | None:
