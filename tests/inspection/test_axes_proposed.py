@@ -191,3 +191,22 @@ def test_the_draft_of_a_folder_gives_the_same_derivatives(ours, true, tmp_path, 
     found = reduce_campaign(campaign, structure=LINEAR, check=False).table
     for name in LINEAR:
         assert found[name][0] == pytest.approx(true[name][0], rel=0.1, abs=1e-4), name
+
+
+def test_motions_that_begin_at_another_phase_are_asked_and_not_proposed(ours, tmp_path, capsys):
+    """A quarter of a period later, damping shows as inertia and inertia as damping."""
+    folder = tmp_path / "later"
+    folder.mkdir()
+    for run in ours:
+        lines = run.loader.path.read_text().splitlines()
+        rows = [line.split(",") for line in lines[1:]]
+        quarter = 0 if run.id.startswith("SD") else len(rows) // 16
+        rows = [[row[0], *other[1:]] for row, other in zip(rows, rows[quarter:], strict=False)]
+        name = run.id.replace("_a", "_T12.5s_a").replace("_p", "_T12.5s_psi")
+        text = "\n".join(map(",".join, [["Time [s]", "Fx [N]", "Fy [N]", "Mz [Nm]"], *rows]))
+        (folder / f"{name}.csv").write_text(text + "\n")
+    assert main(["new-campaign", str(folder)]) == 0
+    assert "another phase (phase_deg)" in capsys.readouterr().out
+    text = (folder / "campaign.toml").read_text()
+    assert "phase_deg = 180" not in text.replace("(phase_deg = 180)", "")
+    assert "against physics" in text

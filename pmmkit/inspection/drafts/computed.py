@@ -81,11 +81,13 @@ def axes_lines(proposal: Proposal | None, todo: Todo, *, computed: bool) -> list
         assert proposal is not None
         todo.add(
             "[axes], signs: the forces of all runs leave several ways, listed in the file; which "
-            "is so, or do the moments refer to a point far from midship?"
+            "is so? Or do the moments refer to a point far from midship, or do oscillations "
+            "begin at another phase (phase_deg)?"
         )
         listed = [f"#   {number}. {item}" for number, item in enumerate(remaining, start=1)]
         seen = commented(f"TODO axes and signs: {proposal.seen}.")
-        return ["", *seen, "# One of these, or moments about a point far from midship:", *listed]
+        asked = "# One of these, or moments about a point far from midship, or another phase_deg:"
+        return ["", *seen, asked, *listed]
     if found is not None or not computed:
         return []
     todo.add("[axes] which way the axes of the mesh point.")

@@ -59,7 +59,7 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
         why = "computed forces hold no inertia of a model"
         known = replace(known, balance=False, why_balance=why)
     if found.best is None:
-        sure = bool(found.remaining) and not found.remaining[0].changes
+        sure = bool(found.remaining) and not found.remaining[0].changes and not found.contradicted
         remaining = () if sure else found.remaining
         return replace(
             draft, proposal=replace(known, remaining=remaining, seen=_words(found.signs))
