@@ -24,6 +24,7 @@ _MEANS: Final[dict[str, str]] = {
 
 
 def source_lines(look: FileLook, options: Options, *, every: bool = False) -> list[str]:
+    """How files are read: what is not usual, or every option where a base has others."""
     values: dict[str, Any] = {"format": look.format}
     if look.layout is not None or look.has_sheets:
         values |= {"skip_rows": options.skip_rows} if options.skip_rows or every else {}

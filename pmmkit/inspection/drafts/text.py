@@ -42,6 +42,7 @@ class Todo:
 
 
 def aligned(left: str, note: str) -> str:
+    """A line with its comment, the comments of a section below each other."""
     return f"{left:<32} # {toml_comment(note)}" if note else left
 
 
