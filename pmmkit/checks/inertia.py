@@ -117,8 +117,35 @@ class _Verdict:
     share_error: float
 
 
-def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) -> _Verdict | None:
-    pairs = [(item, *_pair(question.key, item)) for item in summaries if _fits(question, item)]
+@dataclass(frozen=True)
+class Ratio:
+    """A force over the motion that it goes with, from all runs in which that swings alone.
+
+    Parameters
+    ----------
+    slope, error : float
+        The ratio and its standard error from scatter and noise; nan of a single run without noise.
+    runs : tuple of str
+        Those runs.
+    """
+
+    slope: float
+    error: float
+    runs: tuple[str, ...]
+
+
+def inertia_ratio(key: str, summaries: Sequence[Summary]) -> Ratio | None:
+    """Force over acceleration (``"Y"``, ``"N"``, ``"X"``), or Y over r u (``"Yr"``); None without.
+
+    Parameters
+    ----------
+    key : {"Y", "N", "Yr", "X"}
+        Which: of tests that only sway, only yaw, only yaw, and only yaw or surge.
+    summaries : sequence of Summary
+        Of runs.
+    """
+    question = next(item for item in _QUESTIONS if item.key == key)
+    pairs = [(item, *_pair(key, item)) for item in summaries if _fits(question, item)]
     pairs = [
         (item, motion, force) for item, motion, force in pairs if motion and np.isfinite(force)
     ]
@@ -127,6 +154,16 @@ def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) 
     motions: Array = np.array([motion for _, motion, _ in pairs])
     forces: Array = np.array([force for _, _, force in pairs])
     slope, error = share_of(motions, forces)
+    noise = math.sqrt(sum(_noise(key, item) ** 2 * motion**2 for item, motion, _ in pairs))
+    error = float(np.nanmax([error, noise / float(motions @ motions)]))
+    return Ratio(slope, error, tuple(item.run.id for item, _, _ in pairs))
+
+
+def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) -> _Verdict | None:
+    ratio = inertia_ratio(question.key, summaries)
+    if ratio is None:
+        return None
+    slope, error = ratio.slope, ratio.error
     guess, ship, rho = expected(campaign), campaign.ship, campaign.water.rho
     own, added = {
         "Y": (-guess.m, -guess.my),
@@ -134,17 +171,8 @@ def _ask(question: _Question, campaign: Campaign, summaries: Sequence[Summary]) 
         "Yr": (-guess.m, guess.Yr * 0.5 * rho * ship.L**3),
         "X": (-guess.m, -guess.mx),
     }[question.key]
-    noise = math.sqrt(sum(_noise(question.key, item) ** 2 * motion**2 for item, motion, _ in pairs))
-    error = float(np.nanmax([error, noise / float(motions @ motions)]))
     return _Verdict(
-        question,
-        tuple(item.run.id for item, _, _ in pairs),
-        slope,
-        error,
-        own,
-        added,
-        (slope - added) / own,
-        abs(error / own),
+        question, ratio.runs, slope, error, own, added, (slope - added) / own, abs(error / own)
     )
 
 

@@ -126,9 +126,10 @@ def _drift(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFi
     turned = any(item.facts.get("sway_axis_turned") for item in summaries)
     if len(wrong) == 2 and turned:
         remedy = (
-            "The campaign file turns the sway axis, and with it Y and N, but not the drift angles: "
-            'take y = "-y" (or z = "-z") under [axes] away if the forces are in our axes already; '
-            'where they are not, write drift_positive = "port-bow".'
+            'The campaign file turns the sway axis, and with it Y and N: take y = "-y" (or '
+            'z = "-z") under [axes] away if the forces are in our axes already; where they are '
+            "not, turn drift_positive: without it drift angles go with [axes], with it they say "
+            "where the bow is."
         )
     elif len(wrong) == 2:
         remedy = 'Write drift_positive = "port-bow": turning the sign of drift mends both.'
@@ -193,10 +194,45 @@ def _rudder(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckF
         )
 
 
+@dataclass(frozen=True)
+class Damping:
+    """A derivative of an oscillating test from the force in phase with the velocity.
+
+    Parameters
+    ----------
+    derivative, channel, motion : str
+        Its name, the force and the velocity.
+    values : array (n,)
+        The ratio of each run, prime system.
+    runs : tuple of str
+        Those runs.
+    tests : str
+        Their kinds of test.
+    """
+
+    derivative: str
+    channel: str
+    motion: str
+    values: Array
+    runs: tuple[str, ...]
+    tests: str
+
+    @property
+    def value(self) -> float:
+        """Median of the runs."""
+        return float(np.median(self.values))
+
+    @property
+    def std(self) -> float:
+        """Standard error from the scatter of the runs; 0 of a single one."""
+        return float(self.values.std() / math.sqrt(len(self.values)))
+
+
 _DAMPING: Final = (("v", "Y", "v", "Yv"), ("v", "N", "v", "Nv"), ("r", "N", "r", "Nr"))
 
 
-def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+def damping(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[Damping]:
+    """Yv and Nv of tests that only sway, Nr of tests that only yaw, where runs say them."""
     for pure, channel, motion, derivative in _DAMPING:
         pures = [item for item in summaries if item.run.kind_of_test.pure == pure]
         ratios = {
@@ -207,28 +243,30 @@ def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[C
             for item in pures
             if item.c(motion, 1) and math.isfinite(item.c(channel, 1))
         }
-        values = np.array(list(ratios.values()))
-        if not len(values):
-            continue
-        middle = float(np.median(values))
-        std = float(values.std() / math.sqrt(len(values)))
-        if middle > SIGMAS * std:
+        if ratios:
             tests = ", ".join(dict.fromkeys(item.run.test for item in pures))
+            values = np.array(list(ratios.values()))
+            yield Damping(derivative, channel, motion, values, tuple(ratios), tests)
+
+
+def _oscillation(campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:
+    for found in damping(campaign, summaries):
+        if found.value > SIGMAS * found.std:
             meaning = {
                 "Yv": "it would drive the sway on",
                 "Nv": "the bow would turn into the flow (Munk)",
                 "Nr": "it would drive the turn on",
-            }[derivative]
+            }[found.derivative]
             yield CheckFinding(
                 check="signs",
                 severity="error",
-                message=f"{derivative}' from {len(values)} runs of {tests} is {figure(middle)} "
-                f"({channel} in phase with the velocity); it should be negative, {meaning} "
-                f"otherwise.",
-                runs=tuple(ratios),
+                message=f"{found.derivative}' from {len(found.values)} runs of {found.tests} is "
+                f"{figure(found.value)} ({found.channel} in phase with the velocity); it should be "
+                f"negative, {meaning} otherwise.",
+                runs=found.runs,
                 remedy="Look at the sign of the channel, of the motion, and at in_phase_with: "
                 "the parts in phase and out of phase may be exchanged.",
-                numbers={"derivative": middle, "std": std},
+                numbers={"derivative": found.value, "std": found.std},
             )
 
 

@@ -6,8 +6,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 
 
@@ -123,8 +124,28 @@ class Reader(ABC):
         """Names of the sheets among which the key ``sheet`` chooses."""
         return ()
 
-    def computation(self, request: Request) -> Mapping[str, float]:  # noqa: ARG002
+    def computation(self, request: Request) -> Mapping[str, Any]:  # noqa: ARG002
         """What lies beside the files of a computation and says what ``[cfd]`` asks, by its keys."""
+        return MappingProxyType({})
+
+    def prescribed(
+        self,
+        request: Request,  # noqa: ARG002
+    ) -> tuple[Mapping[str, Array], tuple[str, ...]]:
+        """The path that the hull was told to follow, where it lies beside the files.
+
+        Returns
+        -------
+        path : mapping of str to array (n,)
+            ``t`` [s], ``x``, ``y`` [m] and ``psi`` [rad] along the axes of the source, or nothing.
+        notes : tuple of str
+            What of it was not followed.
+        """
+        return MappingProxyType({}), ()
+
+    @property
+    def of_moving_mesh(self) -> Mapping[str, Any]:
+        """What the format says of forces on a hull that moves, by the keys of ``[cfd]``."""
         return MappingProxyType({})
 
     def is_one_run(self, folder: Path) -> bool:  # noqa: ARG002

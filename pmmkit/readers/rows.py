@@ -12,6 +12,8 @@ from pmmkit.readers.base import Cell, Cells, Request, to_number
 
 Plain = str | float | int | bool
 _BRACES: Final = re.compile(r"\{([^{}]*)\}")
+_FILLED: Final = re.compile(r"(.+):0([1-9]\d?)")
+"""A column whose whole numbers stand with at least so many digits: ``Run:04`` is 0101."""
 
 
 def column_named(cells: Cells, name: str) -> int | None:
@@ -54,19 +56,37 @@ def no_column(cells: Cells, name: str, request: Request) -> Problem:
 def filled_in(template: str, cells: Cells, index: int) -> tuple[str, list[str]]:
     """An id with the cells of a row in place of ``{their column}``, and columns not found.
 
+    ``{their column:04}`` writes a whole number with four digits, ``{their column:01}`` without
+    the zeros before it.
+
     Examples
     --------
     >>> table = Cells(headers=("Run No.", "beta"), rows=((376.0, "4"),), lines=(2,))
     >>> filled_in("SD_{Run No.}_b{beta}", table, 0)
     ('SD_376_b4', [])
+    >>> filled_in("Run{Run No.:04}", table, 0)
+    ('Run0376', [])
     """
-    missing = [name for name in _BRACES.findall(template) if column_named(cells, name) is None]
+    missing = [name for name in _BRACES.findall(template) if _column_of(cells, name) is None]
 
     def cell(found: re.Match[str]) -> str:
-        place = column_named(cells, found[1])
-        return found[0] if place is None else as_text(cells.rows[index][place])
+        place = _column_of(cells, found[1])
+        if place is None:
+            return found[0]
+        text, digits = as_text(cells.rows[index][place[0]]), place[1]
+        return f"{int(text):0{digits}d}" if digits and text.isdecimal() else text
 
     return _BRACES.sub(cell, template), missing
+
+
+def _column_of(cells: Cells, name: str) -> tuple[int, int] | None:
+    """Position of the column of braces, and to how many digits its whole numbers are filled."""
+    place = column_named(cells, name)
+    if place is not None:
+        return place, 0
+    found = _FILLED.fullmatch(name)
+    place = None if found is None else column_named(cells, found[1])
+    return None if found is None or place is None else (place, int(found[2]))
 
 
 def as_text(cell: Cell) -> str:

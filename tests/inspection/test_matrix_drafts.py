@@ -130,3 +130,55 @@ def test_each_sheet_of_a_workbook_is_gone_through_a_few_times_at_most(tmp_path, 
     (group,) = look(tmp_path).groups
     assert len(group.files) == 30
     assert len(read) <= 2 * 30
+
+
+@pytest.mark.parametrize(
+    ("cell", "name"),
+    [(lambda n: f"{n:04d}", "Run{}"), (lambda n: n, "Run0{}"), (lambda n: f"{n:05d}", "V 0{}")],
+    ids=["padded in the list", "padded in the sheets", "padded otherwise"],
+)
+def test_zeros_before_a_number_make_no_other_number(tmp_path, capsys, cell, name):
+    """0101 in the list against Run101 as the name of a sheet, and the reverse."""
+    tests = [(cell(number), *rest) for number, *rest in TESTS]
+    names = [name.format(number) for number, *_ in TESTS]
+    in_sheets(tmp_path, dict(zip([n for n, *_ in TESTS], names, strict=True)), tests=tests)
+    status, content, _ = drafted(capsys, tmp_path)
+    assert (status, content["complete"]) == (0, 4)
+    filled_in(tmp_path)
+    as_listed(open_campaign(tmp_path), names)
+
+
+def test_zeros_before_a_number_in_the_names_of_files(tmp_path, capsys):
+    lines = [";".join([*HEADER, "Amplitude [m]"])]
+    lines += [";".join("" if cell is None else str(cell) for cell in row) for row in TESTS]
+    (tmp_path / "programm.csv").write_bytes("\n".join(lines).replace(".", ",").encode("cp1252"))
+    for number, *_ in TESTS:
+        columns = {"delimiter": ",", "header": "t,X,Y,N", "comments": ""}
+        np.savetxt(tmp_path / f"Run00{number}.csv", history(number), **columns)
+    drafted(capsys, tmp_path)
+    filled_in(tmp_path)
+    as_listed(open_campaign(tmp_path), [f"Run00{number}" for number, *_ in TESTS])
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["a list in each", "one list for both"])
+def test_runs_in_sheets_of_several_workbooks(tmp_path, capsys, own):
+    """Two workbooks; the list of tests stands in each of them, or in the first for both."""
+    for name, part in (("eins", TESTS[:2]), ("zwei", TESTS[2:])):
+        tests = part if own else TESTS
+        names = {number: f"V {number}" for number, *_ in part}
+        in_sheets(tmp_path, names, tests=tests, matrix=own or name == "eins")
+        (tmp_path / "tests.xlsx").rename(tmp_path / f"{name}.xlsx")
+    status, content, _ = drafted(capsys, tmp_path)
+    assert (status, content["complete"]) == (0, 4)
+    filled_in(tmp_path)
+    as_listed(open_campaign(tmp_path), [f"V {number}" for number, *_ in TESTS])
+
+
+def test_the_same_sheets_in_two_workbooks_are_named_after_them(tmp_path, capsys):
+    for name in ("eins", "zwei"):
+        in_sheets(tmp_path, {number: f"V {number}" for number, *_ in TESTS})
+        (tmp_path / "tests.xlsx").rename(tmp_path / f"{name}.xlsx")
+    drafted(capsys, tmp_path)
+    filled_in(tmp_path)
+    found = [run.id for run in open_campaign(tmp_path)]
+    assert found == [f"{book}_V {n}" for book in ("eins", "zwei") for n, *_ in TESTS]

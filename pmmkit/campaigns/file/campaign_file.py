@@ -103,6 +103,24 @@ def open_campaign(
     return _assemble(raw, place, _Search.of(place, data), digest, runs)
 
 
+def campaign_of(raw: Mapping[str, Any], place: Path) -> Campaign:
+    """The campaign of a file that is not written yet.
+
+    Parameters
+    ----------
+    raw : mapping
+        What the file would hold, as `tomllib` reads it.
+    place : Path
+        Where it would lie: its files are looked for from there.
+
+    Raises
+    ------
+    CampaignError
+        As `open_campaign`.
+    """
+    return _assemble(raw, place, _Search.of(place, None), "", runs=True)
+
+
 @dataclass(frozen=True)
 class _Search:
     """Folders in which the files of a campaign are looked for."""

@@ -136,6 +136,7 @@ def setup_of(
 ) -> Setup:
     """What the runs need to know of the campaign."""
     axes = (("x", top.axes.x), ("y", top.axes.y), ("z", top.axes.z))
+    reversed_axes = "".join(axis for axis, stated in axes if stated.startswith("-"))
     rho_inf = top.cfd.get("rho_inf")
     return Setup(
         ship=top.ship,
@@ -143,9 +144,9 @@ def setup_of(
         kind=top.campaign.kind,
         forces=top.campaign.forces,
         frame=Frame(
-            reversed_axes="".join(axis for axis, stated in axes if stated.startswith("-")),
+            reversed_axes=reversed_axes,
             rudder_to_port=top.campaign.rudder_positive == "port",
-            drift_to_port=top.campaign.drift_positive == "port-bow",
+            drift_positive=top.campaign.drift_positive,
             symmetry_factor=top.cfd.get("symmetry_factor", 1.0),
             density_factor=1.0 if rho_inf is None else top.water.rho / rho_inf,
         ),

@@ -151,25 +151,33 @@ def settings_of(
     if yaw is not None and kind.sways and kind.yaws and frame.sign("r") != frame.sign("v"):
         yaw = -yaw
     drift, rudder = _radians(given, "drift_deg") or 0.0, _radians(given, "rudder_deg") or 0.0
-    if frame.drift_to_port and drift:
+    if frame.drift_sign < 0 and drift:
         drift = -drift
-        notes.append("drift angle: stated positive with the bow to port, sign changed")
+        whence = "positive with the bow to port" if frame.drift_positive else "along their axes"
+        notes.append(f"drift angle: stated {whence}, sign changed")
     if frame.rudder_to_port and rudder:
         rudder = -rudder
         notes.append("rudder angle: stated positive to port, sign changed")
+    turning: dict[str, Any] = {name: given.get(name) for name in ("yaw_rate", "radius")}
+    if frame.sign("r") < 0 and any(turning.values()):
+        turning = {name: value and -value for name, value in turning.items()}
+        notes.append("turn: stated along their axes, sign changed")
+    heel = _radians(given, "heel_deg") or 0.0
+    if frame.sign("phi") < 0 and heel:
+        heel = -heel
+        notes.append("heel: stated along their axes, sign changed")
     return (
         Settings(
             speed=speed,
             drift=drift,
-            heel=_radians(given, "heel_deg") or 0.0,
+            heel=heel,
             rudder=rudder,
             propeller_rps=given.get("propeller_rps"),
             period=period,
             amplitude=amplitude,
             yaw_amplitude=yaw,
             phase=phase,
-            yaw_rate=given.get("yaw_rate"),
-            radius=given.get("radius"),
+            **turning,
             switch=_radians(given, "switch_deg"),
             repeat_of=given.get("repeat_of"),
         ),

@@ -75,8 +75,10 @@ class CampaignEntry(Entry):
     rudder_positive: Literal["starboard", "port"] = said(
         "which way the ship turns for a positive rudder", "starboard"
     )
-    drift_positive: Literal["starboard-bow", "port-bow"] = said(
-        "on which bow of the way she points for a positive drift angle", "starboard-bow"
+    drift_positive: Literal["starboard-bow", "port-bow"] | None = said(
+        "on which bow of the way she points for a positive drift angle; if absent drift angles go "
+        "with `[axes]`: starboard where none is turned",
+        None,
     )
     moment_reference_x: float | None = said(
         "point to which moments refer, forward of midship [m]; midship if absent", None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -53,14 +53,18 @@ class Frame:
     towards y, so they change sign if one of x and y is reversed and keep it if both are; a roll
     moment, roll rate and heel are positive from y towards z. Reversing z alone therefore leaves N
     and turns K; reversing y and z (x forward, y to port, z up) turns Y, v, N and r and leaves K.
-    The path and heading of free-running tests are taken to be stated in axes reversed alike.
+    The path and heading of free-running tests are taken to be stated in axes reversed alike, and so
+    are displacements, yaw rates, heel and drift angles that a test was set to: a drift angle is a
+    heading, unless `drift_positive` says where the bow is.
 
     Parameters
     ----------
     reversed_axes : str
         Their axes that point the other way, e.g. ``"xy"``.
-    rudder_to_port, drift_to_port : bool
-        Whether a positive rudder turns the ship to port; a positive drift has the bow to port.
+    rudder_to_port : bool
+        Whether a positive rudder turns the ship to port.
+    drift_positive : {"starboard-bow", "port-bow"} or None
+        Where the bow is at a positive drift; None where it goes with the axes.
     nondimensional : str or None
         System of their forces.
     symmetry_factor, density_factor : float
@@ -69,7 +73,7 @@ class Frame:
 
     reversed_axes: str = ""
     rudder_to_port: bool = False
-    drift_to_port: bool = False
+    drift_positive: Literal["starboard-bow", "port-bow"] | None = None
     nondimensional: str | None = None
     symmetry_factor: float = 1.0
     density_factor: float = 1.0
@@ -87,6 +91,21 @@ class Frame:
             return -1 if self.rudder_to_port else 1
         turned = sum(axis in self.reversed_axes for axis in _AXIS_PARITY.get(channel, ""))
         return -1 if turned % 2 else 1
+
+    @property
+    def drift_sign(self) -> int:
+        """-1 if a stated drift angle changes sign.
+
+        Examples
+        --------
+        >>> Frame(reversed_axes="yz").drift_sign
+        -1
+        >>> Frame(reversed_axes="yz", drift_positive="starboard-bow").drift_sign
+        1
+        """
+        if self.drift_positive is None:
+            return self.sign("psi")
+        return -1 if self.drift_positive == "port-bow" else 1
 
     def motion_sign(self, test: str) -> int:
         """-1 if the displacement of an oscillating test changes sign in our axes."""

@@ -32,6 +32,7 @@ def new_campaign(
     from pmmkit.errors import FileExists
     from pmmkit.files import write_text
     from pmmkit.inspection.drafts.draft import draft_of
+    from pmmkit.inspection.drafts.propose import proposed
     from pmmkit.inspection.drafts.write import written
 
     target = folder / FILE_NAME if out is None else out
@@ -39,7 +40,7 @@ def new_campaign(
         target = target / FILE_NAME
     if target.exists() and not force:
         raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
-    draft = draft_of(folder, target, ship=ship)
+    draft = proposed(draft_of(folder, target, ship=ship), target, lambda draft: written(draft).text)
     text = written(draft)
     try:
         write_text(target, text.text)

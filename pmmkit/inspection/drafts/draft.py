@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
@@ -53,10 +54,12 @@ class RunDraft:
         Where the motion of the hull lies beside its forces.
     sheet : str, int or None
         Sheet of the workbook that holds the run, where it has several.
-    computation : mapping of str to float
-        What lies beside it and says what ``[cfd]`` asks.
+    computation : mapping
+        What lies beside it, or the format says, of what ``[cfd]`` asks.
     listed : bool
         Whether a matrix says what it was set to.
+    notes : tuple of str
+        What of the motion that it was told to make was not followed.
     """
 
     id: str
@@ -67,8 +70,9 @@ class RunDraft:
     problems: tuple[str, ...] = ()
     motion: str | None = None
     sheet: str | int | None = None
-    computation: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    computation: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     listed: bool = False
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,8 +89,10 @@ class Draft:
         Ship of the library.
     runs, tables : tuple of RunDraft
         Histories; tables whose rows are runs.
-    matrix : MatrixDraft or None
-        A table that lists runs.
+    matrices : tuple of MatrixDraft
+        Tables that list runs: one for the files, one for each workbook with a sheet per run.
+    proposal : Proposal or None
+        Axes and signs by the physics of all runs; None where they were not asked.
     saved : tuple of (str, Campaign)
         Saved campaigns by their files.
     unused : tuple of str
@@ -103,7 +109,8 @@ class Draft:
     saved: tuple[tuple[str, Campaign], ...]
     unused: tuple[str, ...]
     look: Look
-    matrix: MatrixDraft | None = None
+    matrices: tuple[MatrixDraft, ...] = ()
+    proposal: Proposal | None = None
 
 
 _BODY_MOTION: Final = "postProcessing/sixDoFRigidBodyState"
@@ -166,9 +173,10 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
                 remedy=f"See what they hold: pmmkit inspect {folder}",
             )
         )
-    matrix = _matrix(seen, base, runs)
-    if matrix is not None:
+    matrices = _matrices(seen, base, runs)
+    for matrix in matrices:
         runs = [_as_listed(run, matrix) for run in runs]
+    listing = [(matrix.look.path, matrix.look.options) for matrix in matrices]
     kind = _kind(runs, tables, saved[0][1].kind if saved else None)
     apart = [
         run.test is not None and kind_of(run.test).free_running != (kind == "free-running")
@@ -185,7 +193,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         for group in seen.groups
         if group.first.kind in _NOT_RUNS
         for item in group.files
-        if matrix is None or item.path != matrix.look.path or item.options != matrix.look.options
+        if (item.path, item.options) not in listing
     ]
     taken = [run.id for _, campaign in saved for run in campaign]
     return Draft(
@@ -197,22 +205,32 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         saved=tuple(saved),
         unused=tuple(unused),
         look=seen,
-        matrix=matrix,
+        matrices=matrices,
     )
 
 
-def _matrix(seen: Look, base: str, runs: Sequence[RunDraft]) -> MatrixDraft | None:
-    """The table that lists the runs of the layout that most of them have."""
+def _matrices(seen: Look, base: str, runs: Sequence[RunDraft]) -> tuple[MatrixDraft, ...]:
+    """The tables that list the runs of the layout that most of them have, one for each workbook."""
     counted = Counter(id(run.look) for run in runs)
     likes = [run for run in runs if id(run.look) == max(counted, key=lambda key: counted[key])]
-    books = {run.file for run in likes if run.sheet is not None}
-    if len(books) > 1 or (books and any(run.sheet is None for run in likes)):
-        return None
     looks = [
         item for group in seen.groups if group.first.kind == "unknown" for item in _read_all(group)
     ]
-    places = [str(run.sheet) if books else run.file for run in likes if not run.problems]
-    return matrix_of(looks, base, places, next(iter(books), None))
+    books = dict.fromkeys(run.file if run.sheet is not None else None for run in likes)
+    found = []
+    for book in books:
+        own = [run for run in likes if (run.file if run.sheet is not None else None) == book]
+        places = [run.file if book is None else str(run.sheet) for run in own if not run.problems]
+        beside = [item for item in looks if base + _file(item) == book]
+        matrix = matrix_of(beside, base, places, book) or matrix_of(looks, base, places, book)
+        found += [] if matrix is None else [matrix]
+    names = Counter(name for matrix in found for name in matrix.runs)
+    return tuple(
+        matrix
+        if matrix.run_sheet is None or all(names[name] == 1 for name in matrix.runs)
+        else replace(matrix, id=f"{PurePosixPath(_stem(matrix.run)).name}_{matrix.id}")
+        for matrix in found
+    )
 
 
 def _as_listed(run: RunDraft, matrix: MatrixDraft) -> RunDraft:
@@ -264,6 +282,10 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         )
         time = channels.pop("t", np.zeros(0))
         moved = motion_facts(time, channels, named.test) if len(time) else Moved()
+        told = _told(item, named.test)
+        moved = replace(
+            moved, test=moved.test or told.test, settings={**moved.settings, **told.settings}
+        )
         test = named.test if named.test is not None else moved.test
         test = _sharper(test, moved)
         motion = _motion_beside(item, base)
@@ -278,10 +300,42 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
                 settings=tuple(x for x in settings if motion is None or "amplitude" not in x.key),
                 problems=problems,
                 motion=motion,
-                computation=reader_of(item.format).computation(item.request),
+                notes=reader_of(item.format).prescribed(item.request)[1],
+                computation=_computation(item, test),
             )
         )
     return drafts
+
+
+def _told(item: FileLook, test: str | None) -> Moved:
+    """What the path says that the hull was told to follow, where one lies beside the file."""
+    path, _ = reader_of(item.format).prescribed(item.request)
+    if not path:
+        return Moved()
+    found = motion_facts(path["t"], {name: path[name] for name in ("y", "psi")}, test)
+    if _only_turns(path):
+        found = Moved(settings=found.settings)
+    along = np.polyfit(path["t"], path["x"], 1)[0]
+    settings = {key: (value, f"told to: {why}") for key, (value, why) in found.settings.items()}
+    if abs(along) > _AT_REST:
+        settings["speed"] = (float(f"{abs(along):.5g}"), "told to: velocity along x")
+    return Moved(test=found.test, settings=settings)
+
+
+def _only_turns(path: Mapping[str, Array]) -> bool:
+    """Whether a hull turns to and fro without going aside: no test that only yaws."""
+    return bool(np.ptp(path["psi"]) > 0 and np.ptp(path["y"]) == 0)
+
+
+_AT_REST: Final = 0.01
+"""Speed of a mesh below which it stays where it is, and the inflow has the speed [m/s]."""
+
+
+def _computation(item: FileLook, test: str | None) -> dict[str, Any]:
+    """What is known of the computation; of a hull that oscillates the mesh moves."""
+    reader = reader_of(item.format)
+    moves = test is not None and kind_of(test).captive and kind_of(test).oscillates
+    return {**(reader.of_moving_mesh if moves else {}), **reader.computation(item.request)}
 
 
 def _motion_beside(item: FileLook, base: str) -> str | None:

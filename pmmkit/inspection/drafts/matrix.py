@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from pmmkit.inspection import FileLook
 from pmmkit.inspection.drafts.names import test_named
 from pmmkit.inspection.guessing import suggest
 from pmmkit.readers import reader_of
-from pmmkit.readers.base import Cells
+from pmmkit.readers.base import Cells, to_number
 from pmmkit.readers.rows import as_text, filled_in
 
 _MOST_ROWS: Final = 5000
@@ -118,7 +119,11 @@ def _drafted(
         [item.header for item in look.columns], [item.unit for item in look.columns], {}, table=True
     )
     columns = tuple(
-        replace(item, suggestion=guess if guess and guess.name in SETTING_UNITS else None)
+        replace(
+            item,
+            suggestion=guess if guess and guess.name in SETTING_UNITS else None,
+            numbers=any(_is_number(cells, row, item.position) for row in listed),
+        )
         for item, guess in zip(look.columns, known, strict=True)
     )
     settings = [item for item in columns if item.suggestion and item.numbers]
@@ -135,6 +140,11 @@ def _drafted(
         skip=tuple(line for index, line in enumerate(cells.lines) if index not in listed),
         runs={name: tests.get(as_text(cells.rows[row][place])) for row, name in listed.items()},
     )
+
+
+def _is_number(cells: Cells, row: int, position: int) -> bool:
+    number = to_number(cells.rows[row][position], cells.decimal)
+    return number is not None and math.isfinite(number)
 
 
 def _identity(template: str, column: str, workbook: str | None) -> str:
@@ -154,7 +164,7 @@ def _naming(cells: Cells, places: Sequence[str]) -> tuple[str, str]:
         texts = [as_text(row[position]) for row in cells.rows]
         tried = [text for text in dict.fromkeys(texts) if text][:_TRIED]
         templates = dict.fromkeys(
-            f"{place[: found.start()]}{{{header}}}{place[found.end() :]}"
+            f"{place[: found.start()]}{{{header}{_digits(text, found[0])}}}{place[found.end() :]}"
             for text in tried
             for place in places
             for found in _tokens(text, place)
@@ -167,8 +177,17 @@ def _naming(cells: Cells, places: Sequence[str]) -> tuple[str, str]:
 
 
 def _tokens(text: str, place: str) -> Iterator[re.Match[str]]:
-    """Where a text stands as a word or number of its own."""
+    """Where a text stands as a word of its own, or a whole number with any zeros before it."""
+    if text.isdecimal():
+        return re.finditer(rf"(?<![0-9.+-])0*{int(text)}(?![0-9A-Za-z]|\.\d)", place)
     return re.finditer(rf"(?<![0-9A-Za-z.+-]){re.escape(text)}(?![0-9A-Za-z]|\.\d)", place)
+
+
+def _digits(text: str, found: str) -> str:
+    """How a whole number is written out where the cells have it with other zeros before it."""
+    if not text.isdecimal() or text == found:
+        return ""
+    return f":0{len(found)}" if found.startswith("0") else ":01"
 
 
 def _listed(cells: Cells, template: str, places: Sequence[str]) -> dict[int, str]:

@@ -303,6 +303,8 @@ def _free(t: Array, channels: Mapping[str, Array], kind: TestKind | None) -> Mov
                 settings["rudder_deg"] = (_tidy(side * math.degrees(held), 0), "recorded delta")
             if kind is ZIGZAG and "psi" in channels:
                 settings |= _switch(np.unwrap(channels["psi"]), long)
+    if "n" in channels:
+        settings |= _held({"n": channels["n"]})
     found = settings | _approach(t, channels, begun)
     return Moved(test=kind.name if kind else None, settings=found)
 

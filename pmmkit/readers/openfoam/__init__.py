@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from pmmkit.numerics import Array
 from pmmkit.readers.base import Cells, Choose, Columns, Request
 from pmmkit.readers.reader import Reader
 
@@ -52,13 +54,39 @@ class OpenFoam(Reader):
 
         return USUAL
 
-    def computation(self, request: Request) -> Mapping[str, float]:
-        """The density by which the forces were multiplied, where controlDict states it."""
-        from pmmkit.readers.openfoam.case import density_in, entries_of
+    @property
+    def of_moving_mesh(self) -> Mapping[str, Any]:
+        """Forces along axes that stay, moments about a CofR that does so too.
+
+        The function object ``forces`` sums over the patches in the axes of the mesh's space and
+        takes moments about a CofR that is read once (its source, both branches of OpenFOAM).
+        """
+        return {"forces_in": "earth", "moment_centre_moves": False}
+
+    def computation(self, request: Request) -> Mapping[str, Any]:
+        """What the case says: density in controlDict, whether the mesh moves in dynamicMeshDict."""
+        from pmmkit.readers.openfoam.case import case_of, density_in, entries_of
+        from pmmkit.readers.openfoam.mesh_motion import mesh_motion
         from pmmkit.readers.openfoam.places import series_of
 
-        density = density_in(entries_of(series_of(request).parts[0].request.path))
-        return {} if density is None else {"rho_inf": density}
+        file = series_of(request).parts[0].request.path
+        density, case = density_in(entries_of(file)), case_of(file)
+        motion = None if case is None else mesh_motion(case)
+        still = {"forces_in": "body", "moment_centre_moves": True}
+        return {
+            **({} if density is None else {"rho_inf": density}),
+            **({} if motion is None else self.of_moving_mesh if motion.moves else still),
+        }
+
+    def prescribed(self, request: Request) -> tuple[Mapping[str, Array], tuple[str, ...]]:
+        """The path of the mesh after dynamicMeshDict, and what of that was not followed."""
+        from pmmkit.readers.openfoam.case import case_of
+        from pmmkit.readers.openfoam.mesh_motion import mesh_motion
+        from pmmkit.readers.openfoam.places import series_of
+
+        case = case_of(series_of(request).parts[0].request.path)
+        motion = None if case is None else mesh_motion(case)
+        return ({}, ()) if motion is None else (motion.path, motion.notes)
 
     def files(self, request: Request) -> Sequence[Path]:
         """The files that a request reads."""

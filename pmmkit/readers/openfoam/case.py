@@ -33,12 +33,13 @@ def entries_of(file: Path) -> Mapping[str, str]:
     file : Path
         ``<case>/postProcessing/<function object>/<start time>/<name>.dat``.
     """
-    folder = file.absolute().parent.parent
-    if folder.parent.name != RESULTS:
+    case = case_of(file)
+    if case is None:
         return {}
-    system = folder.parent.parent / "system"
+    folder = file.absolute().parent.parent
+    system = case / "system"
     for name in ("controlDict", "functions", folder.name):
-        whole = parsed(_text(system / name))
+        whole = parsed(text_of(system / name))
         found = _named(whole, folder.name)
         if found is None and name == folder.name and "type" in whole:
             found = whole
@@ -163,10 +164,24 @@ def _named(whole: Dictionary, name: str) -> Dictionary | None:
     return None
 
 
-def _text(path: Path) -> str:
-    """The text of a small file, empty if there is none."""
+def case_of(file: Path) -> Path | None:
+    """The case in which a function object wrote a file, or None."""
+    folder = file.absolute().parent.parent
+    return folder.parent.parent if folder.parent.name == RESULTS else None
+
+
+def text_of(path: Path, *, most: int = LARGEST) -> str:
+    """The text of a small file, empty if there is none.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    most : int
+        Bytes beyond which it is not looked at.
+    """
     try:
-        if path.is_file() and path.stat().st_size <= LARGEST:
+        if path.is_file() and path.stat().st_size <= most:
             return path.read_bytes().decode("utf-8", "replace")
     except OSError:
         return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -73,6 +74,7 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
     kept = None if means.kept is None else Kept(folder=means.kept, settings=settings)
     found = _read_before(runs, kept, tell)
     left = [place for place in range(len(runs)) if place not in found]
+    importlib.import_module("xarray")  # takes a second or two, once, and says nothing of the pace
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
     problems: list[Problem] = []
     with closing(_each([runs[place] for place in left], settings, means, kept, pace)) as results:

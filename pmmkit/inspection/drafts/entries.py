@@ -1,0 +1,245 @@
+"""``[defaults]``, ``[[matrix]]``, ``[[runs]]`` and ``[[tables]]`` of a draft."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.test_kinds.registry import kinds
+from pmmkit.errors import DataError
+from pmmkit.escaping import toml_comment, toml_string
+from pmmkit.inspection import FileLook
+from pmmkit.inspection.drafts.columns import column_lines, source_lines, their_column
+from pmmkit.inspection.drafts.common import Common
+from pmmkit.inspection.drafts.computed import Computed
+from pmmkit.inspection.drafts.draft import RunDraft
+from pmmkit.inspection.drafts.matrix import MatrixDraft
+from pmmkit.inspection.drafts.settle import WORDS, Setting, asked_of
+from pmmkit.inspection.drafts.text import Todo, aligned, toml
+from pmmkit.readers import reader_of
+from pmmkit.readers.rows import filled_in
+
+
+def default_lines(common: Common, computed: Computed, todo: Todo) -> list[str]:
+    """What runs have in common, and what is asked for all of them at once."""
+    tests = dict.fromkeys([*common.of_kind, *computed.of_kind])
+    lines: list[str] = []
+    guessed = guessed_source(common.tables)
+    for key in guessed:
+        todo.add(f"{key}: {_ASKED_OF_TABLES[key]}")
+    for name, items, cfd in (
+        ("defaults", common.every, None),
+        *((f"defaults.{x}", common.of_kind.get(x, ()), computed.of_kind.get(x)) for x in tests),
+    ):
+        asked = guessed if name == "defaults" else {}
+        if not items and cfd is None and not asked:
+            continue
+        lines += ["", f"[{name}]"]
+        for item in items:
+            lines.append(_line(item))
+            if item.todo:
+                todo.add(f"[{name}] {_question(item)}.")
+        if cfd is not None:
+            lines.append(f"cfd = {toml(cfd)}")
+        if asked:
+            lines.append(aligned(f"# source = {toml(asked)}", "TODO of all tables"))
+    return lines
+
+
+def matrix_lines(matrix: MatrixDraft, todo: Todo) -> list[str]:
+    """The table that lists the tests."""
+    look = matrix.look
+    lines = ["[[matrix]]", aligned(f"file = {toml(matrix.file)}", "each row is a run")]
+    source = source_lines(look, look.options)
+    lines += [f"source = {{ {', '.join(source)} }}", f"id = {toml(matrix.id)}"]
+    lines += [f"test = {toml(matrix.test)}", f"run = {toml(matrix.run)}"]
+    if matrix.run_sheet is not None:
+        lines.append(f"run_sheet = {toml(matrix.run_sheet)}")
+    if matrix.skip:
+        lines.append(aligned(f"skip = {toml(matrix.skip)}", "rows of which no run is there"))
+    lines.append("[matrix.columns]")
+    for column in look.columns:
+        item = column.suggestion
+        if item is not None and column.numbers:
+            sure = item.name in matrix.settings
+            note = f"{item.certainty}: {item.reason}"
+            theirs = f"{item.name} = {their_column(column, item, look)}"
+            lines.append(
+                aligned(theirs if sure else f"# {theirs}", note if sure else f"TODO {note}")
+            )
+            if not sure:
+                todo.add(f"[matrix.columns] {item.name}: is it {column.label!r} of {look.shown}?")
+        else:
+            lines.append(f"# not used: {toml_comment(column.label)}")
+    lines.append("[matrix.tests]                   # their word = our kind of test")
+    for word, test in matrix.tests.items():
+        if test is None:
+            lines.append(
+                aligned(f"# {toml_string(word)} = ...", f"TODO one of {', '.join(kinds())}")
+            )
+            todo.add(f"[matrix.tests] which kind of test is {word!r}?")
+        elif test != word:
+            lines.append(f"{toml_string(word)} = {toml(test)}")
+    return lines
+
+
+def entry_lines(
+    entry: RunDraft,
+    table: str,
+    base: FileLook | None,
+    kind: str,
+    todo: Todo,
+    *,
+    apart: bool = False,
+    computed: Computed | None = None,
+) -> list[str]:
+    """An entry; `apart` where each run of the shared layout has a sheet of its own.
+
+    What `computed` holds stands in ``[cfd]`` and ``[defaults]``.
+    """
+    lines = [f"[[{table}]]"]
+    identity = entry.id
+    if table == "tables":
+        plain = entry.id.replace("{", "(").replace("}", ")")
+        identity = _told_apart(f"{plain}_{{{_id_column(entry.look)}}}", entry.look)
+    lines += [f"id = {toml(identity)}"]
+    if entry.test is None:
+        free = kind == "free-running"
+        usual = ", ".join(name for name, item in kinds().items() if item.free_running == free)
+        lines.append(f"# test = ...   # TODO one of {usual}")
+        todo.of_run("test", entry.id)
+    else:
+        lines.append(f"test = {toml(entry.test)}")
+    lines.append(f"file = {toml(entry.file)}")
+    if entry.motion is not None:
+        lines.append(aligned(f"motion = {toml(entry.motion)}", "where the hull was, found there"))
+    own = {} if computed is None else computed.own(entry)
+    if own:
+        lines.append(f"cfd = {toml(own)}")
+    if entry.look is base and entry.sheet is not None and apart:
+        lines.append(f"source = {{ sheet = {toml(entry.sheet)} }}")
+    lines += [_setting(setting, entry.id, todo) for setting in entry.settings]
+    lines += [f"# {toml_comment(note)}" for note in entry.notes]
+    lines += [f"# TODO {toml_comment(problem)}" for problem in entry.problems[:3]]
+    if entry.problems:
+        todo.of_run('the file is damaged or lacks values (missing = "drop" in [source])', entry.id)
+    if entry.look is not base:
+        options = replace(entry.look.options, sheet=entry.sheet)
+        source = source_lines(entry.look, options, every=base is not None)
+        lines += [f"[{table}.source]", *source]
+        lines.append(f"[{table}.columns]")
+        lines += column_lines(entry.look, kind, todo, table=table == "tables")
+        here = {
+            name
+            for name, column in entry.look.known.items()
+            if column.suggestion and column.suggestion.certainty != "perhaps"
+        }
+        for name in () if base is None else base.known:
+            if name not in here:
+                lines.append(f"{name} = false")
+    return lines
+
+
+def guessed_source(entries: Sequence[RunDraft]) -> dict[str, str]:
+    """What tables of non-dimensional forces or of harmonics must say of themselves, as is usual.
+
+    Parameters
+    ----------
+    entries : sequence of RunDraft
+        Tables whose rows are runs.
+    """
+    guessed = {}
+    if any("'" in title for entry in entries for title in entry.look.titles):
+        guessed["nondimensional"] = "prime"
+    if any("_in" in name or "_out" in name for entry in entries for name in entry.look.known):
+        guessed["in_phase_with"] = "displacement"
+    return guessed
+
+
+_ASKED_OF_TABLES: Final = {
+    "nondimensional": 'are the forces of the tables "prime", "prime-d" or "bis"?',
+    "in_phase_with": "with what are the in-phase parts of the tables: displacement, velocity or "
+    "acceleration?",
+}
+
+
+def _told_apart(template: str, look: FileLook) -> str:
+    """An id for the rows of a table, with further settings where rows would share one."""
+    try:
+        cells = reader_of(look.format).cells(look.request)
+    except DataError:
+        return template
+    told = [column.title for column in look.known.values() if not column.constant]
+    named = [title for title in told if cells.headers.count(title) == 1 and "{" not in title]
+    for title in ("", *named):
+        longer = f"{template}_{{{title}}}" if title else template
+        ids = [filled_in(longer, cells, index)[0] for index in range(len(cells.rows))]
+        if len(set(ids)) == len(ids):
+            return longer
+    return template
+
+
+def _id_column(look: FileLook) -> str:
+    """Header of a column that tells the rows apart."""
+    for column in look.columns:
+        if "run" in column.title.lower() or column.title.lower() in ("no", "no.", "id", "test"):
+            return column.title
+    varied = [column for column in look.columns if not column.constant and column.suggestion]
+    keys = ("drift_deg", "rudder_deg", "speed", "heel_deg")
+    settings = [column for column in look.known.values() if column in varied]
+    named = [column for key in keys for column in settings if column is look.known.get(key)]
+    return (named or varied or list(look.columns))[0].title
+
+
+def _setting(setting: Setting, run_id: str, todo: Todo) -> str:
+    if setting.todo:
+        todo.of_run(_question(setting), run_id)
+    return _line(setting)
+
+
+def _line(setting: Setting) -> str:
+    value = "..." if setting.value is None else toml(setting.value)
+    mark = "" if setting.active else "# "
+    asked = f"TODO {setting.todo}" if setting.todo else ""
+    note = "; ".join(filter(None, (setting.reason, asked)))
+    return aligned(f"{mark}{setting.key} = {value}", note)
+
+
+def _question(setting: Setting) -> str:
+    """What is asked about a setting, the same for all runs."""
+    if setting.value is None:
+        return f"{setting.key}: {WORDS.get(setting.key, 'its value')}"
+    if not setting.active:
+        return f"{setting.key}, a number in the name: is it that?"
+    return f"{setting.key}, to be checked"
+
+
+def saved_run_lines(file: str, run: Run) -> list[str]:
+    """A run of a saved campaign, SI and our signs."""
+    found = run.settings
+    degrees = {
+        "drift_deg": found.drift,
+        "heel_deg": found.heel,
+        "rudder_deg": found.rudder,
+        "yaw_amplitude_deg": found.yaw_amplitude,
+        "phase_deg": found.phase,
+        "switch_deg": found.switch,
+    }
+    plain = {
+        "period": found.period,
+        "amplitude_m": found.amplitude,
+        "yaw_rate": found.yaw_rate,
+        "radius": found.radius,
+        "propeller_rps": found.propeller_rps,
+    }
+    values = {"speed": found.speed}
+    values |= {key: float(f"{math.degrees(value):.9g}") for key, value in degrees.items() if value}
+    values |= {key: value for key, value in plain.items() if value is not None}
+    for key in asked_of(run.test):
+        if key.endswith("_deg"):
+            values.setdefault(key, 0.0)
+    lines = ["[[runs]]", f"id = {toml(run.id)}", f"test = {toml(run.test)}", f"file = {toml(file)}"]
+    return lines + [f"{key} = {toml(value)}" for key, value in values.items()]

@@ -1,0 +1,227 @@
+"""What ``constant/dynamicMeshDict`` says of the motion of the mesh: read as text, nothing executed.
+
+Solid body motions of both branches of OpenFOAM (v2306, v10): ``oscillatingLinearMotion`` is
+amplitude sin(omega t) in metres, ``oscillatingRotatingMotion`` the same in degrees about the axes,
+``linearMotion`` a velocity, ``tabulated6DoFMotion`` a table of times, places and degrees,
+``multiMotion`` several of them together. Sources: the classes of these names in
+``meshTools``/``dynamicFvMesh`` of either branch.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.readers.openfoam.case import Dictionary, number_in, parsed, text_of
+
+PLACE: Final = "constant/dynamicMeshDict"
+_STILL: Final = frozenset({"staticFvMesh", "none"})
+_FUNCTION: Final = "solidBodyMotionFunction"
+_INCLUDE: Final = re.compile(
+    r'^[ \t]*#include(?:IfPresent|Etc|Func)?[ \t]+["<]?([^">\s]+)[">]?[^\n]*', re.MULTILINE
+)
+_VARIABLE: Final = re.compile(r"\$\{?([A-Za-z_]\w*)\}?")
+_TABLE_BYTES: Final = 1 << 24
+_CYCLES: Final = 4
+_PER_CYCLE: Final = 100
+_DEEPEST: Final = 8
+"""Files that include each other, beyond which none is followed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshMotion:
+    """How a mesh was told to move.
+
+    Parameters
+    ----------
+    moves : bool
+        False where the dictionary says that it stands still.
+    path : mapping of str to array (n,)
+        Of the hull along the axes of the mesh: ``t`` [s], ``x``, ``y`` [m], ``psi`` [rad]; empty
+        where the dictionary does not state it in plain numbers. Of an oscillation four cycles.
+    notes : tuple of str
+        What was not followed: computed values, files outside of the case, other kinds of motion.
+    """
+
+    moves: bool = True
+    path: Mapping[str, Array] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """One solid body motion: a constant velocity or an oscillation, translation and rotation."""
+
+    velocity: float = 0.0
+    omega: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
+    psi: float = 0.0
+
+
+def mesh_motion(case: Path) -> MeshMotion | None:
+    """The motion of a case's mesh; None where there is no dictionary of it.
+
+    Parameters
+    ----------
+    case : Path
+        Folder of the case.
+    """
+    text = text_of(case / PLACE)
+    if not text:
+        return None
+    notes: list[str] = []
+    whole = parsed(_with_includes(text, case / PLACE, case, notes))
+    kind = whole.get("dynamicFvMesh")
+    if kind in _STILL:
+        return MeshMotion(moves=False)
+    found = _with_function(whole)
+    if found is None:
+        return MeshMotion(notes=(*notes, f"{PLACE}: no solid body motion that is known"))
+    table = _table(found, case, notes)
+    if table is not None:
+        return MeshMotion(path=table, notes=tuple(notes))
+    pieces = list(_pieces(found, whole, notes))
+    return MeshMotion(path={} if notes else _sampled(pieces, notes), notes=tuple(notes))
+
+
+def _with_includes(text: str, file: Path, case: Path, notes: list[str], depth: int = 0) -> str:
+    """The text with the files of the case that it includes; others are named and not followed."""
+
+    def included(found: re.Match[str]) -> str:
+        name = found[1].replace("$FOAM_CASE", str(case)).replace("<case>", str(case))
+        other = file.parent / name
+        inside = other.resolve().is_relative_to(case.resolve()) and "$" not in name
+        if not inside or depth >= _DEEPEST or not (more := text_of(other)):
+            notes.append(f"{PLACE}: {found[1]} is not followed")
+            return ""
+        return _with_includes(more, other, case, notes, depth + 1)
+
+    return _INCLUDE.sub(included, text)
+
+
+def _with_function(whole: Dictionary) -> Dictionary | None:
+    """The dictionary that names a solid body motion: the top, a mover, coefficients of a solver."""
+    if isinstance(whole.get(_FUNCTION), str):
+        return whole
+    for inner in whole.values():
+        if isinstance(inner, Mapping) and (found := _with_function(inner)) is not None:
+            return found
+    return None
+
+
+def _coefficients(function: Dictionary) -> tuple[str, Dictionary]:
+    """Name of a motion and where its numbers stand."""
+    name = str(function[_FUNCTION])
+    for place in (f"{name}Coeffs", name, "coeffs"):
+        if isinstance(inner := function.get(place), Mapping):
+            return name, inner
+    return name, function
+
+
+def _pieces(function: Dictionary, whole: Dictionary, notes: list[str]) -> Iterator[_Piece]:
+    name, numbers = _coefficients(function)
+    if name == "multiMotion":
+        for inner in numbers.values():
+            if isinstance(inner, Mapping) and _FUNCTION in inner:
+                yield from _pieces(inner, whole, notes)
+        return
+    wanted = {
+        "oscillatingLinearMotion": ("amplitude", "omega"),
+        "oscillatingRotatingMotion": ("amplitude", "omega"),
+        "linearMotion": ("velocity",),
+    }.get(name)
+    if wanted is None:
+        notes.append(f"{PLACE}: {name} is not followed")
+        return
+    shifted = [key for key in ("phaseShift", "verticalShift") if numbers.get(key)]
+    read = {key: _numbers(numbers.get(key), whole) for key in wanted}
+    unread = [key for key, values in read.items() if values is None]
+    if unread or shifted:
+        listed = ", ".join([*unread, *shifted])
+        notes.append(f"{PLACE}: {listed} of {name} is no plain number, or is not followed")
+        return
+    stated = {key: values for key, values in read.items() if values is not None}
+    if name == "linearMotion":
+        yield _Piece(velocity=stated["velocity"][0])
+        return
+    size, omega = stated["amplitude"], stated["omega"][0]
+    if name == "oscillatingLinearMotion":
+        yield _Piece(omega=omega, x=size[0], y=size[1])
+    else:
+        yield _Piece(omega=omega, psi=math.radians(size[2]))
+
+
+def _numbers(entry: object, whole: Dictionary) -> tuple[float, ...] | None:
+    """Plain numbers of an entry, a vector or one; None where they are computed or missing."""
+    if not isinstance(entry, str):
+        return None
+
+    def value(found: re.Match[str]) -> str:
+        other = whole.get(found[1])
+        return other if isinstance(other, str) and "$" not in other else found[0]
+
+    text = _VARIABLE.sub(value, entry)
+    if "#" in text or "$" in text:
+        return None
+    if text.endswith(")"):
+        try:
+            numbers = tuple(map(float, text[text.rindex("(") + 1 : -1].split()))
+        except ValueError:
+            return None
+        return numbers if len(numbers) == 3 else None
+    number = number_in(text)
+    return None if number is None else (number,)
+
+
+def _table(function: Dictionary, case: Path, notes: list[str]) -> Mapping[str, Array] | None:
+    """The path of a table of the case; None where the motion is no table that can be read."""
+    name, entries = _coefficients(function)
+    if name != "tabulated6DoFMotion":
+        return None
+    stated = str(entries.get("timeDataFileName", "")).strip('"')
+    place = stated.replace("$FOAM_CASE", str(case)).replace("<case>", str(case))
+    place = place.replace("<constant>", str(case / "constant"))
+    file = case / place
+    if "$" in place or not file.resolve().is_relative_to(case.resolve()):
+        notes.append(f"{PLACE}: {stated} is not followed")
+        return {}
+    text = text_of(file, most=_TABLE_BYTES)
+    plain = re.sub(r"//[^\n]*|/\*.*?\*/", " ", text, flags=re.DOTALL)
+    try:
+        numbers = np.array(plain.translate(str.maketrans("();", "   ")).split(), float)
+    except ValueError:
+        numbers = np.empty(0)
+    rows = numbers[len(numbers) % 7 :]
+    if len(numbers) % 7 > 1 or len(rows) < 7 * 3:
+        notes.append(f"{PLACE}: {stated} holds no table of times, places and angles")
+        return {}
+    times, x, y, _, _, _, turned = rows.reshape(-1, 7).T
+    return {"t": times, "x": x - x[0], "y": y, "psi": np.radians(turned)}
+
+
+def _sampled(pieces: list[_Piece], notes: list[str]) -> Mapping[str, Array]:
+    """Four cycles of the motions together."""
+    omegas = {piece.omega for piece in pieces if piece.omega}
+    if len(omegas) != 1:
+        if omegas:
+            notes.append(f"{PLACE}: several frequencies")
+        return {}
+    omega = omegas.pop()
+    t = np.arange(_CYCLES * _PER_CYCLE + 1) * (2 * math.pi / abs(omega) / _PER_CYCLE)
+    wave = np.sin(omega * t)
+    total = {name: sum(getattr(piece, name) for piece in pieces) for name in ("x", "y", "psi")}
+    along = sum(piece.velocity for piece in pieces) * t
+    return {
+        "t": t,
+        "x": along + total["x"] * wave,
+        "y": total["y"] * wave,
+        "psi": total["psi"] * wave,
+    }
