@@ -17,7 +17,7 @@ from pmmkit.cli.options import stem
 from pmmkit.cli.output import Outcome, words_of
 from pmmkit.cli.outputs import results_folder
 from pmmkit.escaping import quoted
-from pmmkit.presentation import WIDE
+from pmmkit.presentation import WIDE, counted
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -149,6 +149,7 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
     from pmmkit.files import write_text
     from pmmkit.inspection import look
     from pmmkit.inspection.drafts.draft import draft_of
+    from pmmkit.inspection.drafts.propose import proposed
     from pmmkit.inspection.drafts.questions import questions_of
     from pmmkit.inspection.drafts.write import written
 
@@ -164,7 +165,7 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
             f"{target} is there: it was not replaced. To go on with it: "
             f"pmmkit demo --my-data {quoted(folder)}. Else name another --out."
         )
-    draft = draft_of(path, target, ship=ship)
+    draft = proposed(draft_of(path, target, ship=ship), target, lambda draft: written(draft).text)
     text = written(draft).text
     write_text(target, text)
     entries = [*draft.runs, *draft.tables]
@@ -201,7 +202,8 @@ def _reduced(way: Way, campaign: Campaign, reduce: Callable[..., Outcome], resul
     from pmmkit.reduction.choice import AUTO
     from pmmkit.toml_files import MODEL
 
-    title = f"{campaign.title}, {way.guesses} guesses not confirmed" if way.guesses else ""
+    guesses = counted(way.guesses, "guess")
+    title = f"{campaign.title}, {guesses} not confirmed" if way.guesses else ""
     result = reduce(way.file, results, structure=AUTO, title=title)
     content = result.content
     way = replace(way, result=result)
@@ -278,10 +280,10 @@ def _told(way: Way) -> Outcome:
         way = replace(way, questions=tuple(map(_not_needed, way.questions)))
     lines = [f"{stage:>8}  {words}" for stage, words in way.done]
     if way.stopped:
-        lines.append(f"    stop  {way.stopped}")
+        lines.append(f"    stop  {_why(way)}")
     if way.result is not None:
         if way.guesses:
-            lines += ["", f"PROVISIONAL: {way.guesses} guesses below are computed with."]
+            lines += ["", f"PROVISIONAL: computed with {counted(way.guesses, 'guess')} below."]
         lines += ["", *way.result.lines]
     lines += _asked(way.questions, way.file)
     again = f"pmmkit demo --my-data {quoted(way.place)}"
@@ -299,6 +301,14 @@ def _told(way: Way) -> Outcome:
         "next": following,
     }
     return Outcome(content=content, lines=lines, status=status)
+
+
+def _why(way: Way) -> str:
+    """What stopped it: the answers that are missing, each of which is asked below, or the error."""
+    missing = sum(item.kind == "needed" for item in way.questions)
+    if missing and not way.wrong:
+        return f"{counted(missing, 'answer')} below must be given first"
+    return way.stopped
 
 
 def _not_needed(question: Question) -> Question:

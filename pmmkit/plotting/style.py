@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -33,7 +34,6 @@ LIMIT: Final = "#b3261e"
 
 _STYLE: Final[Any] = {
     "font.size": 10,
-    "font.family": "DejaVu Sans",
     "axes.titlesize": 10,
     "axes.titleweight": "normal",
     "axes.titlelocation": "left",
@@ -65,6 +65,21 @@ _STYLE: Final[Any] = {
 }
 
 
+_LATIN: Final = "DejaVu Sans"
+_EASTERN: Final = (
+    "Noto Sans CJK JP",
+    "Noto Sans CJK SC",
+    "Yu Gothic",
+    "MS Gothic",
+    "Microsoft YaHei",
+    "SimHei",
+    "Malgun Gothic",
+    "Hiragino Sans",
+    "Apple SD Gothic Neo",
+    "PingFang SC",
+    "WenQuanYi Zen Hei",
+)
+"""Families that hold Japanese, Chinese or Korean names of runs, where one is installed."""
 _OF_THE_SESSION: Final = frozenset(
     {"backend", "backend_fallback", "interactive", "toolbar", "timezone", "date.epoch"}
 )
@@ -78,8 +93,20 @@ def styled() -> Iterator[None]:
 
     here, plain = mpl.rcParams, mpl.rcParamsDefault
     own = {name: plain[name] for name in plain if name not in _OF_THE_SESSION}
-    with mpl.rc_context({name: x for name, x in own.items() if here[name] != x} | _STYLE):
+    changed = {name: x for name, x in own.items() if here[name] != x}
+    with mpl.rc_context(changed | _STYLE | {"font.family": _families()}), warnings.catch_warnings():
+        # a name in a script without a font is drawn as boxes; tables have it in letters
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         yield
+
+
+@cache
+def _families() -> list[str]:
+    """The family of all figures, and those that have the letters which it lacks."""
+    from matplotlib.font_manager import fontManager
+
+    there = {font.name for font in fontManager.ttflist}
+    return [_LATIN, *(name for name in _EASTERN if name in there)]
 
 
 def canvas(height: float, width: float = WIDTH) -> Figure:

@@ -115,10 +115,11 @@ def counted(count: int, what: str) -> str:
 
     Examples
     --------
-    >>> counted(1, "run"), counted(3, "run")
-    ('1 run', '3 runs')
+    >>> counted(1, "run"), counted(3, "run"), counted(2, "guess")
+    ('1 run', '3 runs', '2 guesses')
     """
-    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+    ending = "es" if what.endswith(("s", "x", "ch", "sh")) else "s"
+    return f"{count} {what}" if count == 1 else f"{count} {what}{ending}"
 
 
 def listed(words: Sequence[str]) -> str:

@@ -144,7 +144,7 @@ class _Search:
     def find(self, file: str) -> Path | None:
         """Path of a file, else of a folder of that name or of a pattern that files fit, or None."""
         names = (file, file.replace("\\", "/"))
-        places = [folder / name for name in names for folder in self.folders()]
+        places = [_joined(folder, name) for name in names for folder in self.folders()]
         kinds: tuple[Callable[[Path], object], ...] = (Path.is_file, Path.is_dir, matching)
         try:
             return next((place for there in kinds for place in places if there(place)), None)
@@ -174,6 +174,12 @@ class _Search:
             entry=entry,
             remedy=remedy,
         )
+
+
+def _joined(folder: Path, name: str) -> Path:
+    """A place seen from a folder; ``..`` leads up from one too that is still to be made."""
+    path = folder / name
+    return path if folder.is_dir() else Path(os.path.normpath(path))
 
 
 def _place(path: Path) -> Path:

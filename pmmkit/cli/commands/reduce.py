@@ -13,7 +13,7 @@ import typer
 from pmmkit.cli.options import Campaign, Data, stem
 from pmmkit.cli.output import Outcome, say, words_of
 from pmmkit.cli.outputs import Force, Out, results_folder
-from pmmkit.presentation import aligned, table_lines
+from pmmkit.presentation import aligned, counted, table_lines
 
 if TYPE_CHECKING:
     from pmmkit.models import Model
@@ -393,8 +393,8 @@ def _words(
         for severity in ("warning", "info")
     }
     lines.append(
-        f"Checks: {counts['warning']} warnings, {counts['info']} remarks; "
-        f"{len(found.notes)} notes on what the runs do not tell (see the report)."
+        f"Checks: {counted(counts['warning'], 'warning')}, {counted(counts['info'], 'remark')}; "
+        f"{counted(len(found.notes), 'note')} on what the runs do not tell (see the report)."
     )
     loud = [item for item in found.findings if item.severity == "warning"]
     lines += [" ".join(filter(None, (str(item), item.remedy))) for item in loud]
