@@ -31,35 +31,13 @@ from scripts.datasets.strangers.laboratories import FAST, FOLDERS, HULLS, SLOW, 
 Typed = Callable[[Sequence[str]], dict[str, Any]]
 """A command without its first word, to its JSON; raises where it fails."""
 
+START_UP = ("# ramp_s = ...", "ramp_s = 10.0")
 BALANCE = ('forces = "hydrodynamic"', 'forces = "balance"')
-REST = """
-[[corrections]]
-runs = ["*"]
-action = "tare"
-reason = "the carriage stands for 3 s before each run"
-[[corrections]]
-runs = ["*"]
-action = "trim"
-t_start = 6.0
-reason = "the carriage gathers way"
-
-[end]"""
-MESH = (
-    ("# [axes]", "[axes]"),
-    ('# y = "-y"', 'y = "-y"'),
-    ('# z = "-z"', 'z = "-z"'),
-    ('# forces_in = "earth"', 'forces_in = "earth"'),
-    ("# moment_centre_moves = false", "moment_centre_moves = false"),
-    ("# ramp_s = ...", "ramp_s = 10.0"),
-    ("# [defaults.static_drift.cfd]", "[defaults.static_drift.cfd]"),
-    ('# forces_in = "body"', 'forces_in = "body"'),
-    ("# moment_centre_moves = true", "moment_centre_moves = true"),
-)
 EDITS: Mapping[str, tuple[tuple[str, str], ...]] = {
     "workbook": (),
-    "text": (BALANCE, ("# speed = ...", f"speed = {SLOW}"), ("\n[end]", REST)),
-    "openfoam": MESH,
-    "openfoam_v10": MESH,
+    "text": (BALANCE, ("# speed = ...", f"speed = {SLOW}\ntare = true")),
+    "openfoam": (START_UP,),
+    "openfoam_v10": (START_UP,),
     "heeled": (("# speed = ...", f"speed = {FAST}"),),
     "rotating_arm": (
         BALANCE,
