@@ -90,6 +90,7 @@ REGISTRIES = {
         {
             "campaigns/file/particulars.py": OTHER_WORDS,
             "campaigns/file/schema.py": OTHER_WORDS,
+            "campaigns/file/single_tables.py": OTHER_WORDS,
             "checks/copies.py": OTHER_WORDS,
             "diagnosis/captive/asked.py": "what runs hold: roll",
             "diagnosis/captive/held_out.py": OTHER_WORDS,

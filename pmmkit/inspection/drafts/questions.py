@@ -158,10 +158,16 @@ _EITHER: Final = ("mass", "volume")
 """Of these one is enough."""
 
 
+_WITHOUT_AXES: Final = {("campaign", "drift_positive"): "starboard-bow"}
+"""What holds where a key is not stated and no axis is turned."""
+
+
 def _default(table: str, key: str) -> str:
     """What holds where a key is not stated; empty where nothing does."""
     from pmmkit.campaigns.file.schema import TABLES
 
+    if (table, key) in _WITHOUT_AXES:
+        return toml_string(_WITHOUT_AXES[table, key])
     model = TABLES.get(table)
     field = None if model is None else model.model_fields.get(key)
     value = None if field is None else field.default
