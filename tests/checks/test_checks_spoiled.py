@@ -49,6 +49,7 @@ def test_a_clean_campaign_is_silent(base):
         "N drifting (yaw_drift, small)",
         "Y clipped hard (pure_sway, small)",
         "Y clipped softly (pure_sway, small)",
+        "Y clipped softly (yaw_drift, small)",
         "X sign flipped (static_drift, small)",
         "Y in kgf (pure_yaw, small)",
         "half of the hull (yaw_drift, small)",

@@ -30,7 +30,7 @@ RIVAL: Final = 2.5
 """Causes whose evidence comes as near as this are named beside it."""
 EXPLAINED: Final = 4.0
 """Squared misfit over its expected value that a cause may leave."""
-ODD: Final = 8.0
+ODD: Final = 5.0
 """Squared misfit beyond chance from which a run is asked what is wrong; from which it is told of
 without a cause, `FAR`."""
 UNEXPLAINED: Final = 0.03
