@@ -10,7 +10,14 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.least_squares import DEPENDENT, Stack, sizes_of, solved, stacked
+from pmmkit.diagnosis.captive.least_squares import (
+    DEPENDENT,
+    Stack,
+    effect_columns,
+    sizes_of,
+    solved,
+    stacked,
+)
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.numerics import Array
 from pmmkit.observations.views import View
@@ -131,6 +138,7 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
     from scipy.optimize import minimize_scalar
 
     found = list(effects)
+    columns = [effect_columns(system, block) for block in effects]
     for place, block in enumerate(effects):
         if not block.candidate.continuous:
             continue
@@ -143,13 +151,16 @@ def refined(system: System, effects: Sequence[Block]) -> tuple[Block, ...]:
             high = 2 * grid[-1] - grid[-2]
 
         def misfit(value: float, place: int = place, block: Block = block) -> float:
-            others = [*found[:place], replace(block, value=value), *found[place + 1 :]]
-            return _misfit(stacked(system, others))
+            own = replace(block, value=value)
+            others = [*found[:place], own, *found[place + 1 :]]
+            known = [*columns[:place], effect_columns(system, own), *columns[place + 1 :]]
+            return _misfit(stacked(system, others, columns=known))
 
         result = minimize_scalar(
             misfit, bounds=(low, high), method="bounded", options={"xatol": 0.01 * (high - low)}
         )
         found[place] = replace(block, value=float(result.x))
+        columns[place] = effect_columns(system, found[place])
     return tuple(found)
 
 

@@ -53,7 +53,13 @@ class Stack:
     begin: int
 
 
-def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> Stack:
+def stacked(
+    system: System,
+    effects: Sequence[Block],
+    *,
+    floor: float = 0.0,
+    columns: Sequence[Mapping[str, Array]] | None = None,
+) -> Stack:
     """All channels below each other, whitened run by run.
 
     Parameters
@@ -64,14 +70,13 @@ def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> 
         Effects at a value of their nonlinear parameter.
     floor : float
         Size of the smooth floor, whose features stand as columns; none at zero.
+    columns : sequence of mapping, optional
+        Those of the effects (`effect_columns`), where they are known.
     """
     base, views, channels = system.base, system.views, system.channels
-    predicted = {
-        c.name: c.design @ [base.values[name] for name in base.names[c.name]] for c in channels
-    }
     own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
     known = [name for c in channels for name in base.names[c.name]]
-    parts = [_columns(block, system, predicted) for block in effects]
+    parts = [effect_columns(system, block) for block in effects] if columns is None else columns
     features = {c.name: floor * floor_features(c, views, base) for c in channels if floor > 0}
     widths = [next(iter(part.values())).shape[1] for part in parts]
     total = len(known) + sum(widths) + sum(x.shape[1] for x in features.values())
@@ -110,16 +115,30 @@ def stacked(system: System, effects: Sequence[Block], *, floor: float = 0.0) -> 
     )
 
 
-def _columns(block: Block, system: System, predicted: Mapping[str, Array]) -> Mapping[str, Array]:
-    """Columns of an effect in units of its prior."""
+def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
+    """Columns of an effect in units of its prior, by channel.
+
+    Parameters
+    ----------
+    system : System
+        Runs with the estimated scatter.
+    block : Block
+        The effect, at a value of its nonlinear parameter.
+    """
     if not block.candidate.each_run:
         found = candidate_columns(
             block.candidate, block.value, system.channels, system.views, system.base
         )
         return {name: x * prior_sizes(block.candidate) for name, x in found.items()}
+    base = system.base
     parts = {
         c.name: each_run_columns(
-            block.candidate, block.value, c, system.views, system.base, predicted[c.name]
+            block.candidate,
+            block.value,
+            c,
+            system.views,
+            base,
+            c.design @ [base.values[name] for name in base.names[c.name]],
         )
         for c in system.channels
     }
