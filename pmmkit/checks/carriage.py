@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.campaigns.motion.counted import whole_series
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.checks.finding import Check, CheckFinding, figure
 from pmmkit.errors import DataError
@@ -43,11 +44,7 @@ def carriage_facts(run: Run, data: xr.Dataset, t: Array) -> dict[str, float]:
         ``carriage`` and, where u and v are recorded and the hull does not surge on the carriage,
         ``hull_ahead``, both over the same samples [m/s]; nothing without ``U_carriage``.
     """
-    column = {
-        name: np.asarray(data[name].values, float)
-        for name in ("U_carriage", "u", "v", "psi")
-        if name in data and data[name].dims == ("t",) and np.isfinite(data[name].values).all()
-    }
+    column = whole_series(data, "U_carriage", "u", "v", "psi")
     if "U_carriage" not in column:
         return {}
     try:

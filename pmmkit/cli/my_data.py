@@ -165,7 +165,7 @@ def _with_campaign(path: Path, ship: str | None, out: Path | None) -> Way:
             f"{target} is there: it was not replaced. To go on with it: "
             f"pmmkit demo --my-data {quoted(folder)}. Else name another --out."
         )
-    draft = proposed(draft_of(path, target, ship=ship), target, lambda draft: written(draft).text)
+    draft = proposed(draft_of(path, target, ship=ship), target)
     text = written(draft).text
     write_text(target, text)
     entries = [*draft.runs, *draft.tables]

@@ -136,13 +136,26 @@ def counted_cycles(
     return Counted(theta=theta, cycles=moved, travel=travel)
 
 
-def _speed(data: xr.Dataset) -> Array | None:
-    """The recorded speed of the carriage, or of the hull; None where there is none."""
-    found = {
+def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:
+    """The channels among these that are there in time, without a gap.
+
+    Parameters
+    ----------
+    data : Dataset
+        A history.
+    *names : str
+        Channels that are wanted.
+    """
+    return {
         name: np.asarray(data[name].values, float)
-        for name in ("U_carriage", "u", "v")
+        for name in names
         if name in data and data[name].dims == ("t",) and np.isfinite(data[name].values).all()
     }
+
+
+def _speed(data: xr.Dataset) -> Array | None:
+    """The recorded speed of the carriage, or of the hull; None where there is none."""
+    found = whole_series(data, "U_carriage", "u", "v")
     if "U_carriage" in found:
         return found["U_carriage"]
     return np.hypot(found["u"], found.get("v", 0.0)) if "u" in found else None

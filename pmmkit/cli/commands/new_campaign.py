@@ -40,7 +40,7 @@ def new_campaign(
         target = target / FILE_NAME
     if target.exists() and not force:
         raise FileExists(f"{target} is there: it was not replaced. Name another --out, or --force.")
-    draft = proposed(draft_of(folder, target, ship=ship), target, lambda draft: written(draft).text)
+    draft = proposed(draft_of(folder, target, ship=ship), target)
     text = written(draft)
     try:
         write_text(target, text.text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -18,6 +18,7 @@ from pmmkit.inspection.drafts.draft import Draft, RunDraft
 from pmmkit.inspection.drafts.entries import guessed_source
 from pmmkit.inspection.drafts.settle import Setting
 from pmmkit.inspection.drafts.trial import knows_speed, summaries_of, trial_campaign
+from pmmkit.inspection.drafts.write import written
 from pmmkit.inspection.guessing import Suggestion
 from pmmkit.readers import reader_of
 
@@ -26,7 +27,7 @@ _RECORDED: Final = {"drift": {"v", "psi"}, "sway": {"v", "y"}, "yaw": {"r", "psi
 _AXES_OF_FORCES: Final = ("forces_in", "moment_centre_moves")
 
 
-def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft:
+def proposed(draft: Draft, target: Path) -> Draft:
     """The draft with axes and signs that agree with the physics of all of its runs.
 
     Parameters
@@ -35,8 +36,6 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
         From `draft_of`.
     target : Path
         Where its campaign file will lie.
-    write : callable
-        Gives the text of a draft.
 
     Returns
     -------
@@ -46,7 +45,7 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
     """
     if draft.kind != "captive" or draft.saved:
         return draft
-    plain = write(_seen_from_mesh(draft))
+    plain = written(_seen_from_mesh(draft)).text
     trial = trial_campaign(plain, target, guessed_source(draft.tables))
     if trial is None:
         return draft
@@ -66,20 +65,20 @@ def proposed(draft: Draft, target: Path, write: Callable[[Draft], str]) -> Draft
         )
     proposal = replace(known, convention=found.best, seen=_agreeing(found.signs))
     if found.best.changes:
-        summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target, write)
+        summaries = _summaries(_seen_from_mesh(_with(draft, proposal)), target)
     timed = _timed(draft, plain) and not computed
     tried = _with(draft, _further(proposal, trial, summaries, timed=timed))
     if not (found.best.changes or computed):
         return tried  # the runs were read as they stand in the draft
-    found_then = asked_signs(trial, _summaries(tried, target, write))
+    found_then = asked_signs(trial, _summaries(tried, target))
     if against := [sign for sign in found_then if sign.verdict < 0]:
         refused = replace(known, remaining=(found.best,), seen=_words(against))
         return replace(draft, proposal=refused)
     return tried
 
 
-def _summaries(draft: Draft, target: Path, write: Callable[[Draft], str]) -> tuple[Summary, ...]:
-    campaign = trial_campaign(write(draft), target, guessed_source(draft.tables))
+def _summaries(draft: Draft, target: Path) -> tuple[Summary, ...]:
+    campaign = trial_campaign(written(draft).text, target, guessed_source(draft.tables))
     return () if campaign is None else summaries_of(campaign)
 
 
