@@ -1,0 +1,118 @@
+"""Forces and flows that both ships have: what is hidden on the hull, wind, lift of a rudder."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .hidden import Hidden
+
+AIR = 1.225
+STRIPS = (np.arange(40) + 0.5) / 40 - 0.5
+"""Middles of strips over the length, forward of midship."""
+STALL, FALL, LOST = math.radians(18.0), math.radians(7.0), 0.35
+"""Lift falls beyond the first angle, over about the second, by this share of its top."""
+TAPER = 1.3
+"""Drag of a strip at x over L in yaw alone is 1 - TAPER x."""
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion through the water, one value a run: u, v [m/s], r, p [rad/s], ψ, φ [rad]; sway as it
+    was about a lag ago, over the speed."""
+
+    u: np.ndarray
+    v: np.ndarray
+    r: np.ndarray
+    psi: np.ndarray
+    phi: np.ndarray
+    p: np.ndarray
+    late: np.ndarray
+
+    @property
+    def speed(self) -> np.ndarray:
+        return np.hypot(self.u, self.v)
+
+
+@dataclass(frozen=True)
+class Body:
+    """Length, breadth, draught [m], density of the water [kg/m³], areas above water [m²]."""
+
+    L: float
+    B: float
+    d: float
+    rho: float
+    front: float
+    flank: float
+
+
+def hidden_forces(
+    body: Body, hidden: Hidden, now: Motion, blows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """X, Y [N] and N [N m] of what is hidden on the hull and of the wind.
+
+    `blows` holds the true wind of each run: its speed [m/s] and where it comes from [rad].
+    """
+    U = now.speed
+    q = 0.5 * body.rho * body.L**2 * U**2
+    v, r = now.v / U, now.r * body.L / U
+    Y = hidden.side + hidden.vvr[0] * v * v * r + hidden.vrr[0] * v * r * r
+    N = hidden.turn + hidden.vvr[1] * v * v * r + hidden.vrr[1] * v * r * r
+    Y = Y + hidden.late_side * (now.late - v)
+    N = N + hidden.late_turn * (now.late - v)
+    drag = body.d / body.L
+    if hidden.plate:
+        plate = -hidden.plate * drag * v * np.abs(v)
+        Y, N = Y + plate, N - 0.2 * plate
+    if hidden.ends:
+        strips = -hidden.ends * drag * (1.0 - TAPER * STRIPS) * STRIPS * np.abs(STRIPS)
+        Y = Y + strips.mean() * r * np.abs(r)
+        N = N + (strips * STRIPS).mean() * r * np.abs(r)
+    if hidden.strips:
+        across = v[:, None] + r[:, None] * STRIPS
+        strips = -hidden.strips * drag * across * np.abs(across)
+        Y, N = Y + strips.mean(axis=1), N + (strips * STRIPS).mean(axis=1)
+    X, Y, N = q * hidden.vr * v * r, q * Y, q * body.L * N
+    if hidden.windage:
+        wind = wind_forces(body, now, blows)
+        X, Y, N = (a + hidden.windage * b for a, b in zip((X, Y, N), wind, strict=True))
+    return X, Y, N
+
+
+def relative_wind(now: Motion, blows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Speed of the wind past the ship [m/s], and where it comes from, off the bow [rad]."""
+    ahead = blows[0] * np.cos(blows[1] - now.psi) + now.u
+    abeam = blows[0] * np.sin(blows[1] - now.psi) + now.v
+    return np.hypot(ahead, abeam), np.arctan2(abeam, ahead)
+
+
+def wind_forces(
+    body: Body, now: Motion, blows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """X, Y, N of the wind on blunt ends and a flat flank; its centre moves with the angle."""
+    past, angle = relative_wind(now, blows)
+    pressure = 0.5 * AIR * past**2
+    X = -pressure * body.front * (0.75 * np.cos(angle) - 0.05 * np.cos(3.0 * angle))
+    Y = -pressure * body.flank * (0.82 * np.sin(angle) - 0.04 * np.sin(3.0 * angle))
+    return X, Y, Y * body.L * (0.23 * np.cos(angle) + 0.01)
+
+
+def normal_lift(slope: float, attack: np.ndarray, stalled: float) -> np.ndarray:
+    """Coefficient of a rudder's normal force; `stalled` is the share of one that stalls."""
+    attached = slope * np.sin(attack)
+    if not stalled:
+        return attached
+    beyond = np.maximum(np.abs(attack) - STALL, 0.0)
+    top = slope * np.sin(np.minimum(np.abs(attack), STALL))
+    fallen = np.sign(attack) * top * (1.0 - LOST * (1.0 - np.exp(-((beyond / FALL) ** 2))))
+    return (1.0 - stalled) * attached + stalled * fallen
+
+
+def revolutions_for(
+    thrust: np.ndarray, inflow: np.ndarray, D: float, rho: float, kt: tuple[float, float, float]
+) -> np.ndarray:
+    """Revolutions [1/s] at which a propeller gives a thrust [N] in a flow [m/s]."""
+    a, b, c = kt[0], kt[1] * inflow, kt[2] * inflow**2 - thrust / (rho * D * D)
+    return (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a) / D
