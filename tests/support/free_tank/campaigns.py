@@ -169,7 +169,9 @@ def _draws(setup: Setup, purpose: str) -> np.random.Generator:
 
 
 def _campaign(setup: Setup) -> str:
-    """The campaign file."""
+    """The campaign file; it states a depth that the ship feels."""
+    bottom, body = hidden_in(setup).bottom, setup.fleet.build(NOTHING).body
+    depth = f"depth = {body.d / math.sqrt(bottom):.6g}\n" if bottom else ""
     head = f"""\
 [campaign]
 title = "{setup.fleet.title} free running"
@@ -180,9 +182,9 @@ rudder_positive = "starboard"
 name = "{setup.fleet.model}"
 
 [water]
-rho = {setup.fleet.build(NOTHING).body.rho}
+rho = {body.rho}
 g = 9.81
-"""
+{depth}"""
     return "\n".join([head, *map(_run, programme(setup))])
 
 

@@ -168,6 +168,7 @@ CASES: Mapping[str, Case] = {
     ),
     "stall": Case(_both(lambda s: Hidden(stalled=s)), (("rudder_stall",),)),
     "surge_coupling": Case(_both(lambda s: Hidden(vr=0.0039 * s)), (("surge_yaw_coupling",),)),
+    "bottom": Case(_both(lambda s: Hidden(bottom=0.16 * s)), (("shallow_water",),)),
     "memory": Case(
         _both(lambda s: Hidden(late_side=-0.00232 * s, late_turn=-0.00077 * s)), (("memory",),)
     ),

@@ -8,28 +8,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from .flow import Body, Motion, hidden_forces, normal_lift, revolutions_for
 from .hidden import Hidden
 
-BODY = Body(L=175.0, B=25.4, d=8.5, rho=1025.0, front=420.0, flank=1900.0)
+BODY = Body(
+    L=175.0, B=25.4, d=8.5, rho=1025.0, front=420.0, flank=1900.0,
+    linear=(-0.0116, 0.00242, -0.0038545, -0.00222),
+)  # fmt: skip
 VOLUME, GM, G = 21222.0, 0.3, 9.81
 m, mx, my, ay, ly, lx = 0.00792, 0.000238, 0.007049, 0.05, 0.0313, 0.0313
 Ix, Jx, Iz, Jz = 0.0000176, 0.0000034, 0.000456, 0.000419
 X = {"uu": -.0004226, "vr": -.00311, "rr": .00020, "ff": -.00020, "vv": -.00386}  # fmt: skip
-ODD = ("v", "r", "vvv", "rrr", "vvr", "vrr")
-HEEL = ("p", "f", "vvf", "vff", "rrf", "rff")
-TERMS = {
-    #     v         r         vvv       rrr       vvr      vrr
-    #     p         phi       vvphi     vphiphi   rrphi    rphiphi
-    "Y": (-.0116,    .00242,  -.109,     .00177,   .0214,  -.0405,
-           .0,      -.000063,  .04605,   .00304,   .009325, -.001368),
-    "N": (-.0038545, -.00222,  .001492, -.00229,  -.0424,   .00156,
-           .000213, -.0001424, -.019058, -.0053766, -.0038592, .0024195),
-    "K": ( .0003026, -.000063, .002843, -.0000462, -.000588, .0010565,
-          -.0000075, -.000021, -.0012012, -.0000793, -.000243, .00003569),
+ODD = {
+    #                 v          r         vvv       rrr        vvr        vrr
+    "Y": np.array([-0.0116, 0.00242, -0.109, 0.00177, 0.0214, -0.0405]),
+    "N": np.array([-0.0038545, -0.00222, 0.001492, -0.00229, -0.0424, 0.00156]),
+    "K": np.array([0.0003026, -0.000063, 0.002843, -0.0000462, -0.000588, 0.0010565]),
+}  # fmt: skip
+HEEL = {
+    #               p          φ         vvφ       vφφ        rrφ        rφφ
+    "Y": np.array([0.0, -0.000063, 0.04605, 0.00304, 0.009325, -0.001368]),
+    "N": np.array([0.000213, -0.0001424, -0.019058, -0.0053766, -0.0038592, 0.0024195]),
+    "K": np.array([-0.0000075, -0.000021, -0.0012012, -0.0000793, -0.000243, 0.00003569]),
 }  # fmt: skip
 T, WAKE, TAU, XP, DIAMETER = 0.175, 0.184, 1.09, -0.526, 6.533
 KT = (0.527, -0.455, 0.0)
@@ -64,8 +68,8 @@ class Container:
         q = 0.5 * BODY.rho * L**2 * U**2
         u, v, r, p = now.u / U, now.v / U, now.r * L / U, now.p * L / U
         odd, heel = _products(v, r, p, now.phi)
-        hull = {name: np.array(c[:6]) @ odd for name, c in TERMS.items()}
-        lean = {name: np.array(c[6:]) @ heel for name, c in TERMS.items()}
+        hull = {name: terms @ odd for name, terms in ODD.items()}
+        lean = {name: terms @ heel for name, terms in HEEL.items()}
         inflow, thrust = self._propeller(now.u, v, r, n)
         normal = self._rudder(U, v, r, delta, inflow, thrust) / q
         side = normal * np.cos(delta)
@@ -87,7 +91,7 @@ class Container:
         yaw = yaw + other[2] / (q * L)
         roll = hull["K"] + lean["K"] - (1.0 + share) * ZR * side + mx * lx * u * r
         roll = roll - BODY.rho * G * VOLUME * GM * now.phi / (q * L)
-        rates = self._mobility() @ np.stack([sway - (m + mx) * u * r, roll, yaw])
+        rates = self.mobility @ np.stack([sway - (m + mx) * u * r, roll, yaw])
         scale = U**2 / L
         return (
             surge / (m + mx) * scale,
@@ -96,7 +100,8 @@ class Container:
             rates[1] * scale / L,
         )
 
-    def _mobility(self) -> np.ndarray:
+    @cached_property
+    def mobility(self) -> np.ndarray:
         """Inverse of the masses of sway, roll and yaw."""
         h = self.hidden.heel
         masses = np.array(

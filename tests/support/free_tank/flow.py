@@ -12,10 +12,14 @@ from .hidden import Hidden
 AIR = 1.225
 STRIPS = (np.arange(40) + 0.5) / 40 - 0.5
 """Middles of strips over the length, forward of midship."""
-STALL, FALL, LOST = math.radians(18.0), math.radians(7.0), 0.35
+STALL, FALL, LOST = math.radians(20.0), math.radians(8.0), 0.3
 """Lift falls beyond the first angle, over about the second, by this share of its top."""
 TAPER = 1.3
 """Drag of a strip at x over L in yaw alone is 1 - TAPER x."""
+
+GROWTH = (2.3, 0.7, 1.7, 0.7)
+"""Of Yv, Yr, Nv and Nr near the bottom, per square of draught over depth: first order of what
+Hirano and others (1985) give; added masses stay those of deep water."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,8 @@ class Motion:
 
 @dataclass(frozen=True)
 class Body:
-    """Length, breadth, draught [m], density of the water [kg/m³], areas above water [m²]."""
+    """Length, breadth, draught [m], density of the water [kg/m³], areas above water [m²]; Yv, Yr,
+    Nv and Nr of the hull over ½ρL²U² and ½ρL³U²."""
 
     L: float
     B: float
@@ -46,6 +51,7 @@ class Body:
     rho: float
     front: float
     flank: float
+    linear: tuple[float, float, float, float]
 
 
 def hidden_forces(
@@ -62,6 +68,8 @@ def hidden_forces(
     N = hidden.turn + hidden.vvr[1] * v * v * r + hidden.vrr[1] * v * r * r
     Y = Y + hidden.late_side * (now.late - v)
     N = N + hidden.late_turn * (now.late - v)
+    Yv, Yr, Nv, Nr = (hidden.bottom * x * y for x, y in zip(body.linear, GROWTH, strict=True))
+    Y, N = Y + Yv * v + Yr * r, N + Nv * v + Nr * r
     drag = body.d / body.L
     if hidden.plate:
         plate = -hidden.plate * drag * v * np.abs(v)

@@ -26,6 +26,8 @@ class Hidden:
         Drag coefficient of the strips that yaw alone moves; larger at the stern.
     strips : float
         Drag coefficient of strips in sway and yaw together.
+    bottom : float
+        Square of draught over depth: the linear forces of sway and yaw grow with it.
     late_side, late_turn : float
         Part of the derivatives of v' that is late by `lag` [L/U].
     lag : float
@@ -66,6 +68,7 @@ class Hidden:
     plate: float = 0.0
     ends: float = 0.0
     strips: float = 0.0
+    bottom: float = 0.0
     late_side: float = 0.0
     late_turn: float = 0.0
     lag: float = 1.5

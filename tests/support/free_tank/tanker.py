@@ -14,7 +14,10 @@ import numpy as np
 from .flow import Body, Motion, hidden_forces, normal_lift, revolutions_for
 from .hidden import Hidden
 
-BODY = Body(L=7.0, B=1.27, d=0.46, rho=1000.0, front=0.35, flank=1.6)
+BODY = Body(
+    L=7.0, B=1.27, d=0.46, rho=1000.0, front=0.35, flank=1.6,
+    linear=(-0.0207, 0.00545, -0.0090, -0.00322),
+)  # fmt: skip
 MASS, IZZ, XG = 3270.0, 10218.75, 0.25
 MX, MY, JZ = 0.022, 0.223, 0.011
 R0 = 0.022

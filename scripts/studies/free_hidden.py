@@ -1,0 +1,270 @@
+"""How often what is hidden in free-running records is found: campaigns diagnosed one by one.
+
+    python -m scripts.studies.free_hidden [--cases none roll …] [--sizes 1 0.3] [--runs 6 3]
+                                          [--seeds 5] [--first 0] [--ship s175] [--jobs 2]
+    python -m scripts.studies.free_hidden --folder DIR      # campaigns that lie there
+    python -m scripts.studies.free_hidden … --write DIR     # only make them
+
+The campaigns are those of tests/support/free_tank, which shares no code with the package, or those
+of a folder with a ``truth.json`` of the same form. The model of each is the library ship that its
+truth names; sets are judged by the names that the truth accepts.
+
+alone : the truth is the only set of the group.
+group : the truth is in a group of at most three sets.
+wide : the truth is in a larger group.
+beside : a set of the group holds the truth, with something beside it.
+wrong : no set of the group holds the truth; where nothing is hidden, something is named.
+silent : nothing is named; where nothing is hidden, that is right.
+failed : the diagnosis ended in an error.
+
+Right, in the table, is alone, group, and silent where nothing is hidden. Seconds are those of the
+processor, of a diagnosis with its children.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import json
+import os
+import tempfile
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import pmmkit as pk
+from pmmkit.checks import examine
+from pmmkit.effects.catalogue import catalogue
+from pmmkit.presentation import aligned
+from tests.support.free_tank.campaigns import SHIPS, Setup, write, write_all
+from tests.support.free_tank.cases import CASES
+
+OUTCOMES = ("alone", "group", "wide", "beside", "wrong", "silent", "failed")
+SMALL = 3
+"""Sets in a group that still says something."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """A campaign to diagnose: one to be made, or one that lies in a folder."""
+
+    truth: Mapping[str, Any]
+    setup: Setup | None = None
+    folder: Path | None = None
+
+    @property
+    def title(self) -> str:
+        if self.setup is None:
+            return f"{self.truth['case']} ({self.folder.name if self.folder else '-'})"
+        own = self.setup
+        return f"{own.case} {own.size:g}, {own.runs} runs, seed {own.seed}"
+
+    @property
+    def row(self) -> tuple[str, str, str]:
+        """Of the table: case, size, runs."""
+        case, size, runs = (str(self.truth.get(name, "-")) for name in ("case", "size", "runs"))
+        return case, size, runs
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the diagnosis said of one campaign."""
+
+    job: Job
+    verdict: str
+    sets: tuple[tuple[str, ...], ...] = ()
+    odds: tuple[float, ...] = ()
+    log_evidence: float = float("nan")
+    flags: tuple[str, ...] = ()
+    checks: tuple[str, ...] = ()
+    seconds: float = float("nan")
+    error: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """One of `OUTCOMES`."""
+        expect = self.job.truth["expect"]
+        if self.error:
+            return "failed"
+        if not self.sets:
+            return "silent"
+        if not expect:
+            return "wrong"
+        if any(says(names, expect) for names in self.sets):
+            size = len(self.sets)
+            return "alone" if size == 1 else "group" if size <= SMALL else "wide"
+        return "beside" if any(holds(names, expect) for names in self.sets) else "wrong"
+
+    @property
+    def right(self) -> bool:
+        """Whether the verdict is one of those accepted, and the name with it."""
+        good = ("alone", "group") if self.job.truth["expect"] else ("silent",)
+        return self.verdict in self.job.truth["verdict"] and self.outcome in good
+
+    def __str__(self) -> str:
+        group = "; ".join(
+            f"{' + '.join(names)} {odds:.2g}"
+            for names, odds in zip(self.sets, self.odds, strict=True)
+        )
+        checks = f", checks: {' '.join(self.checks)}" if self.checks else ""
+        flags = f", flags: {' | '.join(self.flags)}" if self.flags else ""
+        return (
+            f"{self.job.title}: {self.outcome}, {self.verdict}, {group or '-'}, "
+            f"ln evidence {self.log_evidence:.1f}, {self.seconds:.0f} s"
+            f"{checks}{flags}{self.error and f', {self.error}'}"
+        )
+
+
+def says(names: Sequence[str], expect: Sequence[Sequence[str]]) -> bool:
+    """Whether a set is the truth: one of the accepted names for each effect, and no other.
+
+    Examples
+    --------
+    >>> says(["wind"], [["wind"]]), says(["wind", "current"], [["wind"]])
+    (True, False)
+    """
+    return len(names) == len(expect) and any(
+        all(name in accepted for name, accepted in zip(order, expect, strict=True))
+        for order in itertools.permutations(names)
+    )
+
+
+def holds(names: Sequence[str], expect: Sequence[Sequence[str]]) -> bool:
+    """Whether a part of a set is the truth.
+
+    Examples
+    --------
+    >>> holds(["wind", "current"], [["wind"]])
+    True
+    """
+    return any(says(part, expect) for part in itertools.combinations(names, len(expect)))
+
+
+def answered(job: Job) -> Answer:
+    """Make a campaign, or open it, and diagnose it."""
+    if job.setup is not None:
+        with tempfile.TemporaryDirectory() as place:
+            return asked(job, write(job.setup, Path(place)))
+    assert job.folder is not None
+    return asked(job, job.folder)
+
+
+def asked(job: Job, folder: Path) -> Answer:
+    """The diagnosis of the campaign in a folder."""
+    campaign = pk.open_campaign(folder)
+    checks = tuple(item.check for item in examine(campaign) if item.severity != "info")
+    began = processor()
+    try:
+        found = pk.diagnose(pk.load_model(job.truth["model"]), campaign)
+    except Exception as error:  # one that fails is counted: hours of others are not lost for it
+        said = f"{type(error).__name__}: {error}"
+        return Answer(job=job, verdict="-", checks=checks, seconds=processor() - began, error=said)
+    best = next((item for item in found.entries if item.names == found.best), None)
+    return Answer(
+        job=job,
+        verdict=found.verdict,
+        sets=tuple(names for names, _ in found.group),
+        odds=tuple(odds for _, odds in found.group),
+        log_evidence=best.log_evidence if best else 0.0,
+        flags=tuple(found.flags),
+        checks=checks,
+        seconds=processor() - began,
+    )
+
+
+def processor() -> float:
+    """Seconds of the processor for this process and its children that have ended."""
+    return sum(os.times()[:4])
+
+
+def jobs_of(o: argparse.Namespace) -> list[Job]:
+    """All campaigns that were asked for."""
+    if o.folder is not None:
+        truths = json.loads((o.folder / "truth.json").read_text(encoding="utf-8"))
+        return [
+            Job(truth=truth, folder=o.folder / name)
+            for name, truth in truths.items()
+            if o.cases is None or truth["case"] in o.cases
+        ]
+    return [Job(truth=setup.truth, setup=setup) for setup in setups_of(o)]
+
+
+def setups_of(o: argparse.Namespace) -> Iterator[Setup]:
+    """Campaigns of the tank: where nothing is hidden there is one size."""
+    cases = [name for name, case in CASES.items() if o.ship in case.make]
+    for runs, name in itertools.product(o.runs, o.cases or cases):
+        sizes = o.sizes if CASES[name].expect else o.sizes[:1]
+        for size, seed in itertools.product(sizes, range(o.first, o.first + o.seeds)):
+            yield Setup(case=name, size=size, runs=runs, seed=seed, ship=o.ship)
+
+
+def table(answers: Sequence[Answer]) -> str:
+    """Outcomes by case, size and number of runs."""
+    rows = []
+    for key in dict.fromkeys(item.job.row for item in answers):
+        own = [item for item in answers if item.job.row == key]
+        counts = Counter(item.outcome for item in own)
+        rows.append([*key, *_counted(own, counts)])
+    every = Counter(item.outcome for item in answers)
+    head = ["case", "size", "runs", "campaigns", "right", *OUTCOMES, "s (median)", "s (most)"]
+    return aligned(head, [*rows, ["all", "", "", *_counted(answers, every)]])
+
+
+def _counted(answers: Sequence[Answer], counts: Mapping[str, int]) -> list[str]:
+    seconds = [item.seconds for item in answers]
+    right = sum(item.right for item in answers)
+    return [
+        str(len(answers)),
+        str(right),
+        *(str(counts[name]) if counts[name] else "" for name in OUTCOMES),
+        f"{np.median(seconds):.0f}",
+        f"{max(seconds):.0f}",
+    ]
+
+
+def unknown(jobs: Sequence[Job]) -> list[str]:
+    """Cases of whose accepted names the catalogue knows none."""
+    known = set(catalogue())
+    return [
+        f"{case}: {' or '.join(names)}"
+        for case, names in dict.fromkeys(
+            (job.truth["case"], tuple(names)) for job in jobs for names in job.truth["expect"]
+        )
+        if not known & set(names)
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--folder", type=Path, help="campaigns with a truth.json, in place of ours")
+    parser.add_argument("--write", type=Path, help="write the campaigns here, and end")
+    parser.add_argument("--ship", choices=SHIPS, default=SHIPS[0])
+    parser.add_argument("--cases", nargs="+", help=f"of {', '.join(CASES)}, or of the folder")
+    parser.add_argument("--sizes", type=float, nargs="+", default=[1.0, 0.3])
+    parser.add_argument("--runs", type=int, nargs="+", default=[6, 3], choices=(3, 6))
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--first", type=int, default=0, help="first seed")
+    parser.add_argument("--jobs", type=int, default=2)
+    o = parser.parse_args()
+    jobs = jobs_of(o)
+    if o.write is not None:
+        write_all([job.setup for job in jobs if job.setup], o.write)
+        return
+    for line in unknown(jobs):
+        print(f"not in the catalogue, {line}")
+    answers = []
+    with ProcessPoolExecutor(o.jobs) as pool:
+        for done in as_completed([pool.submit(answered, job) for job in jobs]):
+            answers.append(done.result())
+            print(answers[-1], flush=True)
+    print()
+    print(table(sorted(answers, key=lambda item: jobs.index(item.job))))
+
+
+if __name__ == "__main__":
+    main()
