@@ -60,11 +60,11 @@ MANOEUVRES = (("turning", 20.0, None), ("turning", -35.0, None), ("zigzag", -20.
 
 @pytest.fixture(scope="module", params=SHIPS)
 def apart(request):
-    """Largest differences between tank and package in 20 ship lengths, for each of `MANOEUVRES`: of
+    """Largest differences between tank and package in 12 ship lengths, for each of `MANOEUVRES`: of
     x and y over the length, of angles [rad], of u and v over the speed, of r times L over it."""
     ship, speed, step = SHIPS[request.param]
     L = ship.body.L
-    count = round(20.0 * L / speed / step)
+    count = round(12.0 * L / speed / step)
     orders = [
         Order(
             rudder=math.radians(rudder),
@@ -77,7 +77,7 @@ def apart(request):
     scale = {"x": L, "y": L, "psi": 1.0, "phi": 1.0, "u": speed, "v": speed, "r": speed / L}
     found = []
     for (kind, rudder, switch), run in zip(MANOEUVRES, sail(ship, orders, step), strict=True):
-        more = {} if switch is None else {"switch_deg": switch, "executes": 9}
+        more = {} if switch is None else {"switch_deg": switch, "executes": 7}
         track = pk.simulate(
             request.param, kind, rudder_deg=rudder, speed=speed, dt=step, compiled=False,
             rudder_rate_deg=math.degrees(ship.rate), **more,
@@ -103,6 +103,77 @@ def test_turns_are_those_of_the_library_ship(apart):
 def test_zigzags_are_those_of_the_library_ship(apart):
     """The tank reverses the rudder inside a step by a straight line."""
     assert max(apart[2].values()) < 5e-4, apart[2]
+
+
+HULL, PROPELLER, RUDDER = "hull_polynomial", "propeller", "rudder_mmg"
+DRAG = SHIPS["s175"][0].body.d / SHIPS["s175"][0].body.L
+BY_NAME = (
+    ("s175", "asymmetry", HULL, {"Y0": 1e-4, "N0": -4.5e-5}),
+    ("s175", "coupling", HULL, {"Yvvr": 0.0214, "Yvrr": -0.0405, "Nvvr": -0.0424, "Nvrr": 0.00156}),
+    ("s175", "surge_coupling", HULL, {"Xvr": 0.0039}),
+    ("s175", "sway_drag", HULL, {"Yv|v|": -0.41 * DRAG, "Nv|v|": 0.2 * 0.41 * DRAG}),
+    ("s175", "resistance", HULL, {"Xuu": 0.15 * -0.0004226}),
+    ("s175", "propulsion", PROPELLER, {"wp": 0.08, "t": 0.05}),
+    ("s175", "drift_wake", PROPELLER, {"tau": 0.4}),
+    ("s175", "straightening", RUDDER, {"gamma": 0.1, "cRr": -0.1}),
+    ("s175", "hull_rudder", RUDDER, {"aH": 0.1, "xH": -0.15, "tR": 0.1}),
+    ("kvlcc2-l7", "resistance", HULL, {"Xuu": 0.15 * -0.022}),
+    ("kvlcc2-l7", "propulsion", PROPELLER, {"wp": 0.08, "t": 0.05}),
+    ("kvlcc2-l7", "drift_wake", PROPELLER, {"C2_positive": 0.3, "C2_negative": 0.3}),
+    ("kvlcc2-l7", "straightening", RUDDER,
+     {"gamma_positive": 0.15, "gamma_negative": 0.15, "lR": -0.2}),
+    ("kvlcc2-l7", "hull_rudder", RUDDER, {"aH": 0.1, "xH": -0.15, "tR": 0.1}),
+)  # fmt: skip
+"""Library ship, case, and what it adds to the values of which part."""
+
+
+def turned(name, hidden, *models, **settings):
+    """Largest differences of x and y over the length between models of the package and the ship of
+    the tank in a turn of 30°, over three ship lengths."""
+    _, speed, step = SHIPS[name]
+    ship = cases.FLEETS[name].build(hidden)
+    L = ship.body.L
+    step, count = 2.0 * step, round(3.0 * L / speed / step)
+    order = Order(rudder=math.radians(30.0), speed=speed, seconds=count * step)
+    run = sail(ship, [order], step)[0]
+    tracks = [
+        pk.simulate(
+            model, rudder_deg=30.0, speed=speed, dt=step, compiled=False,
+            rudder_rate_deg=math.degrees(ship.rate), **settings,
+        )
+        for model in models
+    ]  # fmt: skip
+    return [
+        max(np.abs(getattr(track, axis)[: count + 1] - run.motion[axis]).max() / L for axis in "xy")
+        for track in tracks
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "case", "part", "added"), BY_NAME)
+def test_what_is_hidden_is_what_its_name_moves(name, case, part, added):
+    """The library ship with the values of the effect sails as the ship of the tank."""
+    model = pk.load_model(name)
+    known = model.parts[part].values
+    full = model.with_values(part, **{key: known.get(key, 0.0) + x for key, x in added.items()})
+    there, without = turned(name, cases.CASES[case].make[name](1.0), full, model)
+    assert there < 5e-6
+    assert without > 1e-3
+
+
+@pytest.mark.slow
+def test_cross_flow_and_current_are_those_of_the_catalogue():
+    """Forty strips by their middles leave a thousandth of what the drag does."""
+    model, make = pk.load_model("s175"), cases.CASES
+    strips = pk.with_effect(model, "crossflow_drag", coefficients={"CD": 0.55}, value=0.0)
+    there, without = turned("s175", make["cross_flow"].make["s175"](1.0), strips, model)
+    assert there < 2e-3 * without
+    hidden = make["current"].make["s175"](1.0)
+    flows = {
+        "current_speed": math.hypot(*hidden.current),
+        "current_direction_deg": math.degrees(math.atan2(*hidden.current[::-1])),
+    }
+    assert turned("s175", hidden, model, **flows)[0] < 5e-6
 
 
 def test_half_the_step_changes_nothing_that_a_sensor_sees():
