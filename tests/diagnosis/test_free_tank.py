@@ -101,8 +101,8 @@ def test_turns_are_those_of_the_library_ship(apart):
 
 @pytest.mark.slow
 def test_zigzags_are_those_of_the_library_ship(apart):
-    """The tank reverses the rudder inside a step by a straight line."""
-    assert max(apart[2].values()) < 5e-4, apart[2]
+    """The rudder reaches its order inside a step, which costs a few orders of the integration."""
+    assert max(apart[2].values()) < 1e-4, apart[2]
 
 
 HULL, PROPELLER, RUDDER = "hull_polynomial", "propeller", "rudder_mmg"
@@ -302,7 +302,7 @@ def test_a_third_program_agrees(shared_data):
     name = next(name for name, item in truth.items() if item["case"] == "none_a")
     orders = {
         f"turning_{speed:g}_{rudder:+d}": Order(
-            rudder=math.radians(rudder), speed=speed, seconds=600.0
+            rudder=math.radians(rudder), speed=speed, seconds=300.0
         )
         for speed, rudder in ((7.0, -35), (7.0, 25), (10.0, 20))
     }
@@ -313,7 +313,7 @@ def test_a_third_program_agrees(shared_data):
         path = folder / name / "runs" / f"{run}.csv"
         columns = np.genfromtxt(path, delimiter=",", names=True)
         for channel in MOTION:
-            left = columns[channel] - made.motion[channel][::2]
+            left = columns[channel][:601] - made.motion[channel][::2]
             assert left.std() == pytest.approx(noise[channel], rel=0.08), (run, channel)
 
 

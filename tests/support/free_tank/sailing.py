@@ -12,6 +12,7 @@ from .flow import Body, Motion
 from .hidden import Hidden
 
 ROWS = ("x", "y", "psi", "u", "v", "r", "phi", "p", "late")
+PSI = ROWS.index("psi")
 
 
 class Ship(Protocol):
@@ -69,8 +70,8 @@ class Sailed:
 def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     """Sail manoeuvres side by side; the first order is given at t = 0.
 
-    The gear moves at its rate to the last order. A zigzag is reversed inside a step: the gear then
-    catches up what it should have moved since the heading was reached.
+    The gear moves at its rate to the last order. Where a zigzag is reversed inside a step, the step
+    is taken again in two parts, up to the instant of the heading and on from there.
     """
     speed = np.array([order.speed for order in orders])
     switch = np.array([np.inf if order.switch is None else order.switch for order in orders])
@@ -82,16 +83,17 @@ def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     states, rudders = [state], [delta]
     count = round(max(order.seconds for order in orders) / step)
     for _ in range(count):
-        half, whole = (_moved(delta, want, ship.rate * s) for s in (0.5 * step, step))
-        after = _runge_kutta(ship, state, (delta, half, whole), n, blows, step)
+        after, moved = _stepped(ship, state, delta, want, n, blows, step)
         side = np.sign(want)
-        before, heading = side * state[2], side * after[2]
+        before, heading = side * state[PSI], side * after[PSI]
         crossed = heading >= switch
-        late = np.where(crossed, (heading - switch) / np.where(crossed, heading - before, 1.0), 0.0)
-        on_time = _moved(delta, want, ship.rate * step * (1.0 - late))
-        want = np.where(crossed, -want, want)
-        delta = np.where(crossed, _moved(on_time, want, ship.rate * step * late), whole)
-        state = after
+        if crossed.any():
+            gain = np.where(crossed, heading - before, 1.0)
+            late = np.where(crossed, (heading - switch) / gain, 0.0) * step
+            after, moved = _stepped(ship, state, delta, want, n, blows, step - late)
+            want = np.where(crossed, -want, want)
+            after, moved = _stepped(ship, after, moved, want, n, blows, late)
+        state, delta = after, moved
         states.append(state)
         rudders.append(delta)
     t, found, angles = step * np.arange(count + 1), np.stack(states), np.stack(rudders)
@@ -107,23 +109,24 @@ def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     ]
 
 
-def _moved(delta: np.ndarray, want: np.ndarray, most: np.ndarray | float) -> np.ndarray:
-    return delta + np.clip(want - delta, -most, most)
-
-
-def _runge_kutta(
+def _stepped(
     ship: Ship,
     state: np.ndarray,
-    rudders: tuple[np.ndarray, np.ndarray, np.ndarray],
+    delta: np.ndarray,
+    want: np.ndarray,
     n: np.ndarray,
     blows: np.ndarray,
-    step: float,
-) -> np.ndarray:
-    a = _change(ship, state, rudders[0], n, blows)
-    b = _change(ship, state + 0.5 * step * a, rudders[1], n, blows)
-    c = _change(ship, state + 0.5 * step * b, rudders[1], n, blows)
-    d = _change(ship, state + step * c, rudders[2], n, blows)
-    return state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d)
+    step: np.ndarray | float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """State and rudder after a step [s], of the same length for all runs or one for each."""
+    half, whole = (
+        delta + np.clip(want - delta, -ship.rate * s, ship.rate * s) for s in (0.5 * step, step)
+    )
+    a = _change(ship, state, delta, n, blows)
+    b = _change(ship, state + 0.5 * step * a, half, n, blows)
+    c = _change(ship, state + 0.5 * step * b, half, n, blows)
+    d = _change(ship, state + step * c, whole, n, blows)
+    return state + step / 6.0 * (a + 2.0 * b + 2.0 * c + d), whole
 
 
 def _change(
