@@ -41,6 +41,9 @@ class FreeRecord:
         True wind over ground [m/s] and where it comes from, from north [rad].
     bucket : array (n,), optional
         Of waterjets, 0 up to 1 down.
+    roll, roll_rate : array (n,), optional
+        Heel to starboard [rad] and its rate [rad/s] as inputs of a model that does not roll; zero
+        where they are not given. A model that rolls goes by ``measured`` alone.
     speed : float
         Of the approach [m/s].
     """
@@ -54,15 +57,23 @@ class FreeRecord:
     wind_speed: Array | None = None
     wind_direction: Array | None = None
     bucket: Array | None = None
+    roll: Array | None = None
+    roll_rate: Array | None = None
 
     def __post_init__(self) -> None:
-        lengths = {len(x) for x in (self.t, self.delta, self.turns, *self.measured.values())}
+        inputs = (self.delta, self.turns, *(x for x in self._optional.values() if x is not None))
+        lengths = {len(x) for x in (self.t, *inputs, *self.measured.values())}
         if lengths != {len(self.t)} or len(self.t) < 2:
             raise DataError(f"The arrays of record {self.name!r} must have one length, 2 or more.")
         if not np.all(np.diff(self.t) > 0):
             raise DataError(f"The instants of record {self.name!r} must ascend.")
-        for name, values in (("rudder", self.delta), ("revolutions", self.turns)):
-            if not np.all(np.isfinite(values)):
+        for name, values in (
+            ("rudder", self.delta),
+            ("revolutions", self.turns),
+            ("roll", self.roll),
+            ("roll rate", self.roll_rate),
+        ):
+            if values is not None and not np.all(np.isfinite(values)):
                 raise DataError(
                     f"The {name} of record {self.name!r} are not known at all instants: fill the "
                     f"gaps or cut the record there."
@@ -78,14 +89,18 @@ class FreeRecord:
         return len(self.t)
 
     @property
+    def _optional(self) -> dict[str, Array | None]:
+        """Inputs that are not known of every ship, by the names that `InputField` has for them."""
+        controls = (InputField.rudder, InputField.revolutions)
+        return {
+            field.name: getattr(self, field.name) for field in InputField if field not in controls
+        }
+
+    @property
     def inputs(self) -> Array:
         """A row of `InputField` per instant."""
-        columns = {
-            InputField.rudder: self.delta,
-            InputField.revolutions: self.turns,
-            InputField.bucket: self.bucket,
-            InputField.wind_speed: self.wind_speed,
-            InputField.wind_direction: self.wind_direction,
+        columns = {InputField.rudder: self.delta, InputField.revolutions: self.turns} | {
+            InputField[name]: values for name, values in self._optional.items()
         }
         found = np.zeros((len(self), len(InputField)))
         for place, values in columns.items():
@@ -111,11 +126,7 @@ class FreeRecord:
             delta=self.delta[at],
             turns=self.turns[at],
             measured={name: x[at] for name, x in self.measured.items()},
-            **{
-                name: x[at]
-                for name in ("wind_speed", "wind_direction", "bucket")
-                if (x := getattr(self, name)) is not None
-            },
+            **{name: x[at] for name, x in self._optional.items() if x is not None},
         )
 
     def only(self, channels: Sequence[str]) -> FreeRecord:
