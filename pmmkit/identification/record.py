@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.equations.layouts import InputField, OverGround, State
 from pmmkit.errors import DataError, Problem, Remedy, Way
@@ -118,16 +119,27 @@ class FreeRecord:
 
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    def at(self, places: NDArray[np.bool_] | slice) -> FreeRecord:
+        """The record at some of its instants.
+
+        Examples
+        --------
+        >>> t = np.arange(6.0)
+        >>> record = FreeRecord(name="a", t=t, delta=t, turns=t, measured={"psi": t}, speed=1.0)
+        >>> record.at(slice(None, None, 2)).t
+        array([0., 2., 4.])
+        """
+        return self.with_(
+            t=self.t[places],
+            delta=self.delta[places],
+            turns=self.turns[places],
+            measured={name: x[places] for name, x in self.measured.items()},
+            **{name: x[places] for name, x in self._optional.items() if x is not None},
+        )
+
     def cut(self, first: float, last: float) -> FreeRecord:
         """The record between two instants."""
-        at = (self.t >= first) & (self.t <= last)
-        return self.with_(
-            t=self.t[at],
-            delta=self.delta[at],
-            turns=self.turns[at],
-            measured={name: x[at] for name, x in self.measured.items()},
-            **{name: x[at] for name, x in self._optional.items() if x is not None},
-        )
+        return self.at((self.t >= first) & (self.t <= last))
 
     def only(self, channels: Sequence[str]) -> FreeRecord:
         """The record with some of its channels.

@@ -18,8 +18,9 @@ from pmmkit.equations import CALM
 from pmmkit.equations.histories import rigid_body, water_forces
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, Way
+from pmmkit.identification.predict import reference
 from pmmkit.identification.record import FreeRecord
-from pmmkit.identification.smoother import implied_forces, smooth
+from pmmkit.identification.smoother import Smoothed, implied_forces
 from pmmkit.models import Model, Part
 from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step, Value
@@ -54,6 +55,7 @@ def with_roll(
     *,
     GM: float | None = None,
     Ixx: float | None = None,
+    sensors: Mapping[str, float] | None = None,
     extrapolate: bool = False,
 ) -> Model:
     """A model that rolls, from one that does not and the heel of free-running records.
@@ -66,14 +68,17 @@ def with_roll(
         With a measured roll, as `free_records` takes it over.
     GM, Ixx : float, optional
         Metacentric height [m] and roll inertia [kg m²]; by default those that the ship states.
+    sensors : mapping of str to float, optional
+        As for `smooth`.
     extrapolate : bool
         Allow speeds outside the range of the model's values.
 
     Returns
     -------
     Model
-        Its derivatives of K are those of Y times a lever, one for the hull and its added mass, one
-        for the rudder; its part ``roll`` has the damping. Undoing the step takes them out.
+        Its derivatives of K are those of Y times a lever: one for the hull, one for its added mass,
+        one for the rudder; its part ``roll`` has the damping. Effects without a roll moment add
+        none. Undoing the step takes all of it out.
 
     Raises
     ------
@@ -84,11 +89,12 @@ def with_roll(
 
     Notes
     -----
-    K = -zH Y of the hull - zR Y of the rudder: Son and Nomoto (1981) have K = -0.026 L Y of their
-    container ship. Along the smoothed motion of the records the heel is the response of
-    (Ixx + Jx) φ̈ + B φ̇ + ρ g ∇ GM φ = K, linear in both levers and in the heel and roll rate at the
-    begin; they come from least squares, B from a search. The inertia of the water, Jx, is taken as
-    0.2 Ixx. With a wrong GM the levers are wrong by the same share and the steady heel is right.
+    K = -zH Y of the hull - zA Y of its added mass - zR Y of the rudder, as Son and Nomoto (1981)
+    have it: 0.026, 0.031 and 0.033 of the length of their container ship. Along the motion that the
+    sensors saw, the heel is the response of (Ixx + Jx) φ̈ + B φ̇ + ρ g ∇ GM φ = K, linear in the
+    levers and in the heel and roll rate at the begin; they come from least squares, B from a
+    search. The inertia of the water, Jx, is taken as 0.2 Ixx. With a wrong GM the levers are wrong
+    by the same share and the steady heel is right.
 
     Examples
     --------
@@ -107,7 +113,8 @@ which its heel cannot follow from the forces. State them: GM=… and Ixx=….
         raise DataError(
             "No record has a measured roll (the column phi of a run), which roll is taken from."
         )
-    histories = [_history(made, item, extrapolate) for item in seen]
+    smoothed = reference(made, seen, sensors=sensors, extrapolate=extrapolate)
+    histories = [_history(made, item, extrapolate) for item in smoothed]
     levers, rms = _fitted(made, histories)
     found = _rolling(made, levers)
     return found.stepped(
@@ -155,10 +162,9 @@ class _History:
     by_lever: tuple[Array, ...]
 
 
-def _history(model: Model, record: FreeRecord, extrapolate: bool) -> _History:
-    """Roll moments along the smoothed motion of a record, righting and damping left out."""
-    smoothed = smooth(model, record, extrapolate=extrapolate)
-    motion = implied_forces(model, smoothed).motion
+def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
+    """Roll moments along the motion of a record, righting and damping left out."""
+    record, motion = smoothed.record, implied_forces(model, smoothed).motion
     upright = {**motion, "phi": np.zeros(len(record)), "p": np.zeros(len(record))}
 
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:

@@ -112,6 +112,8 @@ def test_a_model_that_does_not_roll_is_given_the_measured_heel():
     np.testing.assert_array_equal(record.inputs[:, -2:], np.c_[record.roll, record.roll_rate])
     short = record.cut(20.0, 60.0)
     assert len(short.roll) == len(short.roll_rate) == len(short)
+    thinned = record.at(slice(None, None, 3))
+    np.testing.assert_array_equal(thinned.inputs, record.inputs[::3])
     (left,) = free_records(run, UPRIGHT, roll=False)
     assert left.roll is left.roll_rate is None
     assert np.all(left.inputs[:, -2:] == 0.0)
