@@ -71,7 +71,7 @@ class FreeRecord:
         for name, values in (
             ("rudder", self.delta),
             ("revolutions", self.turns),
-            ("roll", self.roll),
+            ("heel", self.roll),
             ("roll rate", self.roll_rate),
         ):
             if values is not None and not np.all(np.isfinite(values)):

@@ -128,7 +128,7 @@ def test_a_model_that_rolls_measures_by_the_heel():
 def test_a_heel_of_another_length_or_with_gaps_is_no_input(records):
     with pytest.raises(DataError, match="one length"):
         records[0].with_(roll=np.zeros(3))
-    with pytest.raises(DataError, match="The roll of record"):
+    with pytest.raises(DataError, match="The heel of record"):
         records[0].with_(roll=np.full(len(records[0]), np.nan))
 
 
