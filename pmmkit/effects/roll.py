@@ -60,7 +60,7 @@ ROLL: Final = Effect(
 def damping_of_the_ship(vessel: Vessel) -> Mapping[str, Move]:
     """Roll damping off by a twentieth of the critical one."""
     ship, water = vessel.ship, vessel.water
-    if not (ship.GM and ship.Ixx):
+    if not (ship.GM and ship.Ixx and vessel.holds(ROLL_PART, "damping")):
         return {}
     critical = 2.0 * sqrt(water.rho * water.g * ship.volume * ship.GM * ship.Ixx)
     return {"damping": Move(values={f"{ROLL_PART}.damping": 1.0}, typical=0.05 * critical)}

@@ -25,7 +25,7 @@ CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
 ENGINE: Final = ("equilibrium.py", "integrator.py", "queries.py")
-ESTIMATING: Final = ("equilibrium.py", "integrator.py", "estimators.py")
+ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "estimators.py")
 ENTRIES: Final = (
     "rates",
     "complete",
@@ -94,7 +94,7 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
         f"STRIDE = {len(StepField) + 5 * len(states)}",
         "TWICE = 2.0 * math.pi",
         "",
-        *_rates(structure),
+        *_rates(structure, heeled=structure.rolls or files == ESTIMATING),
         "",
         _functions(files),
     ]
@@ -123,16 +123,22 @@ def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
     return tuple(map(int, [*free, *extra])), tuple(map(int, [*balance, *extra]))
 
 
-def _rates(structure: Structure) -> list[str]:
+def _rates(structure: Structure, *, heeled: bool) -> list[str]:
+    """The equations; of a ship without roll `heeled` takes the heel from the constants."""
     states = structure.states
     own = structure.brought
     body = [f"u, v, r, psi = y[{State.u}], y[{State.v}], y[{State.r}], y[{State.psi}]"]
-    body += [f"p, phi = y[{State.p}], y[{State.phi}]"] if structure.rolls else ["p, phi = 0.0, 0.0"]
+    if structure.rolls:
+        body.append(f"p, phi = y[{State.p}], y[{State.phi}]")
+    elif heeled:
+        body.append(f"p, phi = k[{Constant.roll_rate}], k[{Constant.roll}]")
+    else:
+        body.append("p, phi = 0.0, 0.0")
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
     body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
     body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
     lines, extra_mass, rates_of = summed(structure)
-    lines += _motion(structure, extra_mass)
+    lines += _motion(structure, extra_mass, heeled=heeled)
     body += _at_the_moment(structure, lines) if structure.follows else lines
     body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
     return [
@@ -264,7 +270,7 @@ def _call(item: Used, places: dict[tuple[str, str], slice]) -> tuple[str, list[t
     return f"{left} = effect_{item.effect}({', '.join(words)})", taken
 
 
-def _motion(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
+def _motion(structure: Structure, extra: dict[str, list[str]], *, heeled: bool) -> list[str]:
     lines = [
         f"mass_xG = mass * k[{Constant.xG}]",
         f"X += (mass + k[{Constant.coriolis_x}]) * v * r + mass_xG * r * r",
@@ -273,16 +279,14 @@ def _motion(structure: Structure, extra: dict[str, list[str]]) -> list[str]:
         "ahead, aside = cos(psi), sin(psi)",
     ]
     if structure.rolls:
-        lines += [
-            f"K += (k[{Constant.coriolis_k}] + mass * k[{Constant.zG}]) * u * r",
-            "upright = cos(phi)",
-            "level = v * upright",
-        ]
-    across = "level" if structure.rolls else "v"
+        lines.append(f"K += (k[{Constant.coriolis_k}] + mass * k[{Constant.zG}]) * u * r")
+    if heeled:
+        lines += ["upright = cos(phi)", "level = v * upright"]
+    across = "level" if heeled else "v"
     lines += [
         f"out[{State.x}] = u * ahead - {across} * aside + k[{Constant.current_x}]",
         f"out[{State.y}] = u * aside + {across} * ahead + k[{Constant.current_y}]",
-        f"out[{State.psi}] = r * upright" if structure.rolls else f"out[{State.psi}] = r",
+        f"out[{State.psi}] = r * upright" if heeled else f"out[{State.psi}] = r",
     ]
     if extra or any(Constant[name] in structure.follows for name in ACCELERATIONS):
         lines += _extra_mass(structure, extra)

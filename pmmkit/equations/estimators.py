@@ -6,8 +6,8 @@ structure; it takes arrays and runs compiled.
 The state of a filter is ``z``: the NS states of the ship, then `m` parameters, which may wander.
 Parameters act through the constants ``k``: ``k = base + Σ slope (θ - θ0)`` in the few places that
 each touches (`starts`, `places`, `slopes`, as a sparse matrix by rows). `inputs` holds a row of
-`InputField` per instant; controls are straight lines between instants. `kinds` says what each
-column of `measured` is: the place of a state, or one of `OverGround`.
+`InputField` per instant; controls and the measured roll of a ship that has none of its own are
+straight lines between instants. `sensors` says what `measured` and `kinds` hold.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.layouts import Constant, InputField, OverGround, State, Status
+from pmmkit.equations.layouts import Constant, InputField, State, Status
+from pmmkit.equations.sensors import take_in
 from pmmkit.equations.stand_ins import NS
 
 Array = NDArray[np.float64]
@@ -58,6 +59,13 @@ def blown(speed: float, direction: float, k: Array) -> None:
         )
 
 
+def heeled(start: Array, stop: Array, share: float, k: Array) -> None:
+    """Set the measured heel and roll rate at a share of the way between two instants."""
+    roll, rate = start[InputField.roll], start[InputField.roll_rate]
+    k[Constant.roll] = roll + share * (stop[InputField.roll] - roll)
+    k[Constant.roll_rate] = rate + share * (stop[InputField.roll_rate] - rate)
+
+
 def advance(
     y: Array, start: Array, stop: Array, time: float, longest: float, k: Array, work: Array
 ) -> None:
@@ -75,85 +83,21 @@ def advance(
         d1 = stop[InputField.rudder] - d0
         n1 = stop[InputField.revolutions] - n0
         b1 = stop[InputField.bucket] - b0
+        heeled(start, stop, a, k)
         rates(y, d0 + a * d1, n0 + a * n1, b0 + a * b1, k, k1)
         for j in range(NS):
             z[j] = y[j] + 0.5 * h * k1[j]
+        heeled(start, stop, b, k)
         rates(z, d0 + b * d1, n0 + b * n1, b0 + b * b1, k, k2)
         for j in range(NS):
             z[j] = y[j] + 0.5 * h * k2[j]
         rates(z, d0 + b * d1, n0 + b * n1, b0 + b * b1, k, k3)
         for j in range(NS):
             z[j] = y[j] + h * k3[j]
+        heeled(start, stop, c, k)
         rates(z, d0 + c * d1, n0 + c * n1, b0 + c * b1, k, k4)
         for j in range(NS):
             y[j] += h / 6.0 * (k1[j] + 2.0 * k2[j] + 2.0 * k3[j] + k4[j])
-
-
-def expected(kind: int, z: Array, k: Array, h: Array) -> float:
-    """What a channel should show, and its slopes over the states."""
-    for i in range(len(h)):
-        h[i] = 0.0
-    if kind < NS:
-        h[kind] = 1.0
-        return float(z[kind])
-    ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
-    north = z[State.u] * ahead - z[State.v] * aside + k[Constant.current_x]
-    east = z[State.u] * aside + z[State.v] * ahead + k[Constant.current_y]
-    if kind == OverGround.north:
-        h[State.psi], h[State.u], h[State.v] = k[Constant.current_y] - east, ahead, -aside
-        return float(north)
-    if kind == OverGround.east:
-        h[State.psi], h[State.u], h[State.v] = north - k[Constant.current_x], aside, ahead
-        return float(east)
-    size = max(math.sqrt(north * north + east * east), 1e-9)
-    h[State.u] = (north * ahead + east * aside) / size
-    h[State.v] = (east * ahead - north * aside) / size
-    h[State.psi] = (
-        north * (k[Constant.current_y] - east) + east * (north - k[Constant.current_x])
-    ) / size
-    return size
-
-
-def drifted(kind: int, z: Array, h: Array, starts: Places, places: Places, slopes: Array) -> None:
-    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
-    if kind < NS:
-        return
-    ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
-    north, east = h[State.u] * ahead - h[State.v] * aside, h[State.u] * aside + h[State.v] * ahead
-    for j in range(len(starts) - 1):
-        for s in range(starts[j], starts[j + 1]):
-            if places[s] == Constant.current_x:
-                h[NS + j] += slopes[s] * north
-            elif places[s] == Constant.current_y:
-                h[NS + j] += slopes[s] * east
-
-
-def correct(
-    z: Array, P: Array, h: Array, residual: float, variance: float, gain: Array, left: Array
-) -> float:
-    """Take in one measurement, in Joseph's form; gives the variance of its residual."""
-    n = len(z)
-    seen = 0.0
-    for i in range(n):
-        left[i] = 0.0
-    for j in range(n):
-        if h[j] != 0.0:
-            for i in range(n):
-                left[i] += P[i, j] * h[j]
-    for j in range(n):
-        seen += h[j] * left[j]
-    total = seen + variance
-    for i in range(n):
-        gain[i] = left[i] / total
-        z[i] += gain[i] * residual
-    for i in range(n):
-        again = variance * gain[i] - (left[i] - gain[i] * seen)
-        for j in range(i + 1):
-            P[i, j] += again * gain[j] - gain[i] * left[j]
-    for i in range(n):
-        for j in range(i):
-            P[j, i] = P[i, j]
-    return total
 
 
 def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
@@ -231,55 +175,6 @@ def linearised(
         for i in range(NS):
             B[i, j] = (moved[i] - y[i]) / steps[NS + j]
     return 0
-
-
-def turned_back(residual: float, kind: int) -> float:
-    """A residual of the heading taken the short way round."""
-    if kind != State.psi:
-        return residual
-    return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
-
-
-def take_in(
-    measured: Array,
-    kinds: Places,
-    variances: Array,
-    z: Array,
-    P: Array,
-    k: Array,
-    starts: Places,
-    places: Places,
-    slopes: Array,
-    about: Array,
-    change: Array,
-    gate: float,
-    h: Array,
-    gain: Array,
-    left: Array,
-    residuals: Array,
-    spreads: Array,
-) -> None:
-    """Take in the measurements of an instant, one after another, but for those beyond the gate."""
-    n, m = len(z), len(z) - NS
-    for q in range(len(kinds)):
-        residuals[q] = math.nan
-        spreads[q] = math.nan
-        if math.isnan(measured[q]):
-            continue
-        shown = expected(kinds[q], z, k, h)
-        drifted(kinds[q], z, h, starts, places, slopes)
-        for j in range(m):
-            shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
-        residual = turned_back(measured[q] - shown, kinds[q])
-        spread = variances[q]
-        for i in range(n):
-            if h[i] != 0.0:
-                for j in range(n):
-                    spread += h[i] * P[i, j] * h[j]
-        residuals[q], spreads[q] = residual, spread
-        if residual * residual > gate * gate * spread:
-            continue
-        correct(z, P, h, residual, variances[q], gain, left)
 
 
 def grown(diffusion: float, fading: float, time: float) -> float:
@@ -384,6 +279,7 @@ def extended(
         for j in range(m):
             change[j] = (about[j] if frozen[j] > 0.0 else z[NS + j]) - about[j]
         constants(base, starts, places, slopes, change, k)
+        heeled(inputs[t], inputs[t], 0.0, k)
         take_in(
             measured[t],
             kinds,
@@ -536,6 +432,7 @@ def unscented(
         for j in range(m):
             change[j] = z[NS + j] - about[j]
         constants(base, starts, places, slopes, change, k)
+        heeled(inputs[t], inputs[t], 0.0, k)
         take_in(
             measured[t],
             kinds,
@@ -581,6 +478,7 @@ def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> No
     y, rate = np.zeros(NS), np.zeros(NS)
     for t in range(len(states)):
         blown(inputs[t, InputField.wind_speed], inputs[t, InputField.wind_direction], k)
+        heeled(inputs[t], inputs[t], 0.0, k)
         for i in range(more.shape[1]):
             k[Constant.more_X + i] = more[t, i]
         for i in range(NS):

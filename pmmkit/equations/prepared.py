@@ -16,12 +16,13 @@ from pmmkit.effects import added_mass
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import edition_of, effect_of
 from pmmkit.effects.hull import HULL, Monomial, polynomial
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.effects.shallow_water import SHALLOW_WATER, apply, factors
 from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
 from pmmkit.equations.layouts import Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
-from pmmkit.errors import DataError, MissingPartError, ModelError, Problem
+from pmmkit.errors import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.models import Model
 from pmmkit.models.model import TAKE_PARTS
 from pmmkit.models.roles import in_role, lacking
@@ -251,7 +252,7 @@ def prepare(
     Raises
     ------
     MissingPartError
-        If a part is missing.
+        If a part is missing, such as the roll of a model with derivatives of the heel.
     ExtrapolationError
         If the speed is outside the range of the model's values.
 
@@ -285,6 +286,7 @@ def packed(
     *,
     generic: bool = False,
     sails: bool = True,
+    heeled: bool = False,
 ) -> tuple[Structure, list[Any]]:
     """Structure and constants of a model from the values of its parts.
 
@@ -303,6 +305,8 @@ def packed(
     sails : bool
         Whether the model must have all that a manoeuvre needs; False for forces on given motions,
         such as those of a towed hull.
+    heeled : bool
+        Whether a model that does not roll is given a measured heel.
 
     Returns
     -------
@@ -311,6 +315,8 @@ def packed(
     """
     if sails:
         _check_parts(model)
+    if sails and model.heeled and not heeled:
+        raise MissingPartError(_heel_problem(model))
     ship, water, convention = model.ship, model.water, model.convention
     depth = conditions.depth or water.depth or math.inf
     if depth <= ship.d:
@@ -448,11 +454,26 @@ def missing_parts(model: Model) -> list[str]:
     []
     """
     missing = [name for name in (HULL, INERTIA) if name not in model.parts]
+    missing += [ROLL_PART] if model.heeled else []
     return missing + [" or ".join(in_role(role)) for role in lacking(model)]
 
 
+def _heel_problem(model: Model) -> Problem:
+    """What to say of a manoeuvre with derivatives of a heel that nothing gives."""
+    return Problem(
+        message=f"Model {model.name!r} has derivatives of heel and roll rate "
+        f"({', '.join(model.heeled)}), but does not roll: it goes along with a measured heel, and "
+        f"no manoeuvre has one.",
+        remedy=Remedy(
+            "Give it roll, by its heel in free-running records and GM and Ixx of the ship ({}), or "
+            "take these derivatives out.",
+            (Way("identification.with_roll(model, records)", "[effects.roll] in the model file"),),
+        ),
+    )
+
+
 def _check_parts(model: Model) -> None:
-    missing = missing_parts(model)
+    missing = [name for name in missing_parts(model) if name != ROLL_PART]
     if missing:
         raise MissingPartError(
             Problem(

@@ -6,6 +6,7 @@ from pmmkit.identification.methods import Identified, identify
 from pmmkit.identification.predict import Prediction, predict, reference
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.roll import with_roll
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "prior_of",
     "reference",
     "smooth",
+    "with_roll",
 ]

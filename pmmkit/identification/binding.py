@@ -114,7 +114,7 @@ def bound(
     numbers = values_at(ready, speed, extrapolate=extrapolate)
     own = [name for name in names if name not in (*AROUND, *FORCES)]
     at = dict(zip(own, places(ready, own), strict=True))
-    structure, k = packed(ready, numbers, speed, conditions)
+    structure, k = packed(ready, numbers, speed, conditions, heeled=True)
     base = np.array(k, float)
     mean, starts, places_of, slopes = [], [0], [], []
     for name in names:
@@ -148,7 +148,7 @@ def _line(
 
     def moved(value: float) -> Array:
         changed = replaced(numbers, [at], np.array([value]))
-        k = np.array(packed(model, changed, speed, conditions)[1], float)
+        k = np.array(packed(model, changed, speed, conditions, heeled=True)[1], float)
         return np.where(np.isfinite(base), np.nan_to_num(k) - np.nan_to_num(base), 0.0)
 
     once, twice = moved(start + step), moved(start + 2.0 * step)

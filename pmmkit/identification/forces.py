@@ -168,7 +168,11 @@ def fit_to_forces(
         parts: list[Array] = []
         for record, numbers in zip(records, given, strict=True):
             structure, k = packed(
-                model, replaced(numbers, at, scaled * size), record.speed, record.conditions
+                model,
+                replaced(numbers, at, scaled * size),
+                record.speed,
+                record.conditions,
+                heeled=True,
             )
             found = water_forces(structure, k, record.motion)
             parts += [

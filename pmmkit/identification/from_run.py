@@ -13,6 +13,7 @@ from pmmkit.campaigns.run import Run
 from pmmkit.campaigns.segments import GAP, usable
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError
+from pmmkit.identification.heel import measured_roll
 from pmmkit.identification.record import CHANNELS, FreeRecord, rate_limited
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -30,6 +31,7 @@ def free_records(
     rudder: Rudder = "auto",
     channels: Sequence[str] | None = None,
     wind: bool = True,
+    roll: bool = True,
     shortest: float | None = None,
 ) -> tuple[FreeRecord, ...]:
     """The usable segments of a free-running run.
@@ -47,6 +49,8 @@ def free_records(
         Measurements to use; by default all there are. Leave out what a check calls wrong.
     wind : bool
         Whether to take over a measured wind.
+    roll : bool
+        Whether a model that does not roll takes over a measured heel as an input.
     shortest : float, optional
         Segments shorter than this are left out [s]; by default ten ship lengths at the speed of
         the approach, or a third of the record where that is less.
@@ -72,11 +76,13 @@ def free_records(
     t = np.asarray(data["t"].values, float)
     lengths = 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
     found = usable(run, shortest=shortest or min(lengths, float(np.nanmax(t) - np.nanmin(t)) / 3))
-    return tuple(_record(segment, model, rudder, channels, wind) for segment in found.segments)
+    return tuple(
+        _record(segment, model, rudder, channels, wind, roll) for segment in found.segments
+    )
 
 
 def _record(
-    run: Run, model: Model, rudder: Rudder, channels: Sequence[str] | None, wind: bool
+    run: Run, model: Model, rudder: Rudder, channels: Sequence[str] | None, wind: bool, roll: bool
 ) -> FreeRecord:
     data = run.data
     columns = {str(name): np.asarray(data[name].values, float) for name in data.data_vars}
@@ -109,6 +115,7 @@ def _record(
     if rudder == "ordered" or (rudder == "auto" and _steps(t, delta, rate)):
         delta = rate_limited(t, delta, rate)
     blowing = _true_wind(t, columns) if wind else None
+    driven = None if model.rolls or not roll else _roll(t, columns)
     return FreeRecord(
         name=run.id,
         t=t,
@@ -118,7 +125,18 @@ def _record(
         speed=run.settings.speed,
         wind_speed=blowing[0] if blowing else None,
         wind_direction=blowing[1] if blowing else None,
+        roll=driven[0] if driven else None,
+        roll_rate=driven[1] if driven else None,
     )
+
+
+def _roll(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array] | None:
+    """Heel [rad] and roll rate [rad/s] without their noise, gaps bridged by straight lines."""
+    there = {name: np.isfinite(columns[name]) for name in ("phi", "p") if name in columns}
+    if np.sum(there.get("phi", 0)) < 2:
+        return None
+    known = {name: _filled(t, columns[name]) for name, seen in there.items() if seen.any()}
+    return measured_roll(t, known["phi"], known.get("p"))
 
 
 def _filled(t: Array, values: Array, longest: float = math.inf) -> Array:
@@ -146,8 +164,9 @@ def _true_wind(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array] | 
     psi = columns["psi"]
     ahead, aside = np.cos(psi), np.sin(psi)
     if {"u", "v"} <= set(columns):
-        north = columns["u"] * ahead - columns["v"] * aside
-        east = columns["u"] * aside + columns["v"] * ahead
+        level = columns["v"] * np.cos(_filled(t, columns["phi"]) if "phi" in columns else 0.0)
+        north = columns["u"] * ahead - level * aside
+        east = columns["u"] * aside + level * ahead
     else:
         north, east = (np.gradient(columns[name], t) for name in ("x", "y"))
     size, way = columns["wind_speed"], columns["wind_direction"] + psi

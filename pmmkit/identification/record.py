@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.equations.layouts import InputField, OverGround, State
 from pmmkit.errors import DataError, Problem, Remedy, Way
@@ -41,6 +42,9 @@ class FreeRecord:
         True wind over ground [m/s] and where it comes from, from north [rad].
     bucket : array (n,), optional
         Of waterjets, 0 up to 1 down.
+    roll, roll_rate : array (n,), optional
+        Heel to starboard [rad] and its rate [rad/s] as inputs of a model that does not roll; zero
+        where they are not given. A model that rolls goes by ``measured`` alone.
     speed : float
         Of the approach [m/s].
     """
@@ -54,15 +58,23 @@ class FreeRecord:
     wind_speed: Array | None = None
     wind_direction: Array | None = None
     bucket: Array | None = None
+    roll: Array | None = None
+    roll_rate: Array | None = None
 
     def __post_init__(self) -> None:
-        lengths = {len(x) for x in (self.t, self.delta, self.turns, *self.measured.values())}
+        inputs = (self.delta, self.turns, *(x for x in self._optional.values() if x is not None))
+        lengths = {len(x) for x in (self.t, *inputs, *self.measured.values())}
         if lengths != {len(self.t)} or len(self.t) < 2:
             raise DataError(f"The arrays of record {self.name!r} must have one length, 2 or more.")
         if not np.all(np.diff(self.t) > 0):
             raise DataError(f"The instants of record {self.name!r} must ascend.")
-        for name, values in (("rudder", self.delta), ("revolutions", self.turns)):
-            if not np.all(np.isfinite(values)):
+        for name, values in (
+            ("rudder", self.delta),
+            ("revolutions", self.turns),
+            ("heel", self.roll),
+            ("roll rate", self.roll_rate),
+        ):
+            if values is not None and not np.all(np.isfinite(values)):
                 raise DataError(
                     f"The {name} of record {self.name!r} are not known at all instants: fill the "
                     f"gaps or cut the record there."
@@ -78,14 +90,18 @@ class FreeRecord:
         return len(self.t)
 
     @property
+    def _optional(self) -> dict[str, Array | None]:
+        """Inputs that are not known of every ship, by the names that `InputField` has for them."""
+        controls = (InputField.rudder, InputField.revolutions)
+        return {
+            field.name: getattr(self, field.name) for field in InputField if field not in controls
+        }
+
+    @property
     def inputs(self) -> Array:
         """A row of `InputField` per instant."""
-        columns = {
-            InputField.rudder: self.delta,
-            InputField.revolutions: self.turns,
-            InputField.bucket: self.bucket,
-            InputField.wind_speed: self.wind_speed,
-            InputField.wind_direction: self.wind_direction,
+        columns = {InputField.rudder: self.delta, InputField.revolutions: self.turns} | {
+            InputField[name]: values for name, values in self._optional.items()
         }
         found = np.zeros((len(self), len(InputField)))
         for place, values in columns.items():
@@ -103,20 +119,27 @@ class FreeRecord:
 
         return replace(self, **changes)  # type: ignore[arg-type]
 
+    def at(self, places: NDArray[np.bool_] | slice) -> FreeRecord:
+        """The record at some of its instants.
+
+        Examples
+        --------
+        >>> t = np.arange(6.0)
+        >>> record = FreeRecord(name="a", t=t, delta=t, turns=t, measured={"psi": t}, speed=1.0)
+        >>> record.at(slice(None, None, 2)).t
+        array([0., 2., 4.])
+        """
+        return self.with_(
+            t=self.t[places],
+            delta=self.delta[places],
+            turns=self.turns[places],
+            measured={name: x[places] for name, x in self.measured.items()},
+            **{name: x[places] for name, x in self._optional.items() if x is not None},
+        )
+
     def cut(self, first: float, last: float) -> FreeRecord:
         """The record between two instants."""
-        at = (self.t >= first) & (self.t <= last)
-        return self.with_(
-            t=self.t[at],
-            delta=self.delta[at],
-            turns=self.turns[at],
-            measured={name: x[at] for name, x in self.measured.items()},
-            **{
-                name: x[at]
-                for name in ("wind_speed", "wind_direction", "bucket")
-                if (x := getattr(self, name)) is not None
-            },
-        )
+        return self.at((self.t >= first) & (self.t <= last))
 
     def only(self, channels: Sequence[str]) -> FreeRecord:
         """The record with some of its channels.

@@ -302,6 +302,8 @@ def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) 
     motion |= {"delta": record.delta, "n": record.turns}
     if record.wind_speed is not None and record.wind_direction is not None:
         motion |= {"wind_speed": record.wind_speed, "wind_direction": record.wind_direction}
+    if not model.rolls and record.roll is not None and record.roll_rate is not None:
+        motion |= {"phi": record.roll, "p": record.roll_rate}
     forces = rigid_body(model.ship, motion)
     step = float(np.median(np.diff(record.t)))
     return ForceRecord(

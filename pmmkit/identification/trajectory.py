@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Constant, OverGround, State
+from pmmkit.equations.layouts import Constant, InputField, OverGround, State
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP, first_state, kind_of
@@ -364,8 +364,11 @@ def _residuals(problem: _Problem, states: Array, values: Array) -> Array:
     k = problem.binding.constants(values)
     shown = np.empty((len(states), len(problem.kinds)))
     ahead, aside = np.cos(states[:, State.psi]), np.sin(states[:, State.psi])
-    north = states[:, State.u] * ahead - states[:, State.v] * aside + k[Constant.current_x]
-    east = states[:, State.u] * aside + states[:, State.v] * ahead + k[Constant.current_y]
+    rolls = problem.binding.structure.rolls
+    heel = states[:, State.phi] if rolls else problem.inputs[:, InputField.roll]
+    level = states[:, State.v] * np.cos(heel)
+    north = states[:, State.u] * ahead - level * aside + k[Constant.current_x]
+    east = states[:, State.u] * aside + level * ahead + k[Constant.current_y]
     other: dict[int, Array] = {
         OverGround.north: north,
         OverGround.east: east,

@@ -11,7 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.conventions import Convention, canonical, parse_derivative
+from pmmkit.conventions import Convention, Derivative, canonical, parse_derivative
 from pmmkit.effects.added_mass import INERTIA, unknown_places
 from pmmkit.effects.catalogue import catalogue, effect_of
 from pmmkit.effects.effect import Effect
@@ -233,6 +233,17 @@ class Model(Described):
         """Whether the model has roll as a fourth degree of freedom."""
         return ROLL_PART in self.parts
 
+    @property
+    def heeled(self) -> tuple[str, ...]:
+        """Derivatives of heel and roll rate in a model that does not roll.
+
+        Such a model goes along with a measured heel, in records and captive tests; a manoeuvre
+        needs a ship that rolls by itself.
+        """
+        if self.rolls:
+            return ()
+        return tuple(name for part in self._hull() for name in part.values if knows_heel(name))
+
     def part(self, effect: str, need: str = "the request") -> Part:
         """One part.
 
@@ -419,7 +430,7 @@ def _roll_problems(model: Model) -> list[str]:
             for effect in DERIVATIVE_PARTS
             if effect in model.parts
             for name in model.parts[effect].values
-            if needs_roll(name)
+            if needs_roll(name) and not knows_heel(name)
         )
         return (
             [f"{', '.join(needed)} need roll, but the model has no part {ROLL_PART!r}."]
@@ -431,16 +442,42 @@ def _roll_problems(model: Model) -> list[str]:
 
 
 def needs_roll(name: str) -> bool:
-    """Whether a derivative belongs to roll: a K, or a factor of heel or roll rate."""
-    if name == "lx":
-        return False
-    try:
-        derivative = parse_derivative(name)
-    except UnknownNameError:
-        return False
-    return derivative.channel == "K" or any(
-        derivative.count(factor) for factor in ("p", "phi", "pdot")
+    """Whether a derivative belongs to roll: a K, or a factor of heel or roll rate.
+
+    Examples
+    --------
+    >>> [needs_roll(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
+    [True, True, True, True, False, False]
+    """
+    return knows_heel(name) or _rolls_by_itself(name)
+
+
+def knows_heel(name: str) -> bool:
+    """Whether a derivative asks for heel or roll rate alone, which may be measured.
+
+    Examples
+    --------
+    >>> [knows_heel(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
+    [False, True, True, False, False, False]
+    """
+    known = _parsed(name)
+    return (
+        known is not None and bool(known.count("p") or known.count("phi")) and known.channel != "K"
     )
+
+
+def _rolls_by_itself(name: str) -> bool:
+    known = _parsed(name)
+    return known is not None and (known.channel == "K" or bool(known.count("pdot")))
+
+
+def _parsed(name: str) -> Derivative | None:
+    if name == "lx":
+        return None
+    try:
+        return parse_derivative(name)
+    except UnknownNameError:
+        return None
 
 
 def _covariance_problems(model: Model) -> list[str]:

@@ -84,8 +84,14 @@ def with_terms(model: Model, asked: Asked) -> Model:
                 message=f"{asked.name} ({', '.join(roll)}) needs roll, and model {model.name!r} "
                 f"has no part {ROLL_PART!r}.",
                 remedy=Remedy(
-                    "Take a ship that rolls, as {} does.",
-                    (Way('to_model(table, parts="s175")', "pmmkit reduce … --parts s175"),),
+                    "Take a ship that rolls, as {} does, or give it roll by {}.",
+                    (
+                        Way('to_model(table, parts="s175")', "pmmkit reduce … --parts s175"),
+                        Way(
+                            "identification.with_roll(model, records)",
+                            "[effects.roll] in the model file",
+                        ),
+                    ),
                 ),
             )
         )

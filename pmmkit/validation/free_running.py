@@ -292,7 +292,7 @@ def _compared(
     implied = implied_forces(model, smooth(model, record, extrapolate=extrapolate))
     ready = driven(model)
     numbers = values_at(ready, record.speed, extrapolate=extrapolate)
-    structure, k = packed(ready, numbers, record.speed, CALM)
+    structure, k = packed(ready, numbers, record.speed, CALM, heeled=True)
     said = water_forces(structure, k, implied.motion)
     names = tuple(whole.measured)
     return FreeRun(

@@ -140,16 +140,7 @@ def leftovers(model: Model, all_: Sequence[FreeRecord]) -> None:
 
 def thinned(record: FreeRecord) -> FreeRecord:
     """Every fourth instant."""
-    assert record.wind_speed is not None
-    assert record.wind_direction is not None
-    return record.with_(
-        t=record.t[::4],
-        delta=record.delta[::4],
-        turns=record.turns[::4],
-        measured={name: x[::4] for name, x in record.measured.items()},
-        wind_speed=record.wind_speed[::4],
-        wind_direction=record.wind_direction[::4],
-    )
+    return record.at(slice(None, None, 4))
 
 
 def of_wind(found: Diagnosis) -> float:

@@ -96,6 +96,7 @@ REGISTRIES = {
             "diagnosis/captive/held_out.py": OTHER_WORDS,
             "diagnosis/free_running/candidates.py": "what records hold: roll",
             "equations/code_generation.py": "a variable of that name",
+            "equations/layouts.py": "a constant and an input of that name",
             "exports/campaign_toml.py": OTHER_WORDS,
             "exports/matlab/model.py": "each part is written in MATLAB by hand",
             "exports/shipmmg.py": "the parts that shipmmg knows",

@@ -14,7 +14,7 @@ import pmmkit as pk
 from pmmkit.equations import CALM, prepare
 from pmmkit.equations.code_generation import ESTIMATING
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.layouts import Constant
+from pmmkit.equations.layouts import Constant, InputField
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import bound
@@ -233,7 +233,7 @@ def steered(model, speed, size=12):
     pace = speed / model.ship.L
     t = np.cumsum(draw.uniform(0.05, 0.3, size)) / pace
     turns = prepare(model, speed).self_propulsion()
-    inputs = np.zeros((size, 5))
+    inputs = np.zeros((size, len(InputField)))
     inputs[:, 0] = draw.uniform(-0.5, 0.5, size)
     inputs[:, 1] = turns * draw.uniform(0.9, 1.1, size)
     start = [10.0, -5.0, 0.4, 0.9 * speed, 0.05 * speed, -0.2 * pace]
@@ -641,7 +641,7 @@ def test_a_drifting_ship_feels_the_wind_less_the_current():
     k = binding.constants(np.array([flow.real, flow.imag]))
     functions = compiled(binding.structure, ESTIMATING)
     functions.complete(k)
-    inputs = np.zeros((len(track), 5))
+    inputs = np.zeros((len(track), len(InputField)))
     inputs[:, 0], inputs[:, 1] = track.delta, track.n
     inputs[:, 3], inputs[:, 4] = 20.0, math.radians(70.0)
     start = [getattr(track, name)[0] for name in binding.structure.states]

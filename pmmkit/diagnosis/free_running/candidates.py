@@ -87,7 +87,8 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
         for word, there in {
             "rudder": True,
             "large motion": True,
-            "roll": model.rolls,
+            "roll": model.rolls
+            or (bool(records) and all(item.roll is not None for item in records)),
             "wind": bool(records) and all(item.wind_speed is not None for item in records),
         }.items()
         if there

@@ -171,18 +171,7 @@ def build_free(
 def _thinned(record: FreeRecord, L: float) -> FreeRecord:
     step = float(np.median(np.diff(record.t)))
     every = max(round(PACE * L / record.speed / step), 1)
-    inside = {
-        name: value[::every]
-        for name in ("wind_speed", "wind_direction", "bucket")
-        if (value := getattr(record, name)) is not None
-    }
-    return record.with_(
-        t=record.t[::every],
-        delta=record.delta[::every],
-        turns=record.turns[::every],
-        measured={name: x[::every] for name, x in record.measured.items()},
-        **inside,
-    )
+    return record.at(slice(None, None, every))
 
 
 def _usual(model: Model, pieces: Sequence[Piece], words: Sequence[str]) -> Array:

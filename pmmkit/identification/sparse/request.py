@@ -26,13 +26,15 @@ from pmmkit.estimation.sparse import (
 from pmmkit.identification.forces import ForceRecord
 from pmmkit.identification.sparse.rows import RunRows, check_records, equations, measured
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.model import DERIVATIVE_PARTS, knows_heel
 from pmmkit.numerics import Array
 from pmmkit.structures import Structure, structure_of
 
 Groups = Literal["physics"] | Mapping[str, Sequence[str]] | Sequence[Sequence[str]]
 FEWEST: Final = 3
 """Runs without which there are no bags of runs."""
+HEEL: Final = frozenset({"phi", "p"})
+"""Motions of a run that heels."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -186,6 +188,12 @@ def request(
             f"Nothing to look for: the library has {', '.join(listed) or 'no free terms'}, the "
             f"records have finite forces with a standard deviation in "
             f"{', '.join(sorted(there)) or 'no channel'}."
+        )
+    heeled = [name for name in names if knows_heel(name)]
+    if heeled and not model.rolls and not any(HEEL & set(item.motion) for item in records):
+        raise DataError(
+            f"{', '.join(heeled)} need roll: model {model.name!r} has none and no record holds a "
+            f"heel (phi, p). Leave these terms out of the library."
         )
     channels = tuple(dict.fromkeys(name[0] for name in names))
     rows = equations(model, records, names, channels, weak=weak, extrapolate=extrapolate)

@@ -179,12 +179,14 @@ def _constants(
     blank: Model, numbers: Numbers, at: Sequence[Place], record: ForceRecord
 ) -> tuple[Structure, list[list[Any]]]:
     """The constants without the terms, and with each of them at one."""
-    structure, empty = packed(blank, numbers, record.speed, record.conditions)
+    structure, empty = packed(blank, numbers, record.speed, record.conditions, heeled=True)
     one = np.ones(1)
     return structure, [
         empty,
         *(
-            packed(blank, replaced(numbers, [place], one), record.speed, record.conditions)[1]
+            packed(
+                blank, replaced(numbers, [place], one), record.speed, record.conditions, heeled=True
+            )[1]
             for place in at
         ),
     ]

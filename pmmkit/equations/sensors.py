@@ -1,0 +1,146 @@
+"""What sensors should show of a motion, and how a filter takes it in.
+
+As `estimators`, this file is written into a module of one structure's equations; `kinds` says what
+each column of `measured` is: the place of a state, or one of `OverGround`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.equations.layouts import Constant, OverGround, State
+from pmmkit.equations.stand_ins import NS
+
+Array = NDArray[np.float64]
+Places = NDArray[np.int64]
+
+
+def upright(z: Array, k: Array) -> float:
+    """Cosine of the heel: of the state of a ship that rolls, else of the one that was measured."""
+    return math.cos(z[State.phi] if k[Constant.rolls] > 0.0 else k[Constant.roll])
+
+
+def expected(kind: int, z: Array, k: Array, h: Array) -> float:
+    """What a channel should show, and its slopes over the states."""
+    for i in range(len(h)):
+        h[i] = 0.0
+    if kind < NS:
+        h[kind] = 1.0
+        return float(z[kind])
+    ahead, aside, level = math.cos(z[State.psi]), math.sin(z[State.psi]), upright(z, k)
+    sway = z[State.v] * level
+    north = z[State.u] * ahead - sway * aside + k[Constant.current_x]
+    east = z[State.u] * aside + sway * ahead + k[Constant.current_y]
+    to_north, to_east, size, shown = 1.0, 0.0, 1.0, north
+    if kind == OverGround.east:
+        to_north, to_east, shown = 0.0, 1.0, east
+    elif kind == OverGround.size:
+        to_north, to_east = north, east
+        size = max(math.sqrt(north * north + east * east), 1e-9)
+        shown = size
+    across = (to_east * ahead - to_north * aside) / size
+    h[State.u] = (to_north * ahead + to_east * aside) / size
+    h[State.v] = across * level
+    h[State.psi] = (
+        to_north * (k[Constant.current_y] - east) + to_east * (north - k[Constant.current_x])
+    ) / size
+    if k[Constant.rolls] > 0.0:
+        h[State.phi] = -across * z[State.v] * math.sin(z[State.phi])
+    return float(shown)
+
+
+def drifted(
+    kind: int, z: Array, k: Array, h: Array, starts: Places, places: Places, slopes: Array
+) -> None:
+    """Slopes of a channel over the parameters that are a current: it adds to the velocity."""
+    if kind < NS:
+        return
+    ahead, aside = math.cos(z[State.psi]), math.sin(z[State.psi])
+    across = h[State.v] / upright(z, k)
+    north, east = h[State.u] * ahead - across * aside, h[State.u] * aside + across * ahead
+    for j in range(len(starts) - 1):
+        for s in range(starts[j], starts[j + 1]):
+            if places[s] == Constant.current_x:
+                h[NS + j] += slopes[s] * north
+            elif places[s] == Constant.current_y:
+                h[NS + j] += slopes[s] * east
+
+
+def turned_back(residual: float, kind: int) -> float:
+    """A residual of the heading taken the short way round."""
+    if kind != State.psi:
+        return residual
+    return residual - 2.0 * math.pi * math.floor(residual / (2.0 * math.pi) + 0.5)
+
+
+def correct(
+    z: Array, P: Array, h: Array, residual: float, variance: float, gain: Array, left: Array
+) -> float:
+    """Take in one measurement, in Joseph's form; gives the variance of its residual."""
+    n = len(z)
+    seen = 0.0
+    for i in range(n):
+        left[i] = 0.0
+    for j in range(n):
+        if h[j] != 0.0:
+            for i in range(n):
+                left[i] += P[i, j] * h[j]
+    for j in range(n):
+        seen += h[j] * left[j]
+    total = seen + variance
+    for i in range(n):
+        gain[i] = left[i] / total
+        z[i] += gain[i] * residual
+    for i in range(n):
+        again = variance * gain[i] - (left[i] - gain[i] * seen)
+        for j in range(i + 1):
+            P[i, j] += again * gain[j] - gain[i] * left[j]
+    for i in range(n):
+        for j in range(i):
+            P[j, i] = P[i, j]
+    return total
+
+
+def take_in(
+    measured: Array,
+    kinds: Places,
+    variances: Array,
+    z: Array,
+    P: Array,
+    k: Array,
+    starts: Places,
+    places: Places,
+    slopes: Array,
+    about: Array,
+    change: Array,
+    gate: float,
+    h: Array,
+    gain: Array,
+    left: Array,
+    residuals: Array,
+    spreads: Array,
+) -> None:
+    """Take in the measurements of an instant, one after another, but for those beyond the gate."""
+    n, m = len(z), len(z) - NS
+    for q in range(len(kinds)):
+        residuals[q] = math.nan
+        spreads[q] = math.nan
+        if math.isnan(measured[q]):
+            continue
+        shown = expected(kinds[q], z, k, h)
+        drifted(kinds[q], z, k, h, starts, places, slopes)
+        for j in range(m):
+            shown += h[NS + j] * (z[NS + j] - about[j] - change[j])
+        residual = turned_back(measured[q] - shown, kinds[q])
+        spread = variances[q]
+        for i in range(n):
+            if h[i] != 0.0:
+                for j in range(n):
+                    spread += h[i] * P[i, j] * h[j]
+        residuals[q], spreads[q] = residual, spread
+        if residual * residual > gate * gate * spread:
+            continue
+        correct(z, P, h, residual, variances[q], gain, left)
