@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -17,6 +18,7 @@ from pmmkit.equations.prepared import Numbers, packed, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
+from pmmkit.identification.lack import Lack, Piece, lack_of
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
 from pmmkit.models import Model
@@ -27,6 +29,8 @@ STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
 ASIDE: Final = 0.05
 """Step over the size of a parameter by which a slope is seen to be the same elsewhere."""
+TOGETHER: Final = 4
+"""Windows that are set against each other, over the instants that hang together."""
 ROUNDS: Final = 4
 """Times that the records are weighed anew against a prior."""
 SAME: Final = 0.1
@@ -86,6 +90,8 @@ class Fitted:
         Root mean square of the residuals over their standard deviation, by channel.
     cost : float
         Half the sum of squares.
+    lack : Lack or None
+        What says that the model lacks something; None without a prior.
     """
 
     model: Model
@@ -95,6 +101,7 @@ class Fitted:
     undetermined: tuple[str, ...]
     rms: Mapping[str, float]
     cost: float
+    lack: Lack | None
 
     @property
     def std(self) -> Array:
@@ -228,11 +235,18 @@ def fit_to_forces(
     covariance, lost = _covariance(
         np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]), size
     )
+    lack = None
+    if prior is not None and not lost.any():
+        jacobian_now = found.jac[:rows] * width / size
+        pieces = _pieces(records, jacobian_now, found.fun[:rows] * width, prior.std, widened)
+        lack = lack_of(prior, covariance, pieces, {})
+        covariance = lack.covariance
     return Fitted(
         model=with_parameters(model, at, values),
         names=tuple(names),
         values=values,
         covariance=covariance,
+        lack=lack,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         rms=MappingProxyType(_by_channel(records, found.fun[:rows] * width, known)),
         cost=float(found.cost),
@@ -313,6 +327,33 @@ def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) 
     seen = sizes > 1e-10 * sizes[-1]
     whitened = stacked @ vectors[:, seen] / np.sqrt(sizes[seen])
     return max(1.0, float(np.sum(whitened**2) / seen.sum()))
+
+
+def _pieces(
+    records: Sequence[ForceRecord], jacobian: Array, residuals: Array, scale: Array, widened: float
+) -> list[Piece]:
+    """What windows of the records say, each of several times what hangs together."""
+    slopes = jacobian * scale
+    found, begin = [], 0
+    for number, record in enumerate(records):
+        if record.correlated <= 1:
+            begin += sum(len(x) for name, x in record.forces.items() if name in record.std)
+            continue
+        told: dict[int, tuple[Array, Array]] = {}
+        for channel, values in record.forces.items():
+            if channel not in record.std:
+                continue
+            edges = [*range(0, len(values), TOGETHER * record.correlated), len(values)]
+            for place, (first, last) in enumerate(pairwise(edges)):
+                own, off = (item[begin + first : begin + last] for item in (slopes, residuals))
+                information, score = told.get(place, (np.zeros((own.shape[1],) * 2), 0.0 * scale))
+                told[place] = information + own.T @ own, score - own.T @ off
+            begin += len(values)
+        found += [
+            Piece(record=number, information=information / widened, score=score / widened)
+            for information, score in told.values()
+        ]
+    return found
 
 
 def _covariance(jacobian: Array, size: Array) -> tuple[Array, NDArray[np.bool_]]:

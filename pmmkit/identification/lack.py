@@ -93,7 +93,11 @@ class Lack:
 
 
 def lack_of(
-    prior: Prior, covariance: Array, pieces: Sequence[Piece], colour: Mapping[str, float]
+    prior: Prior,
+    covariance: Array,
+    pieces: Sequence[Piece],
+    colour: Mapping[str, float],
+    sharper: float = 1.0,
 ) -> Lack:
     """Widen a covariance by what the records say against the model.
 
@@ -107,6 +111,8 @@ def lack_of(
         Windows of all records.
     colour : mapping of str to float
         As `colour_of` gives it.
+    sharper : float
+        By how much more the windows say of how they differ than `pieces` have it.
 
     Notes
     -----
@@ -131,7 +137,7 @@ def lack_of(
     """
     scale = np.outer(prior.std, prior.std)
     narrow: Array = covariance / scale
-    shift = _shift(pieces)
+    shift = _shift(pieces, sharper)
     if not colour and shift == 0.0:
         return Lack(covariance=covariance, colour={}, shift=0.0)
     known = np.linalg.inv(prior.covariance / scale)
@@ -148,13 +154,13 @@ def lack_of(
     return Lack(covariance=_larger(narrow, wide) * scale, colour=dict(colour), shift=shift)
 
 
-def _shift(pieces: Sequence[Piece]) -> float:
+def _shift(pieces: Sequence[Piece], sharper: float) -> float:
     """The most likely shift between windows; none where none is much less likely."""
     gain = np.zeros(len(SHIFTS))
     for item in pieces:
-        sizes, vectors = np.linalg.eigh(item.information)
+        sizes, vectors = np.linalg.eigh(sharper * item.information)
         seen = sizes > SEEN
-        sizes, part = sizes[seen], (vectors.T @ item.score)[seen]
+        sizes, part = sizes[seen], (vectors.T @ item.score)[seen] * sharper
         variance = sizes + np.outer(SHIFTS**2, sizes**2)
         gain -= 0.5 * np.sum(np.log(variance) + part**2 / variance, axis=1)
     best = int(np.argmax(gain))

@@ -282,9 +282,11 @@ def _weighed(
         if settled:
             break
         widths = wider
+    lack = _lack(problem, found, pieces, lasting)
     return replace(
         found,
-        lack=_lack(problem, found, pieces, lasting),
+        covariance=lack.covariance,
+        lack=lack,
         rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
         inflation=float(np.exp(2.0 * np.mean(np.log(widths)))) * found.inflation,
         iterations=count,
@@ -396,7 +398,7 @@ def _lack(
     Of what the windows' scores are too large by, one half (of its logarithm) is laid to errors that
     last longer than a window, the other to values that wander.
     """
-    scale, share = problem.prior.std, lasting / found.inflation
+    scale, share = problem.prior.std, 1.0 / found.inflation
     told = [
         Piece(
             record=int(record),
@@ -406,7 +408,7 @@ def _lack(
         for record, item in zip(problem.owners, pieces, strict=True)
     ]
     colour = {"windows": lasting} if lasting**2 > LASTING else {}
-    return lack_of(problem.prior, found.covariance, told, colour)
+    return lack_of(problem.prior, found.covariance, told, colour, sharper=lasting)
 
 
 def _solved(
