@@ -266,6 +266,7 @@ def _weighed(
     share: float,
 ) -> TrajectoryFit:
     """The fit with channels weighed by their own residuals."""
+    afresh = start, first
     widths, lasting = np.ones(len(problem.channels)), 1.0
     settled, count = False, 0
     for turn in range(ROUNDS):
@@ -282,6 +283,8 @@ def _weighed(
         if settled:
             break
         widths = wider
+        if turn == 0:
+            start, first = afresh  # sharp weights may have caught the first round in a hollow
     lack = _lack(problem, found, pieces, lasting)
     return replace(
         found,

@@ -80,7 +80,7 @@ def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose
         assert any("pmmkit diagnose" in text for text in found.missing)
         assert any("Something is missing" in text for text in found.remarks())
         assert found.model.covariance == pytest.approx(found.covariance)
-    assert np.mean(held) > 0.85
+    assert np.mean(held) > 0.8
 
 
 def unit_prior(size):
@@ -140,10 +140,7 @@ def test_colour_is_the_long_run_variance_of_an_autoregression():
 
     x = np.stack([lfilter([1.0], [1.0, -a], noise), rng.normal(size=n)], axis=1)
     item = Innovations(
-        names=("r", "psi"),
-        residuals=x,
-        variances=np.ones_like(x),
-        gated=np.zeros(x.shape, bool),
+        names=("r", "psi"), residuals=x, variances=np.ones_like(x), gated=np.zeros(x.shape, bool)
     )
     found = colour_of({"zigzag": item}, {"zigzag": 25.0})
     assert set(found) == {"r"}
