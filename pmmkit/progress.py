@@ -48,12 +48,13 @@ def shown(stream: TextIO | None = None) -> Iterator[Progress]:
 
 def _lines(stream: TextIO) -> Progress:
     """The first, the middle and the last, and one in half a minute: a log stays short."""
-    told = [-math.inf]
+    told: tuple[float, int] = (-math.inf, -1)
 
     def tell(done: int, total: int, what: str) -> None:
+        nonlocal told
         now = time.monotonic()
-        if done in (total // 2, total) or now - told[0] > QUIET:
-            told[0] = now
+        if (done in (total // 2, total) and done != told[1]) or now - told[0] > QUIET:
+            told = now, done
             print(f"{done:>{len(str(total))}} of {total}: {what}", file=stream, flush=True)
 
     return tell

@@ -129,11 +129,11 @@ class ChannelTest:
 
 _WORDS: Final = {
     "large": "innovations are {} times as large as the filter thinks: the model lacks something, "
-    "or the sensor is worse than stated; the intervals are too narrow.",
+    "or the sensor is worse than stated; intervals that count on neither are too narrow.",
     "small": "innovations are only {} times as large as the filter thinks: the sensor is better "
     "than stated, or the process noise too large.",
     "tied": "innovations are not white (correlation {}): errors of the model or of the sensor last "
-    "for several samples; the intervals are too narrow.",
+    "for several samples; intervals that do not allow for it are too narrow.",
     "leaning": "innovations lean to one side by {} of their standard deviation: a zero that is "
     "off, a current, or an asymmetry that the model lacks.",
     "gated": "{} % of the measurements were not taken in: outliers, or a record that should be "

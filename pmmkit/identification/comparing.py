@@ -285,6 +285,7 @@ def compare_methods(
     for place, method in enumerate(dict.fromkeys(methods), start=1):
         if progress is not None:
             progress(place, total, f"identify by {method}")
+        told = None if progress is None else _inside(progress, place, total, method)
         own = _derivatives(model, before) if method == "sindy" else before
         try:
             found[method] = _one(
@@ -295,6 +296,7 @@ def compare_methods(
                 sensors=sensors,
                 extrapolate=extrapolate,
                 settings=(settings or {}).get(method, {}),
+                progress=told,
             )
         except (PmmkitError, np.linalg.LinAlgError) as error:
             if len(methods) == 1:
@@ -322,6 +324,15 @@ def compare_methods(
     )
 
 
+def _inside(progress: Progress, place: int, total: int, method: str) -> Progress:
+    """What a method tells, as a part of the whole."""
+
+    def tell(done: int, of: int, what: str) -> None:
+        progress(place, total, f"{method}, {done} of at most {of}: {what}")
+
+    return tell
+
+
 def _rows(what: str, names: Sequence[str], values: Array) -> dict[tuple[str, str], float]:
     return {(what, name): float(x) for name, x in zip(names, values, strict=True)}
 
@@ -335,6 +346,7 @@ def _one(
     sensors: Mapping[str, float] | None,
     extrapolate: bool,
     settings: Mapping[str, Any],
+    progress: Progress | None,
 ) -> Identified:
     if not prior.names:
         raise DataError("The sparse regression looks for derivatives, and none was named.")
@@ -347,6 +359,7 @@ def _one(
             prior=prior,
             sensors=sensors,
             extrapolate=extrapolate,
+            progress=progress,
             **settings,
         )
     except ModelError as error:

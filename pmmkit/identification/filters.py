@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType, ModuleType
 from typing import Final, Literal
 
@@ -18,10 +18,12 @@ from pmmkit.equations.layouts import Status
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.estimation.innovations import Innovations
 from pmmkit.identification.binding import Binding, bound, driven
+from pmmkit.identification.lack import Lack, Piece, colour_of, lack_of, stretches
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import KINDS, FreeRecord, sensors_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.progress import Progress
 
 GATE: Final = 5.0
 """Residuals beyond so many of their standard deviations are not taken in."""
@@ -31,6 +33,12 @@ STEP: Final = 0.05
 """Longest step of the integration in ship lengths over the speed of the approach."""
 ROUGHNESS: Final = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 """Process noise that is tried, in U²/L over the root of L/U."""
+FIRST: Final = 0.03
+"""Process noise of the passes before it is chosen."""
+NEAR: Final = 0.5
+"""As `SETTLED`, for the passes before the process noise is chosen."""
+WINDOW: Final = 8.0
+"""Length of the windows that are set against each other, in ship lengths over the speed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,9 +54,11 @@ class Filtered:
     values : array (m,)
         At the end of the last record.
     covariance : array (m, m)
-        Of them.
+        Of them, widened by what the model lacks.
     prior : Prior
         Where they came from.
+    lack : Lack
+        What says that the model lacks something.
     histories : mapping of str to array
         By record: states and parameters at each instant (n, NS + m).
     spreads : mapping of str to array
@@ -70,6 +80,7 @@ class Filtered:
     values: Array
     covariance: Array
     prior: Prior
+    lack: Lack
     histories: Mapping[str, Array]
     spreads: Mapping[str, Array]
     innovations: Mapping[str, Innovations]
@@ -101,6 +112,7 @@ class _Setup:
     speed: float
     L: float
     gate: float
+    longest: float
     wander: Array = field(repr=False)
 
 
@@ -116,6 +128,10 @@ def kalman(
     gate: float = GATE,
     iterations: int = 10,
     extrapolate: bool = False,
+    about: Array | None = None,
+    first: float = FIRST,
+    step: float = STEP,
+    progress: Progress | None = None,
 ) -> Filtered:
     """Identify parameters by a Kalman filter over free-running records, one after another.
 
@@ -142,6 +158,15 @@ def kalman(
         Most passes of the extended filter.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
+    about : array (m,), optional
+        Values about which the first pass of the extended filter is linearised; by default the
+        prior's mean.
+    first : float
+        Process noise of the passes before it is chosen, as `roughness`.
+    step : float
+        Longest step of the integration in ship lengths over the speed of the approach.
+    progress : callable, optional
+        Told which pass is made.
 
     Returns
     -------
@@ -159,8 +184,10 @@ def kalman(
     Between instants the equations of motion are carried by the classical Runge-Kutta method with
     steps of at most 0.05 L/U; slopes are differences of that map. A pass of the extended filter is
     linearised in the parameters about the result of the pass before (the prior stays), until
-    nothing changes by more than 2 % of its standard deviation. The unscented filter makes one
-    pass. Revolutions are inputs, even where the model has a shaft.
+    nothing changes by more than 2 % of its standard deviation. The process noise is the best of a
+    scale of values, climbed from the first. The unscented filter makes one pass. Revolutions are
+    inputs, even where the model has a shaft. What the model lacks widens the covariance: see
+    `lack_of`; its windows are 8 ship lengths long and begin from what is measured there.
 
     References
     ----------
@@ -183,43 +210,107 @@ def kalman(
         speed=speed,
         L=ready.ship.L,
         gate=gate,
+        longest=step / pace,
         wander=np.array([wander.get(name, 0.0) ** 2 * pace for name in prior.names]),
     )
+    begin = prior.mean if about is None else about
+    passes = _Passes(most=2 * iterations + len(ROUGHNESS), progress=progress)
     if method == "ukf":
-        chosen = roughness if roughness is not None else _roughest(setup, prior.mean)
-        return _filtered(setup, "ukf", chosen, prior.mean, 1, True, started)
-    tried = 0.03 if roughness is None else roughness
-    about, count, done = _iterated(setup, tried, prior.mean, iterations)
+        chosen = roughness if roughness is not None else _roughest(setup, begin, first, passes)
+        return _filtered(setup, "ukf", chosen, begin, 1, True, started)
+    tried = first if roughness is None else roughness
+    goal = SETTLED if roughness is not None else NEAR
+    begin, count, done = _iterated(setup, tried, begin, iterations, goal, passes)
     if roughness is None:
-        tried = _roughest(setup, about)
-        about, more, done = _iterated(setup, tried, about, iterations)
+        tried = _roughest(setup, begin, first, passes)
+        begin, more, done = _iterated(setup, tried, begin, iterations, SETTLED, passes)
         count += more
-    return _filtered(setup, "ekf", tried, about, count, done, started)
+    return _filtered(setup, "ekf", tried, begin, count, done, started)
 
 
-def _iterated(setup: _Setup, roughness: float, about: Array, most: int) -> tuple[Array, int, bool]:
+@dataclass(frozen=True, kw_only=True)
+class _Passes:
+    """Says which pass over the records is made."""
+
+    most: int
+    progress: Progress | None
+
+    def tell(self, number: int, what: str) -> None:
+        if self.progress is not None:
+            self.progress(min(number, self.most), self.most, what)
+
+
+def _iterated(
+    setup: _Setup, roughness: float, about: Array, most: int, goal: float, passes: _Passes
+) -> tuple[Array, int, bool]:
     """The point about which the parameters are linearised, until it is their estimate."""
+    change = math.inf
     for count in range(1, most + 1):
+        moved = f", values moved by {change:.2g} of their spread" if count > 1 else ""
+        passes.tell(count, f"pass {count} over the records{moved}")
         z, P = _pass(setup, "ekf", roughness, about)[:2]
         std = np.sqrt(np.diagonal(P))
-        change = np.max(np.abs(z - about) / np.maximum(std, 1e-300), initial=0.0)
+        change = float(np.max(np.abs(z - about) / np.maximum(std, 1e-300), initial=0.0))
         about = z
-        if change < SETTLED:
+        if change < goal:
             return about, count, True
     return about, most, False
 
 
-def _roughest(setup: _Setup, about: Array) -> float:
-    """Process noise of the greatest likelihood, of those that are tried."""
+def _roughest(setup: _Setup, about: Array, first: float, passes: _Passes) -> float:
+    """Process noise of the greatest likelihood, climbed to from the first."""
+    found: dict[int, float] = {}
 
-    def likelihood(roughness: float) -> float:
-        try:
-            runs = _pass(setup, "ekf", roughness, about)[2]
-        except SimulationError:
+    def likelihood(place: int) -> float:
+        if not 0 <= place < len(ROUGHNESS):
             return -math.inf
-        return sum(run[2].log_likelihood() for run in runs)
+        if place not in found:
+            passes.tell(len(found), f"process noise {ROUGHNESS[place]:g}")
+            try:
+                runs = _pass(setup, "ekf", ROUGHNESS[place], about)[2]
+                found[place] = sum(run[2].log_likelihood() for run in runs)
+            except SimulationError:
+                found[place] = -math.inf
+        return found[place]
 
-    return max(ROUGHNESS, key=likelihood)
+    at = int(np.argmin(np.abs(np.array(ROUGHNESS) - first)))
+    while (best := max((at, at + 1, at - 1), key=likelihood)) != at:
+        at = best
+    if likelihood(at) == -math.inf:
+        at = max(range(len(ROUGHNESS)), key=likelihood)
+    return ROUGHNESS[at]
+
+
+def _lack(
+    setup: _Setup,
+    method: str,
+    roughness: float,
+    values: Array,
+    covariance: Array,
+    innovations: Mapping[str, Innovations],
+) -> Lack:
+    """What the records say against the model; values that wander need no more room."""
+    if np.any(setup.wander > 0.0):
+        return lack_of(setup.prior, covariance, [], {})
+    scale = setup.prior.std
+    known = np.linalg.inv(setup.prior.covariance / np.outer(scale, scale))
+    start, there = setup.prior.mean / scale, values / scale
+    pieces = []
+    for number, record in enumerate(setup.records):
+        for window in stretches(record, WINDOW * setup.L / record.speed):
+            alone = replace(setup, records=(window,))
+            try:
+                z, P, _ = _pass(alone, method, roughness, values)
+            except SimulationError:
+                continue
+            told = np.linalg.inv(P / np.outer(scale, scale))
+            score = told @ (z / scale - there) - known @ (start - there)
+            pieces.append(Piece(record=number, information=told - known, score=score))
+    samples = {
+        record.name: setup.L / record.speed / float(np.median(np.diff(record.t)))
+        for record in setup.records
+    }
+    return lack_of(setup.prior, covariance, pieces, colour_of(innovations, samples))
 
 
 def _filtered(
@@ -233,15 +324,18 @@ def _filtered(
 ) -> Filtered:
     z, P, runs = _pass(setup, method, roughness, about)
     names = [record.name for record in setup.records]
+    innovations = {name: run[2] for name, run in zip(names, runs, strict=True)}
+    lack = _lack(setup, method, roughness, z, P, innovations)
     return Filtered(
         method=method,
         names=setup.prior.names,
         values=z,
-        covariance=P,
+        covariance=lack.covariance,
         prior=setup.prior,
+        lack=lack,
         histories=MappingProxyType({name: run[0] for name, run in zip(names, runs, strict=True)}),
         spreads=MappingProxyType({name: run[1] for name, run in zip(names, runs, strict=True)}),
-        innovations=MappingProxyType({name: run[2] for name, run in zip(names, runs, strict=True)}),
+        innovations=MappingProxyType(innovations),
         iterations=count,
         converged=done,
         roughness=roughness,
@@ -276,7 +370,7 @@ def _pass(
         n = len(record)
         means = np.empty((n, 2 * (size + m)))
         residuals, spreads = np.empty((n, len(names))), np.empty((n, len(names)))
-        longest = STEP * setup.L / setup.speed
+        longest = setup.longest
         steps = np.concatenate(
             [state_steps(binding.structure.states, setup.speed, setup.L), 1e-4 * unit]
         )

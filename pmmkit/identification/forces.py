@@ -3,25 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import packed, values_at
+from pmmkit.equations.prepared import Numbers, packed, values_at
+from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
+from pmmkit.identification.binding import bound, driven
+from pmmkit.identification.lack import Lack, Piece, lack_of
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.progress import Progress
 
 STEP: Final = 1e-6
 """Step of the differences over the size of a parameter."""
+ASIDE: Final = 0.05
+"""Step over the size of a parameter by which a slope is seen to be the same elsewhere."""
+TOGETHER: Final = 4
+"""Windows that are set against each other, over the instants that hang together."""
 ROUNDS: Final = 4
 """Times that the records are weighed anew against a prior."""
 SAME: Final = 0.1
@@ -81,6 +90,8 @@ class Fitted:
         Root mean square of the residuals over their standard deviation, by channel.
     cost : float
         Half the sum of squares.
+    lack : Lack or None
+        What says that the model lacks something; None without a prior.
     """
 
     model: Model
@@ -90,6 +101,7 @@ class Fitted:
     undetermined: tuple[str, ...]
     rms: Mapping[str, float]
     cost: float
+    lack: Lack | None
 
     @property
     def std(self) -> Array:
@@ -104,6 +116,7 @@ def fit_to_forces(
     *,
     prior: Prior | None = None,
     extrapolate: bool = False,
+    progress: Progress | None = None,
 ) -> Fitted:
     """Fit derivatives and parameters of effects, linear or not, by least squares.
 
@@ -119,6 +132,8 @@ def fit_to_forces(
         Of the same names; without it nothing but the records counts.
     extrapolate : bool
         Allow speeds outside the range of the model's values.
+    progress : callable, optional
+        Told how often the forces were worked out.
 
     Returns
     -------
@@ -134,8 +149,10 @@ def fit_to_forces(
     Notes
     -----
     Gauss-Newton with a trust region (scipy's ``least_squares``), columns scaled, residuals in
-    units of their standard deviation. Directions that the
-    records do not determine (singular values below 1e-10 of the largest) keep their start values.
+    units of their standard deviation. Slopes over values in which the forces are straight lines,
+    whatever the others are, are worked out once, those over the others by central differences at
+    each step. Directions that the records do not determine (singular values below 1e-10 of the
+    largest) keep their start values.
 
     Examples
     --------
@@ -164,17 +181,19 @@ def fit_to_forces(
     if prior is not None:
         root = np.linalg.inv(np.linalg.cholesky(prior.covariance))
 
+    groups = [(record.speed, record.conditions) for record in records]
+    first = {group: number for number, group in reversed(list(enumerate(groups)))}
+
+    packs = {
+        group: _packs(model, names, given[number], *group, extrapolate=extrapolate)
+        for group, number in first.items()
+    }
+
     def difference(scaled: Array) -> Array:
+        constants = {group: pack(scaled * size) for group, pack in packs.items()}
         parts: list[Array] = []
-        for record, numbers in zip(records, given, strict=True):
-            structure, k = packed(
-                model,
-                replaced(numbers, at, scaled * size),
-                record.speed,
-                record.conditions,
-                heeled=True,
-            )
-            found = water_forces(structure, k, record.motion)
+        for record, group in zip(records, groups, strict=True):
+            found = water_forces(*constants[group], record.motion)
             parts += [
                 (found[channel] - values) / record.std[channel]
                 for channel, values in record.forces.items()
@@ -187,23 +206,25 @@ def fit_to_forces(
         raise DataError("No record has a finite force.")
 
     rows, width, at_start = len(known), 1.0, start / size
-    for _ in range(ROUNDS):
+    slopes = _slopes(lambda scaled: np.where(known, difference(scaled), 0.0), at_start)
+    count = 0
+    for turn in range(ROUNDS):
 
-        def residual(scaled: Array, width: float = width) -> Array:
+        def residual(scaled: Array, width: float = width, turn: int = turn) -> Array:
+            nonlocal count
+            count += 1
+            if progress is not None:
+                progress(turn, ROUNDS, f"round {turn + 1} of the fit to forces, trial {count}")
             parts = [np.where(known, difference(scaled), 0.0) / width]
             if prior is not None:
                 parts.append(root @ (scaled * size - prior.mean))
             return np.concatenate(parts)
 
+        def jacobian(scaled: Array, width: float = width) -> Array:
+            return np.vstack([slopes(scaled) / width, root * size])
+
         found = least_squares(
-            residual,
-            at_start,
-            jac="3-point",
-            x_scale="jac",
-            diff_step=STEP,
-            xtol=1e-12,
-            ftol=1e-12,
-            gtol=1e-12,
+            residual, at_start, jac=jacobian, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12
         )
         widened = _widened(records, found.jac[:rows] * width, found.fun[:rows] * width)
         at_start = found.x
@@ -214,15 +235,77 @@ def fit_to_forces(
     covariance, lost = _covariance(
         np.vstack([found.jac[:rows] * width / math.sqrt(widened), found.jac[rows:]]), size
     )
+    lack = None
+    if prior is not None and not lost.any():
+        jacobian_now = found.jac[:rows] * width / size
+        pieces = _pieces(records, jacobian_now, found.fun[:rows] * width, prior.std, widened)
+        lack = lack_of(prior, covariance, pieces, {})
+        covariance = lack.covariance
     return Fitted(
         model=with_parameters(model, at, values),
         names=tuple(names),
         values=values,
         covariance=covariance,
+        lack=lack,
         undetermined=tuple(name for name, gone in zip(names, lost, strict=True) if gone),
         rms=MappingProxyType(_by_channel(records, found.fun[:rows] * width, known)),
         cost=float(found.cost),
     )
+
+
+def _packs(
+    model: Model,
+    names: Sequence[str],
+    numbers: Numbers,
+    speed: float,
+    conditions: Conditions,
+    *,
+    extrapolate: bool,
+) -> Callable[[Array], tuple[Structure, Sequence[Any]]]:
+    """Structure and constants for values of parameters; straight lines where they are."""
+    at = places(model, names)
+
+    def anew(values: Array) -> tuple[Structure, Sequence[Any]]:
+        return packed(model, replaced(numbers, at, values), speed, conditions, heeled=True)
+
+    if driven(model) is not model:
+        return anew
+    try:
+        line = bound(model, names, speed, conditions=conditions, extrapolate=extrapolate)
+    except DataError:
+        return anew
+    return lambda values: (line.structure, line.constants(values).tolist())
+
+
+def _slopes(function: Callable[[Array], Array], start: Array) -> Callable[[Array], Array]:
+    """The slopes of a function, those that are everywhere the same worked out once."""
+
+    def column(at: Array, number: int, step: float) -> Array:
+        ahead, behind = at.copy(), at.copy()
+        ahead[number] += step
+        behind[number] -= step
+        slope: Array = (function(ahead) - function(behind)) / (2.0 * step)
+        return slope
+
+    aside = start * (1.0 + ASIDE * np.resize([1.0, -0.7, 0.4, -0.9, 0.6], len(start)))
+    fixed: dict[int, Array] = {}
+    for number in range(len(start)):
+        here, there = column(start, number, ASIDE), column(aside, number, ASIDE)
+        if np.max(np.abs(here - there), initial=0.0) <= 1e-8 * np.max(np.abs(here), initial=0.0):
+            fixed[number] = here
+
+    def slopes(at: Array) -> Array:
+        return np.stack(
+            [
+                fixed[number]
+                if number in fixed
+                else column(at, number, STEP * max(abs(at[number]), STEP))
+                for number in range(len(at))
+            ],
+            axis=1,
+        )
+
+    return slopes
 
 
 def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) -> float:
@@ -244,6 +327,33 @@ def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) 
     seen = sizes > 1e-10 * sizes[-1]
     whitened = stacked @ vectors[:, seen] / np.sqrt(sizes[seen])
     return max(1.0, float(np.sum(whitened**2) / seen.sum()))
+
+
+def _pieces(
+    records: Sequence[ForceRecord], jacobian: Array, residuals: Array, scale: Array, widened: float
+) -> list[Piece]:
+    """What windows of the records say, each of several times what hangs together."""
+    slopes = jacobian * scale
+    found, begin = [], 0
+    for number, record in enumerate(records):
+        if record.correlated <= 1:
+            begin += sum(len(x) for name, x in record.forces.items() if name in record.std)
+            continue
+        told: dict[int, tuple[Array, Array]] = {}
+        for channel, values in record.forces.items():
+            if channel not in record.std:
+                continue
+            edges = [*range(0, len(values), TOGETHER * record.correlated), len(values)]
+            for place, (first, last) in enumerate(pairwise(edges)):
+                own, off = (item[begin + first : begin + last] for item in (slopes, residuals))
+                information, score = told.get(place, (np.zeros((own.shape[1],) * 2), 0.0 * scale))
+                told[place] = information + own.T @ own, score - own.T @ off
+            begin += len(values)
+        found += [
+            Piece(record=number, information=information / widened, score=score / widened)
+            for information, score in told.values()
+        ]
+    return found
 
 
 def _covariance(jacobian: Array, size: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -12,11 +12,11 @@ import numpy as np
 
 from pmmkit.errors import DataError, ModelError, UnknownNameError
 from pmmkit.identification.binding import AROUND
-from pmmkit.identification.filters import kalman
 from pmmkit.identification.forces import fit_to_forces
 from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.prior import Prior, asked_names, prior_of
 from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.restarts import filtered
 from pmmkit.identification.smoother import implied_forces, smooth
 from pmmkit.identification.trajectory import fit_trajectories
 from pmmkit.models import Model
@@ -24,6 +24,7 @@ from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.step import Step
 from pmmkit.numerics import Array
 from pmmkit.presentation import WIDE, Described, Grid, Group, Section, counted, with_uncertainty
+from pmmkit.progress import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,6 +93,12 @@ class Identified(Described):
         return tuple(name for name in getattr(self.detail, "left_out", ()) if name in self.names)
 
     @property
+    def missing(self) -> tuple[str, ...]:
+        """What says that the model lacks something, in words; nothing where nothing does."""
+        lack = getattr(self.detail, "lack", None)
+        return () if lack is None else lack.words()
+
+    @property
     def far(self) -> tuple[str, ...]:
         """Parameters that ended far from what was known before."""
         away = np.abs(self.values - self.prior.mean) / self.prior.std
@@ -126,7 +133,7 @@ class Identified(Described):
 
     def remarks(self) -> list[str]:
         """What is wrong or at a limit."""
-        said = []
+        said = [f"{text[0].upper()}{text[1:]}." for text in self.missing]
         if self.unseen:
             said.append(
                 f"The records do not determine {', '.join(self.unseen)}; the model keeps what was "
@@ -194,6 +201,7 @@ def identify(
     spread: float | Mapping[str, float] | None = None,
     sensors: Mapping[str, float] | None = None,
     extrapolate: bool = False,
+    progress: Progress | None = None,
     **settings: Any,
 ) -> Identified:
     """Identify derivatives and other parameters from free-running records.
@@ -218,6 +226,8 @@ def identify(
         Standard deviations of channels, SI and radians; told from the records where absent.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
+    progress : callable, optional
+        Told what the method does: passes, steps, records.
     **settings
         Of the method: `roughness`, `iterations` (filters), `window` (trajectory), `memory`
         (regression), or those of `sparse_regression`.
@@ -261,27 +271,40 @@ def identify(
     asked = asked_names(model, names)
     before = prior or prior_of(model, asked, speed, spread=spread, extrapolate=extrapolate)
     shared: dict[str, Any] = {"sensors": sensors, "extrapolate": extrapolate}
+    found: Any
     if method in ("ekf", "ukf"):
-        found: Any = kalman(model, records, before, method=method, **shared, **settings)  # type: ignore[arg-type]
+        found, tried = filtered(
+            model,
+            records,
+            before,
+            method=method,  # type: ignore[arg-type]
+            progress=progress,
+            **shared,
+            **settings,
+        )
         notes: tuple[str, ...] = (
             f"{found.iterations} passes, {'settled' if found.converged else 'NOT settled'}",
             f"process noise {found.roughness:g} U²/L over the root of L/U",
+            *_lost(tried),
         )
     elif method == "trajectory":
-        found = fit_trajectories(model, records, before, **shared, **settings)
+        found = fit_trajectories(model, records, before, progress=progress, **shared, **settings)
         notes = (
             f"{found.windows} windows, {found.iterations} steps, "
             f"{'settled' if found.converged else 'NOT settled'}",
             f"variance widened {found.inflation:.3g} times: residuals are not white"
             if found.inflation > WHITE
             else "residuals as white as the sensors'",
+            *_lost(found.tried),
         )
     else:
         memory = {"memory": settings["memory"]} if "memory" in settings else {}
-        forces = [
-            implied_forces(model, smooth(model, record, **shared, **memory), **memory)
-            for record in records
-        ]
+        forces = []
+        for number, record in enumerate(records):
+            if progress is not None:
+                progress(number, len(records), f"forces that {record.name} implies")
+            kept = smooth(model, record, **shared, **memory)
+            forces.append(implied_forces(model, kept, **memory))
         rest = {name: x for name, x in settings.items() if name != "memory"}
         if method == "sindy":
             from pmmkit.identification.sparse.regression import sparse_regression
@@ -290,9 +313,16 @@ def identify(
             return _sparse(
                 sparse_regression(model, forces, library=library, **rest), before, started
             )
-        fitted = fit_to_forces(model, forces, before.names, prior=before, extrapolate=extrapolate)
-        found, notes = fitted, ("forces implied by the smoother",)
+        found = fit_to_forces(
+            model, forces, before.names, prior=before, extrapolate=extrapolate, progress=progress
+        )
+        notes = ("forces implied by the smoother",)
     return _told(model, method, before, found, notes, time.perf_counter() - started)
+
+
+def _lost(tried: Sequence[str]) -> tuple[str, ...]:
+    """What had to be tried before the motion was not lost."""
+    return (f"the motion was lost at first; tried: {'; '.join(tried)}",) if tried else ()
 
 
 def _told(

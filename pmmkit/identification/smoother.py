@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
@@ -35,6 +35,8 @@ MEMORY: Final = 1.0
 """Time over which an unknown force hangs together, in ship lengths over the speed."""
 SIZES: Final = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3)
 """Sizes of the unknown forces that are tried, over ½ρLdU² and ½ρL²dU²."""
+LARGER: Final = (1.0, 3.0)
+"""The same, where the motion is lost with all of those."""
 ROOM: Final = 2e9
 """Bytes that a smoother may take."""
 
@@ -189,7 +191,7 @@ def smooth(
         return kept, float(likelihood), int(np.sum(square > gate**2))
 
     if size is None:
-        size = max(SIZES, key=lambda share: _likelihood(forward, share))
+        size = _likeliest(forward)
     kept, likelihood, gated = forward(size, store=True)
     means, covariance = np.empty((rows, n)), np.empty((rows, n, n))
     functions.smoothed(kept, n, means, covariance)
@@ -224,11 +226,21 @@ def units(model: Model, speed: float) -> dict[str, float]:
     }
 
 
-def _likelihood(forward, share: float) -> float:  # type: ignore[no-untyped-def]
-    try:
-        return float(forward(share, store=False)[1])
-    except SimulationError:
-        return -math.inf
+def _likeliest(forward: Callable[..., tuple[Array, float, int]]) -> float:
+    """Size of the unknown forces of greatest likelihood; larger ones where all lose the motion."""
+
+    def likelihood(share: float) -> float:
+        try:
+            return forward(share, store=False)[1]
+        except SimulationError:
+            return -math.inf
+
+    for sizes in (SIZES, LARGER):
+        found = {share: likelihood(share) for share in sizes}
+        best = max(found, key=lambda share: found[share])
+        if found[best] > -math.inf:
+            return best
+    return best
 
 
 def _rates(  # type: ignore[no-untyped-def]

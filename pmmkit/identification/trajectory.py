@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from types import MappingProxyType, ModuleType
@@ -19,20 +19,26 @@ from pmmkit.equations.layouts import Constant, InputField, OverGround, State
 from pmmkit.errors import DataError, SimulationError
 from pmmkit.identification.binding import Binding, bound, driven
 from pmmkit.identification.filters import STEP, first_state, kind_of
+from pmmkit.identification.lack import Lack, Piece, lack_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+from pmmkit.progress import Progress
 
 WINDOW: Final = 8.0
 """Length of a window in ship lengths over the speed of the approach."""
 SETTLED: Final = 0.01
 """The fit ends when no parameter moves by more than this share of its standard deviation."""
 SMALL: Final = 1e-6
-ROUNDS: Final = 4
-"""Times that the weights are adapted to the residuals."""
+ROUNDS: Final = 12
+"""Times that the weights are adapted to the residuals at most."""
 SAME: Final = 0.15
 """Change of the weights from which another round is worth it."""
+SHORTER: Final = (1.0, 0.5, 0.25, 0.125, 0.0625)
+"""Windows that are tried, over what was asked for, until no motion is lost."""
+LASTING: Final = 1.5
+"""Variance of the windows' scores over that of white residuals from which errors last."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -49,6 +55,8 @@ class TrajectoryFit:
         From the sensors, the prior, and how far the residuals are from white noise.
     prior : Prior
         Where they came from.
+    lack : Lack
+        What says that the model lacks something.
     inflation : float
         By what the variance is larger than white residuals of the sensors' size would make it, on
         the geometric mean of the channels.
@@ -56,6 +64,8 @@ class TrajectoryFit:
         Root mean square of the residuals over the sensor's standard deviation, by channel.
     windows : int
         Number of windows.
+    tried : tuple of str
+        What had to be tried before the motion was not lost.
     iterations : int
         Steps of the fit.
     converged : bool
@@ -70,9 +80,11 @@ class TrajectoryFit:
     values: Array
     covariance: Array
     prior: Prior
+    lack: Lack
     inflation: float
     rms: Mapping[str, float]
     windows: int
+    tried: tuple[str, ...]
     iterations: int
     converged: bool
     cost: float
@@ -93,6 +105,7 @@ class _Problem:
     t: Array
     inputs: Array
     begins: NDArray[np.int64]
+    owners: NDArray[np.int64]
     measured: Array
     kinds: NDArray[np.int64]
     sensors: Array
@@ -118,6 +131,7 @@ def fit_trajectories(
     iterations: int = 30,
     extrapolate: bool = False,
     jobs: int | None = None,
+    progress: Progress | None = None,
 ) -> TrajectoryFit:
     """Fit parameters so that the simulated ship follows the measured one through every window.
 
@@ -140,6 +154,8 @@ def fit_trajectories(
         Allow a speed outside the range of the model's values.
     jobs : int, optional
         Threads.
+    progress : callable, optional
+        Told which step is made.
 
     Returns
     -------
@@ -150,7 +166,8 @@ def fit_trajectories(
     DataError
         If there is nothing to fit.
     SimulationError
-        If the simulated motion is lost from the start values.
+        If the simulated motion is lost from the start values, those of the model too, and through
+        short windows.
 
     Notes
     -----
@@ -158,30 +175,125 @@ def fit_trajectories(
     factorisation of the window, so that the step for the parameters is that of the whole problem.
     Columns are scaled by the prior, steps damped after Levenberg and Marquardt.
 
+    Where the motion is lost from the prior's mean, windows are halved until it is not, and then
+    doubled again, each fit beginning from the last; the prior stays.
+
     What a model lacks makes residuals that are larger than the sensors' noise and slow. So each
     channel is weighed by its own residuals, and all by the variance of the windows' scores over
-    what white residuals would give (both at least 1), up to four rounds; otherwise the records
-    would overrule the prior with thousands of instants that all say the same.
+    what white residuals would give (both at least 1), until that is settled; otherwise the records
+    would overrule the prior with thousands of instants that all say the same. What windows and
+    prior still disagree about widens the covariance: see `lack_of`.
     """
     if not records:
         raise DataError("There is no record to fit to.")
     started = time.perf_counter()
-    problem = _problem(model, records, prior, sensors or {}, window, extrapolate)
-    first = _first_states(problem, records, sensors or {}, model.ship.L)
-    wider = np.ones(len(problem.channels))
+    length = window or WINDOW * driven(model).ship.L / records[0].speed
+
+    def cut(share: float) -> tuple[_Problem, Array]:
+        problem = _problem(model, records, prior, sensors or {}, share * length, extrapolate)
+        return problem, _first_states(problem, records, sensors or {}, model.ship.L)
+
+    steps = _Steps(most=iterations, progress=progress)
     with ThreadPoolExecutor(jobs or 4) as pool:
-        for _ in range(ROUNDS):
-            widths = wider
-            weighed = replace(problem, sensors=problem.sensors * widths)
-            found = _solved(weighed, first, iterations, pool, started)
-            rms = np.array([found.rms[name] for name in problem.channels]) * widths
-            wider = np.maximum(rms, 1.0) * math.sqrt(found.inflation)
-            if np.all(np.abs(wider / widths - 1.0) < SAME):
+        begun = _begun(cut, prior, steps)
+        found = None
+        for share in [item for item in reversed(SHORTER) if item >= begun.share]:
+            problem, first = cut(share)
+            start = begun.values if found is None else found.values
+            if not math.isfinite(_cost(problem, start, first, _precision(prior))):
+                begun.tried.append(f"windows of {share * length:.3g} s, lost again")
                 break
+            found = _weighed(problem, first, start, steps, pool, share)
+    assert found is not None
+    return replace(found, tried=tuple(begun.tried), seconds=time.perf_counter() - started)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Steps:
+    """Says which step is made."""
+
+    most: int
+    progress: Progress | None
+
+    def tell(self, number: int, what: str) -> None:
+        if self.progress is not None:
+            self.progress(min(number, self.most), self.most, what)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Begun:
+    """Where a fit can begin: values, and share of the windows' length."""
+
+    values: Array
+    share: float
+    tried: list[str]
+
+
+def _begun(cut: Callable[[float], tuple[_Problem, Array]], prior: Prior, steps: _Steps) -> _Begun:
+    """The longest windows through which the motion is not lost, and the values they begin from."""
+    tried: list[str] = []
+    for share in SHORTER:
+        problem, first = cut(share)
+        own = problem.binding.mean
+        for word, values in {
+            "the start values": prior.mean,
+            "values halfway to those of the model": 0.5 * (prior.mean + own),
+            "the model's own values": own,
+        }.items():
+            length = (problem.t[-1] - problem.t[0]) / problem.windows
+            text = f"{word} through {problem.windows} windows"
+            if math.isfinite(_cost(problem, values, first, _precision(prior))):
+                return _Begun(values=values, share=share, tried=tried)
+            tried.append(text)
+            steps.tell(0, f"the motion is lost from {text} of about {length:.3g} s")
+    raise SimulationError(
+        f"The simulated motion is lost from the start values. Tried: {'; '.join(tried)}. Check the "
+        f"signs of rudder and heading, and the values that are held."
+    )
+
+
+def _precision(prior: Prior) -> Array:
+    """Inverse of the prior's covariance over its standard deviations."""
+    return np.linalg.inv(prior.covariance / np.outer(prior.std, prior.std)).astype(float)
+
+
+def _weighed(
+    problem: _Problem,
+    first: Array,
+    start: Array,
+    steps: _Steps,
+    pool: ThreadPoolExecutor,
+    share: float,
+) -> TrajectoryFit:
+    """The fit with channels weighed by their own residuals."""
+    afresh = start, first
+    widths, lasting = np.ones(len(problem.channels)), 1.0
+    settled, count = False, 0
+    for turn in range(ROUNDS):
+        weighed = replace(problem, sensors=problem.sensors * widths)
+        words = "" if share == 1.0 else f", windows {share:g} of their length"
+        found, first, ratio, pieces = _solved(
+            weighed, first, start, steps, pool, f"round {turn + 1}{words}"
+        )
+        start, count = found.values, count + found.iterations
+        rms = np.array([found.rms[name] for name in problem.channels]) * widths
+        lasting = max(lasting * math.sqrt(ratio), 1.0)
+        wider = np.maximum(rms, 1.0) * lasting
+        settled = bool(np.all(np.abs(wider / widths - 1.0) < SAME))
+        if settled:
+            break
+        widths = wider
+        if turn == 0:
+            start, first = afresh  # sharp weights may have caught the first round in a hollow
+    lack = _lack(problem, found, pieces, lasting)
     return replace(
         found,
+        covariance=lack.covariance,
+        lack=lack,
         rms=MappingProxyType(dict(zip(problem.channels, rms.tolist(), strict=True))),
         inflation=float(np.exp(2.0 * np.mean(np.log(widths)))) * found.inflation,
+        iterations=count,
+        converged=found.converged and settled,
     )
 
 
@@ -200,12 +312,13 @@ def _problem(
     known = sensors_of(records, sensors)
     channels = tuple(known)
     states = binding.structure.states
-    begins, pieces, start = [0], [], 0
-    for record in records:
+    begins, owners, pieces, start = [0], [], [], 0
+    for number, record in enumerate(records):
         count = max(round((record.t[-1] - record.t[0]) / length), 1)
         edges = np.linspace(record.t[0], record.t[-1], count + 1)[1:-1]
         places = np.searchsorted(record.t, edges)
         begins += [start + int(place) for place in places] + [start + len(record)]
+        owners += [number] * count
         start += len(record)
         pieces.append(
             np.stack(
@@ -220,6 +333,7 @@ def _problem(
         t=np.concatenate([record.t for record in records]),
         inputs=np.concatenate([record.inputs for record in records]),
         begins=np.array(begins, np.int64),
+        owners=np.array(owners, np.int64),
         measured=np.concatenate(pieces),
         kinds=np.array([kind_of(name, states) for name in channels], np.int64),
         sensors=np.array([known[name] for name in channels]),
@@ -279,23 +393,45 @@ def _start(lines: Mapping[str, Array], states: Sequence[str], default: Array) ->
     return found
 
 
-def _solved(
-    problem: _Problem, first: Array, most: int, pool: ThreadPoolExecutor, started: float
-) -> TrajectoryFit:
-    prior = problem.prior
-    scale = prior.std
-    precision = np.linalg.inv(prior.covariance / np.outer(scale, scale)).astype(float)
-    values, damping = prior.mean.copy(), 1e-3
-    cost = _cost(problem, values, first, precision)
-    if not math.isfinite(cost):
-        raise SimulationError(
-            "The simulated motion is lost from the start values. Check the signs of rudder and "
-            "heading, or give shorter windows."
+def _lack(
+    problem: _Problem, found: TrajectoryFit, pieces: Sequence[_Piece], lasting: float
+) -> Lack:
+    """What the windows say against the model.
+
+    Of what the windows' scores are too large by, one half (of its logarithm) is laid to errors that
+    last longer than a window, the other to values that wander.
+    """
+    scale, share = problem.prior.std, 1.0 / found.inflation
+    told = [
+        Piece(
+            record=int(record),
+            information=share * item.normal * np.outer(scale, scale),
+            score=share * item.score * scale,
         )
+        for record, item in zip(problem.owners, pieces, strict=True)
+    ]
+    colour = {"windows": lasting} if lasting**2 > LASTING else {}
+    return lack_of(problem.prior, found.covariance, told, colour, sharper=lasting)
+
+
+def _solved(
+    problem: _Problem,
+    first: Array,
+    start: Array,
+    steps: _Steps,
+    pool: ThreadPoolExecutor,
+    word: str,
+) -> tuple[TrajectoryFit, Array, float, list[_Piece]]:
+    """The fit with these weights, how its windows begin, how errors last, and its windows."""
+    prior = problem.prior
+    scale, precision = prior.std, _precision(prior)
+    values, damping = start.copy(), 1e-3
+    cost = _cost(problem, values, first, precision)
     converged, count = False, 0
-    while count < most and not converged:
+    pieces, residuals = _linear(problem, values, first, pool)
+    while count < steps.most and not converged:
         count += 1
-        pieces, _ = _linear(problem, values, first, pool)
+        steps.tell(count, f"step {count} of the fit, {word}, cost {cost:.4g}")
         A = sum((item.normal for item in pieces), np.zeros_like(precision))
         b = sum((item.score for item in pieces), np.zeros(len(scale)))
         A = A * np.outer(scale, scale) + precision
@@ -315,37 +451,40 @@ def _solved(
         values, first, cost = moved, begun, new
         damping = max(damping / 10.0, 1e-9)
         converged = bool(np.max(np.abs(step) / std) < SETTLED and gained < 1e-6 * max(cost, 1.0))
-    pieces, residuals = _linear(problem, values, first, pool)
-    covariance, inflation = _covariance(pieces, scale, precision)
+        pieces, residuals = _linear(problem, values, first, pool)
+    covariance, ratio = _covariance(pieces, scale, precision)
     rms = {
         name: float(np.sqrt(np.nanmean(residuals[:, i] ** 2)))
         for i, name in enumerate(problem.channels)
     }
-    return TrajectoryFit(
+    found = TrajectoryFit(
         names=prior.names,
         values=values,
         covariance=covariance,
         prior=prior,
-        inflation=inflation,
+        lack=lack_of(prior, covariance, [], {}),
+        inflation=max(ratio, 1.0),
         rms=MappingProxyType(rms),
         windows=problem.windows,
+        tried=(),
         iterations=count,
         converged=converged,
         cost=cost,
-        seconds=time.perf_counter() - started,
+        seconds=0.0,
     )
+    return found, first, ratio, pieces
 
 
 def _covariance(pieces: Sequence[_Piece], scale: Array, precision: Array) -> tuple[Array, float]:
-    """Covariance of the parameters, and how much wider it is than white residuals make it."""
+    """Covariance of the parameters, and variance of the scores over that of white residuals."""
     scores = np.stack([item.score for item in pieces]) * scale
     A = sum((item.normal for item in pieces), np.zeros_like(precision)) * np.outer(scale, scale)
     sizes, vectors = np.linalg.eigh(A)
     seen = sizes > 1e-8 * sizes[-1]
     whitened = scores @ vectors[:, seen] / np.sqrt(sizes[seen])
-    inflation = max(1.0, float(np.sum(whitened**2) / seen.sum()))
-    inverse = np.linalg.inv(A / inflation + precision)
-    return inverse * np.outer(scale, scale), inflation
+    ratio = float(np.sum(whitened**2) / seen.sum())
+    inverse = np.linalg.inv(A / max(ratio, 1.0) + precision)
+    return inverse * np.outer(scale, scale), ratio
 
 
 def _simulated(problem: _Problem, values: Array, first: Array) -> Array:

@@ -236,16 +236,19 @@ def test_the_inflation_is_what_the_variances_are_wider_by(monkeypatch, same):
     first = fitted([record], replace(prior, mean=found.values), model=LACKING, sensors=sensors)
     white = first.covariance[0, 0] / first.inflation
     assert found.inflation > 3.0
-    assert found.covariance[0, 0] / white == pytest.approx(found.inflation, rel=0.1)
+    wider = found.inflation * found.lack.colour["windows"]
+    assert found.lack.colour["windows"] > 1.2
+    assert found.covariance[0, 0] / white > 0.9 * wider
 
 
 def test_what_cannot_be_fitted_is_refused():
     with pytest.raises(DataError, match="no record"):
         fitted([], true_prior())
     record = sailed(seed=13)
-    astern = replace(true_prior(("Xuu",)), mean=np.array([50.0]))
-    with pytest.raises(SimulationError, match="shorter windows"):
-        fitted([record], astern)
+    astern = TANKER.with_values("hull_polynomial", Xuu=50.0)
+    driven_on = replace(true_prior(("Xuu",)), mean=np.array([50.0]))
+    with pytest.raises(SimulationError, match=r"Tried: the start values .* signs of rudder"):
+        fitted([record], driven_on, model=astern)
 
 
 def test_threads_change_no_bit():

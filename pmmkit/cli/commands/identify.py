@@ -160,8 +160,11 @@ def identify(
         base, names, used.records[0].speed, prior=prior, spread=spread, extrapolate=extrapolate
     )
     judged = (held_out or used).long_enough(window)
-    references = reference(base, judged, sensors=stds, extrapolate=extrapolate)
     with shown() as progress:
+        references: tuple[Smoothed, ...] = ()
+        for number, record in enumerate(judged):
+            progress(number, len(judged), f"smooth {record.name}")
+            references += reference(base, [record], sensors=stds, extrapolate=extrapolate)
         found = compare_methods(
             base,
             used.records,
@@ -254,6 +257,7 @@ def _content(work: _Work) -> dict[str, Any]:
                 "parameters": item.to_pandas().reset_index().to_dict("records"),
                 "unseen": list(item.unseen),
                 "left_out": list(item.left_out),
+                "missing": list(item.missing),
                 "seconds": item.seconds,
                 "notes": list(item.notes),
                 "errors": predictions.get(name, {}),

@@ -1,0 +1,252 @@
+"""Intervals when a model lacks something: what innovations and windows say of it, taken in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.estimation.innovations import Innovations
+from pmmkit.identification.prior import Prior
+from pmmkit.identification.record import FreeRecord
+from pmmkit.numerics import Array
+
+LENGTHS: Final = (1.0, 2.0, 4.0, 8.0)
+"""Ship lengths over the speed over which innovations are summed up."""
+BY_CHANCE: Final = 1e-4
+"""Probability that the size of a channel's sums is due to chance, below which it is not."""
+EVIDENCE: Final = 5.0
+"""Gain of the log likelihood from which windows are taken to differ."""
+SHIFTS: Final = np.concatenate([[0.0], np.geomspace(0.003, 30.0, 60)])
+"""Standard deviations of the shift from window to window that are tried, over the prior's."""
+SEEN: Final = 1e-3
+"""Information of a window over the prior's from which a direction counts."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """What a stretch of a record says of the parameters about their estimate.
+
+    Parameters
+    ----------
+    record : int
+        Number of the record.
+    information : array (m, m)
+        Over the prior's standard deviations.
+    score : array (m,)
+        Information times how far the stretch alone would move the estimate.
+    """
+
+    record: int
+    information: Array
+    score: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Lack:
+    """What says that a model lacks something, and the covariance that allows for it.
+
+    Parameters
+    ----------
+    covariance : array (m, m)
+        Nowhere narrower than that of the model alone, which it is where nothing is lacking.
+    colour : mapping of str to float
+        Variance of summed innovations over that of white ones of the stated size, by channel that
+        is beyond chance.
+    shift : float
+        Standard deviation by which the values wander from window to window, over the prior's.
+    """
+
+    covariance: Array
+    colour: Mapping[str, float]
+    shift: float
+
+    @property
+    def found(self) -> bool:
+        """Whether something is missing."""
+        return bool(self.colour) or self.shift > 0.0
+
+    def words(self) -> tuple[str, ...]:
+        """What is missing, in words; nothing where nothing is."""
+        if not self.found:
+            return ()
+        signs = []
+        if self.colour:
+            worst = max(self.colour, key=lambda name: self.colour[name])
+            signs.append(
+                f"errors of {worst} last, with {self.colour[worst]:.2g} times the variance that "
+                f"is expected of their sums"
+            )
+        if self.shift > 0.0:
+            signs.append(
+                f"windows of the records ask for values {self.shift:.2g} prior standard deviations "
+                f"apart"
+            )
+        return (
+            f"something is missing in the model: {'; '.join(signs)}. The intervals are widened by "
+            f"that; what is missing, `pmmkit diagnose` tells",
+        )
+
+
+def lack_of(
+    prior: Prior,
+    covariance: Array,
+    pieces: Sequence[Piece],
+    colour: Mapping[str, float],
+    sharper: float = 1.0,
+) -> Lack:
+    """Widen a covariance by what the records say against the model.
+
+    Parameters
+    ----------
+    prior : Prior
+        Of the parameters.
+    covariance : array (m, m)
+        As it is if the model is complete.
+    pieces : sequence of Piece
+        Windows of all records.
+    colour : mapping of str to float
+        As `colour_of` gives it.
+    sharper : float
+        By how much more the windows say of how they differ than `pieces` have it.
+
+    Notes
+    -----
+    Two ways in which a model that lacks something misleads, and in every direction the larger
+    counts. Errors that last: n instants that all say the same count as n over the ratio between
+    the variance of sums of innovations and that of white ones, so that the information of the
+    records is divided by that ratio, of the worst channel. Values that wander: each window w of
+    information Λ asks for values off by a shift of variance s²D² (D the prior's standard
+    deviations), so that its score has variance Λ + s²ΛD²Λ; s is the most likely one. A shift is
+    shared by the windows of a record, whence the estimate's variance grows by s² P Σ(ΛD²Λ) P
+    over records (a random effect, as between the studies of a meta-analysis: DerSimonian and Laird
+    1986).
+
+    Examples
+    --------
+    >>> prior = Prior(names=("Yv",), mean=np.zeros(1), covariance=np.eye(1))
+    >>> pieces = [Piece(record=i, information=np.array([[1e4]]), score=np.array([x * 1e4]))
+    ...           for i, x in enumerate([-0.3, 0.1, 0.4, -0.2])]
+    >>> found = lack_of(prior, np.array([[2.5e-5]]), pieces, {})
+    >>> round(found.shift, 2), (found.covariance**0.5).round(2)
+    (0.28, array([[0.14]]))
+    """
+    scale = np.outer(prior.std, prior.std)
+    narrow: Array = covariance / scale
+    shift = _shift(pieces, sharper)
+    if not colour and shift == 0.0:
+        return Lack(covariance=covariance, colour={}, shift=0.0)
+    known = np.linalg.inv(prior.covariance / scale)
+    told = np.linalg.inv(narrow) - known
+    wide = np.asarray(np.linalg.inv(known + told / max(colour.values(), default=1.0)))
+    if shift > 0.0:
+        groups = sorted({item.record for item in pieces})
+        by_record = [
+            np.sum([item.information for item in pieces if item.record == group], axis=0)
+            for group in groups
+        ]
+        spread = shift**2 * sum((x @ x for x in by_record), np.zeros_like(narrow))
+        wide = _larger(wide, narrow + narrow @ spread @ narrow)
+    return Lack(covariance=_larger(narrow, wide) * scale, colour=dict(colour), shift=shift)
+
+
+def _shift(pieces: Sequence[Piece], sharper: float) -> float:
+    """The most likely shift between windows; none where none is much less likely."""
+    gain = np.zeros(len(SHIFTS))
+    for item in pieces:
+        sizes, vectors = np.linalg.eigh(sharper * item.information)
+        seen = sizes > SEEN
+        sizes, part = sizes[seen], (vectors.T @ item.score)[seen] * sharper
+        variance = sizes + np.outer(SHIFTS**2, sizes**2)
+        gain -= 0.5 * np.sum(np.log(variance) + part**2 / variance, axis=1)
+    best = int(np.argmax(gain))
+    return float(SHIFTS[best]) if gain[best] - gain[0] > EVIDENCE else 0.0
+
+
+def _larger(one: Array, other: Array) -> Array:
+    """The smallest covariance, of like axes, that is nowhere narrower than either of two."""
+    root = np.linalg.cholesky(one)
+    inverse = np.linalg.inv(root)
+    sizes, vectors = np.linalg.eigh(inverse @ other @ inverse.T)
+    half = root @ (vectors * np.sqrt(np.maximum(sizes, 1.0)))
+    larger: Array = half @ half.T
+    return larger
+
+
+def colour_of(
+    innovations: Mapping[str, Innovations], samples: Mapping[str, float]
+) -> dict[str, float]:
+    """Variance of sums of innovations over that of white ones, for channels beyond chance.
+
+    Parameters
+    ----------
+    innovations : mapping of str to Innovations
+        By record.
+    samples : mapping of str to float
+        By record: instants in the time L/U.
+
+    Examples
+    --------
+    >>> noise = np.random.default_rng(0).normal(size=(2000, 2))
+    >>> slow = np.convolve(noise[:, 1], np.ones(5) / 5**0.5, "same")
+    >>> item = Innovations(
+    ...     names=("psi", "r"), residuals=np.stack([noise[:, 0], slow], axis=1),
+    ...     variances=np.ones((2000, 2)), gated=np.zeros((2000, 2), bool))
+    >>> {name: round(x) for name, x in colour_of({"zigzag": item}, {"zigzag": 10.0}).items()}
+    {'r': 5}
+    """
+    from scipy.stats import chi2
+
+    found: dict[str, float] = {}
+    names = dict.fromkeys(name for item in innovations.values() for name in item.names)
+    for name in names:
+        for length in LENGTHS:
+            sums = np.concatenate(
+                [
+                    _sums(item, name, max(round(length * samples[record]), 1))
+                    for record, item in innovations.items()
+                    if name in item.names
+                ]
+            )
+            if len(sums) < 4:
+                continue
+            size = float(np.mean(sums))
+            if len(sums) * size > chi2.isf(BY_CHANCE, len(sums)):
+                found[name] = max(found.get(name, 1.0), size)
+    return found
+
+
+def stretches(record: FreeRecord, length: float) -> tuple[FreeRecord, ...]:
+    """A record cut into stretches of about a length [s], as many as fit.
+
+    Examples
+    --------
+    >>> t = np.arange(100.0)
+    >>> whole = FreeRecord(name="turn", t=t, delta=t, turns=t, measured={"psi": t}, speed=1.0)
+    >>> [len(item) for item in stretches(whole, 35.0)]
+    [33, 33, 34]
+    """
+    count = max(round((record.t[-1] - record.t[0]) / length), 1)
+    edges = np.linspace(record.t[0], record.t[-1], count + 1)[1:-1]
+    places = [0, *np.searchsorted(record.t, edges).tolist(), len(record)]
+    return tuple(
+        record.cut(float(record.t[begin]), float(record.t[end - 1]))
+        for begin, end in pairwise(places)
+        if end - begin > 2
+    )
+
+
+def _sums(item: Innovations, name: str, count: int) -> Array:
+    """Squares of sums over blocks, over their number; a gated innovation counts as the gate."""
+    column = item.names.index(name)
+    ratio = item.residuals[:, column] / np.sqrt(item.variances[:, column])
+    kept = np.abs(ratio[~item.gated[:, column] & np.isfinite(ratio)])
+    ratio = np.clip(ratio, -np.max(kept, initial=0.0), np.max(kept, initial=0.0))
+    blocks = ratio[: len(ratio) // count * count].reshape(-1, count)
+    there: NDArray[np.int64] = np.isfinite(blocks).sum(axis=1)
+    sums: Array = np.nansum(blocks, axis=1)[there > 0] ** 2 / there[there > 0]
+    return sums

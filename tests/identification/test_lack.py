@@ -1,0 +1,154 @@
+"""Intervals of a model that lacks something: widened by what its records say, and only then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from test_filters import SENSORS, SPEED, TANKER, off, sailed
+
+from pmmkit.estimation.innovations import Innovations
+from pmmkit.identification.lack import Piece, colour_of, lack_of, stretches
+from pmmkit.identification.methods import identify
+from pmmkit.identification.prior import Prior, prior_of
+
+NAMES = ("Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Nv", "Nr", "Nvvv", "Nvvr", "Nvrr", "Nrrr")
+RUDDER = TANKER.parts["rudder_mmg"]
+STALLING = replace(
+    TANKER,
+    parts=MappingProxyType(
+        {
+            **TANKER.parts,
+            "rudder_mmg": replace(
+                RUDDER,
+                options=MappingProxyType({**RUDDER.options, "stall": "smooth"}),
+                values=MappingProxyType({**RUDDER.values, "stall_deg": 18.0, "stall_loss": 0.4}),
+            ),
+        }
+    ),
+)
+"""The tanker with a rudder that stalls, which no model here knows of."""
+
+
+def campaign(ship, seed):
+    """Two turns and two zigzags."""
+    runs = [("turning", 35.0), ("turning", -35.0), ("zigzag", 20.0), ("zigzag", -10.0)]
+    return [
+        sailed(
+            ship,
+            kind,
+            seed=seed + place,
+            dt=0.4,
+            rudder_deg=angle,
+            **({"duration": 150.0} if kind == "turning" else {"switch_deg": abs(angle)}),
+        ).with_(name=f"{kind} {angle:g}")
+        for place, (kind, angle) in enumerate(runs)
+    ]
+
+
+def found_by(method, ship, seed):
+    truth = prior_of(TANKER, NAMES, SPEED, spread=0.2)
+    return identify(
+        TANKER,
+        campaign(ship, 10 * seed),
+        NAMES,
+        method=method,
+        prior=off(truth, seed),
+        sensors=SENSORS,
+    ), truth.mean
+
+
+@pytest.mark.parametrize("method", ["ekf", "trajectory"])
+def test_a_complete_model_keeps_the_intervals_of_its_noise(method):
+    found, truth = found_by(method, TANKER, 1)
+    assert found.missing == ()
+    assert not found.detail.lack.found
+    assert np.mean(np.abs(found.values - truth) < 1.96 * found.std) > 0.8
+    assert np.median(found.std / found.prior.std) < 0.3
+
+
+@pytest.mark.parametrize("method", ["ekf", "trajectory"])
+def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose(method):
+    held = []
+    for seed in (1, 2, 3):
+        found, truth = found_by(method, STALLING, seed)
+        held.append(np.abs(found.values - truth) < 1.96 * found.std)
+        assert any("pmmkit diagnose" in text for text in found.missing)
+        assert any("Something is missing" in text for text in found.remarks())
+        assert found.model.covariance == pytest.approx(found.covariance)
+    assert np.mean(held) > 0.8
+
+
+def unit_prior(size):
+    return Prior(
+        names=tuple(f"Y{'v' * (i + 1)}" for i in range(size)),
+        mean=np.zeros(size),
+        covariance=np.eye(size),
+    )
+
+
+def test_records_that_agree_leave_the_covariance_to_the_bit():
+    rng = np.random.default_rng(0)
+    pieces = [
+        Piece(record=i, information=np.eye(2) * 100.0, score=10.0 * rng.normal(size=2))
+        for i in range(6)
+    ]
+    covariance = np.eye(2) / 601.0
+    found = lack_of(unit_prior(2), covariance, pieces, {})
+    assert not found.found
+    assert found.words() == ()
+    np.testing.assert_array_equal(found.covariance, covariance)
+
+
+def test_the_scatter_between_many_sharp_records_is_that_of_their_mean():
+    """With windows that determine all, the variance is that of a mean of as many draws."""
+    rng = np.random.default_rng(1)
+    drawn = 0.4 * rng.normal(size=200)
+    drawn -= drawn.mean()
+    pieces = [
+        Piece(record=i, information=np.array([[1e6]]), score=np.array([1e6 * x]))
+        for i, x in enumerate(drawn)
+    ]
+    found = lack_of(unit_prior(1), np.array([[1.0 / (1.0 + 2e8)]]), pieces, {})
+    assert found.shift == pytest.approx(drawn.std(), rel=0.1)
+    assert found.covariance[0, 0] == pytest.approx(drawn.var() / 200, rel=0.2)
+
+
+@given(st.integers(0, 10_000), st.floats(1.0, 1e3))
+def test_no_interval_becomes_narrower_nor_wider_than_what_lasting_errors_leave(seed, colour):
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(3, 3))
+    told = root @ root.T * 10.0 ** rng.uniform(-2, 4)
+    narrow = np.linalg.inv(np.eye(3) + told)
+    found = lack_of(unit_prior(3), narrow, [], {"r": colour})
+    more = found.covariance - narrow
+    assert np.linalg.eigvalsh(more)[0] > -1e-9 * np.max(np.diagonal(found.covariance))
+    np.testing.assert_allclose(
+        found.covariance, np.linalg.inv(np.eye(3) + told / colour), rtol=1e-5, atol=1e-9
+    )
+
+
+def test_colour_is_the_long_run_variance_of_an_autoregression():
+    """x(t) = a x(t-1) + e(t) of unit variance: sums grow by (1 + a)/(1 - a) (Priestley 1981)."""
+    rng, a, n = np.random.default_rng(2), 0.5, 20_000
+    noise = rng.normal(size=n) * np.sqrt(1.0 - a * a)
+    from scipy.signal import lfilter
+
+    x = np.stack([lfilter([1.0], [1.0, -a], noise), rng.normal(size=n)], axis=1)
+    item = Innovations(
+        names=("r", "psi"), residuals=x, variances=np.ones_like(x), gated=np.zeros(x.shape, bool)
+    )
+    found = colour_of({"zigzag": item}, {"zigzag": 25.0})
+    assert set(found) == {"r"}
+    assert found["r"] == pytest.approx(3.0, rel=0.25)
+
+
+def test_stretches_hold_every_instant_once():
+    record = sailed(dt=0.5)
+    parts = stretches(record, 20.0)
+    assert len(parts) == round((record.t[-1] - record.t[0]) / 20.0)
+    np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), record.t)
