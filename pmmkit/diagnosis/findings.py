@@ -18,8 +18,13 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {"heading": "deg"}
-"""Of the errors: forces and moments, or heading and speed of free-running records."""
+UNITS: Final[Mapping[str, str]] = CHANNEL_UNITS | {
+    "heading": "deg",
+    "position": "m",
+    "speed": "m/s",
+    "yaw_rate": "deg/s",
+}
+"""Of the errors: forces and moments, or how free-running records are missed."""
 Verdict = Literal["noise", "missing_effect", "suspected", "unexplained"]
 VERDICTS: Final[Mapping[Verdict, str]] = {
     "noise": "Nothing is missing that these runs could show.",
@@ -70,7 +75,8 @@ class Finding(Described):
         Whether the coefficients are what comes to values that the model has, as free-running
         records tell; captive tests tell the whole of terms that the model lacks.
     errors : mapping of channel to (before, after)
-        The same by channel [N, N m]; of free-running records heading [deg] and speed [m/s].
+        The same by channel [N, N m]; of free-running records position [m], heading [deg], speed
+        [m/s] and yaw rate [deg/s].
     levels : mapping of channel to float
         The level of the noise by channel.
     """
@@ -305,10 +311,9 @@ class Diagnosis(Described):
         With the best set, all values fitted together (free-running records).
     refitted : Model, optional
         With its own values fitted and no effect added.
-    current : (float, float)
-        Current of the best set where it holds one, to north and east [m/s]; no value of a model.
-    rudder_zero : float
-        The same of the rudder's zero [rad].
+    corrections : mapping of str to float
+        What the best set says of current and instruments (free-running records): words of
+        `effects.seen.OUTSIDE`, no values of a model.
     notes : tuple of str
         What a reader must know.
     suspected : tuple of Suspect
@@ -330,8 +335,7 @@ class Diagnosis(Described):
     errors: Mapping[str, Mapping[str, float]] = field(default_factory=_none)
     model: Model | None = None
     refitted: Model | None = None
-    current: tuple[float, float] = (0.0, 0.0)
-    rudder_zero: float = 0.0
+    corrections: Mapping[str, float] = field(default_factory=_none)
     notes: tuple[str, ...] = ()
     suspected: tuple[Suspect, ...] = ()
     nearest: Nearest | None = None

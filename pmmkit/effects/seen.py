@@ -17,6 +17,18 @@ CURRENT: Final = ("current_x", "current_y")
 """Velocity of the water over ground [m/s]; no values of a model."""
 RUDDER_ZERO: Final = "rudder_zero"
 """The angle that a rudder column shows too little [rad]; no value of a model."""
+CLOCK_LAG: Final = "clock_lag"
+"""By how much the clock of the positions is late [s]."""
+ANTENNA: Final = ("antenna_x", "antenna_y")
+"""Where the antenna of the positions stands, forward and starboard of midship [m]."""
+HEADING_OFFSET: Final = "heading_offset"
+"""What the heading shows too much [rad]."""
+LOG_GAIN: Final = "log_gain"
+"""The share by which a log shows too much."""
+SHOWN: Final = (CLOCK_LAG, *ANTENNA, HEADING_OFFSET, LOG_GAIN)
+"""What the channels of a free-running record show wrongly."""
+OUTSIDE: Final = (*CURRENT, RUDDER_ZERO, *SHOWN)
+"""What records may be off by that is no value of a model."""
 EXCITES: Final = {
     "several speeds": "runs at two speeds or more",
     "four speeds": "runs at four speeds or more",

@@ -45,6 +45,7 @@ ENTRIES: Final = (
     "smoothed",
     "unscented",
     "windows",
+    "pushed",
     "along",
     "take_in",
 )

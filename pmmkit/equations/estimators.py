@@ -473,6 +473,30 @@ def windows(
                 out[t, i] = y[i]
 
 
+def pushed(
+    times: Array,
+    inputs: Array,
+    forces: Array,
+    begins: Places,
+    first: Array,
+    k: Array,
+    longest: float,
+    out: Array,
+) -> None:
+    """As `windows`, with more forces [N, N m], each from its instant on."""
+    work, y = np.zeros((6, NS)), np.zeros(NS)
+    for w in range(len(begins) - 1):
+        for i in range(NS):
+            y[i] = first[w, i]
+            out[begins[w], i] = y[i]
+        for t in range(begins[w] + 1, begins[w + 1]):
+            for i in range(forces.shape[1]):
+                k[Constant.more_X + i] = forces[t - 1, i]
+            advance(y, inputs[t - 1], inputs[t], times[t] - times[t - 1], longest, k, work)
+            for i in range(NS):
+                out[t, i] = y[i]
+
+
 def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> None:
     """Rates of the states at every instant, with more forces than those of the effects."""
     y, rate = np.zeros(NS), np.zeros(NS)

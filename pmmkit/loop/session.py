@@ -19,7 +19,7 @@ from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.diagnosis.free_running.refit import fit_to_records
-from pmmkit.diagnosis.free_running.weighing import FLOOR as FREE_FLOOR
+from pmmkit.diagnosis.free_running.unknown import FLOOR as FREE_FLOOR
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
 from pmmkit.files import write_text

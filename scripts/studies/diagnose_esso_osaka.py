@@ -29,7 +29,7 @@ from pmmkit.identification.smoother import smooth
 from pmmkit.models import Model
 from pmmkit.plotting import style
 from pmmkit.presentation import WIDE, plus_minus
-from scripts.studies.identify_esso_osaka import ROOT, SENSORS, SPREAD, records
+from scripts.studies.identify_esso_osaka import ROOT, SENSORS, records
 
 WINDAGE = (0.135, 0.520)
 WINDOW, JUDGED, AFTER = 60.0, 40.0, 0.1
@@ -170,8 +170,6 @@ def main() -> None:
     ]
     train, test = named(train), named(test)
     how = {
-        "spread": 0.0,
-        "loose": SPREAD,
         "sensors": SENSORS,
         "window": JUDGED,
         "held_out": test,
@@ -183,7 +181,7 @@ def main() -> None:
     print(f"\nWhole catalogue, {time.perf_counter() - began:.0f} s")
     told(whole)
     assert whole.model is not None
-    after = diagnose_free(whole.model, train, **how | {"loose": AFTER})
+    after = diagnose_free(whole.model, train, **how | {"spread": AFTER})
     print(f"\nWhat is missing after that (the model above, its values known to {100 * AFTER:g} %)")
     told(after)
     print("\nForces that are left; what of them other records predict")

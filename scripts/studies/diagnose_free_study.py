@@ -17,9 +17,10 @@ import time
 
 import numpy as np
 
+from pmmkit.diagnosis.free_running.base import movable
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.diagnosis.free_running.weighing import base_prior
 from pmmkit.identification.parameters import places, with_parameters
+from pmmkit.identification.prior import prior_of
 from pmmkit.models import Model
 from tests.support.zigzags import SENSORS, SHIP, SPEED, sailed
 
@@ -38,7 +39,7 @@ HIDDEN = {
 
 def known_to(share: float, seed: int) -> Model:
     """The ship as somebody knows it: every value off by a share."""
-    prior = base_prior(SHIP, SPEED, spread=0.0, loose=share)
+    prior = prior_of(SHIP, movable(SHIP), SPEED, spread=share)
     drawn = np.random.default_rng(seed + 77).normal(size=len(prior.names))
     return with_parameters(SHIP, places(SHIP, prior.names), prior.mean + prior.std * drawn)
 
@@ -56,8 +57,6 @@ def main() -> None:
             found = diagnose_free(
                 known_to(0.03, seed),
                 sailed(model, seed, zero=zero, runs=RUNS),
-                spread=0.0,
-                loose=0.03,
                 sensors=SENSORS,
                 most=2,
             )

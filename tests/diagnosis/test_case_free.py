@@ -9,7 +9,7 @@ from pmmkit.diagnosis.free_running.candidates import candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.identification.from_run import free_records
 from scripts.studies import diagnose_esso_osaka as esso
-from scripts.studies.identify_esso_osaka import SENSORS, SPREAD, records
+from scripts.studies.identify_esso_osaka import SENSORS, records
 from scripts.studies.kvlcc2_hsva import ROOT, as_at_hsva, captive_model
 
 FEW = ("wind", "rudder_slipstream", "asymmetry")
@@ -27,7 +27,7 @@ def outdoors(shared_data):
 
 def asked(calm, used, few, **settings):
     some = [x for x in candidates_for(calm, used, windage=esso.WINDAGE) if x.name in few]
-    how = {"spread": 0.0, "loose": SPREAD, "sensors": SENSORS, "window": esso.JUDGED}
+    how = {"sensors": SENSORS, "window": esso.JUDGED}
     return diagnose_free(calm, used, candidates=some, **how | settings)
 
 

@@ -68,9 +68,9 @@ def diagnose(
     spread: Annotated[
         float | None,
         typer.Option(
-            min=1e-6,
-            help="Relative standard deviation of the model's values before free-running records "
-            "are looked at; its covariance and 0.05 beside it if absent.",
+            min=0.0,
+            help="Largest share of their usual sizes by which the model's values may be off before "
+            "free-running records are looked at; how far they move is found; 0.3 if absent.",
         ),
     ] = None,
     shortest: Annotated[
@@ -217,10 +217,8 @@ def _of_records(
     from pmmkit.models import load_model
 
     model = load_model(name)
-    settings = stated(floor=floor)
+    settings = stated(floor=floor, spread=spread)
     used, kept = chosen_records(campaign, model, rudder="auto", wind=True, **chosen)
-    if spread is not None:
-        settings |= {"spread": 0.0 if model.covariance is None else spread, "loose": spread}
     found = diagnose_free(
         model,
         used.records,

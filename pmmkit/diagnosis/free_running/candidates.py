@@ -11,7 +11,7 @@ from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
+from pmmkit.effects.seen import OUTSIDE
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -63,7 +63,7 @@ class FreeCandidate:
                 model, parts=MappingProxyType({**model.parts, self.part.effect: self.part})
             )
         for name in self.values:
-            if "." in name or name in (*CURRENT, RUDDER_ZERO) or _known(made, name):
+            if "." in name or name in OUTSIDE or _known(made, name):
                 continue
             home = INERTIA if name.endswith("dot") else HULL
             made = made.with_values(home, **{name: 0.0})

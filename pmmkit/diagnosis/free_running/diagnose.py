@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
 from types import MappingProxyType
 from typing import Final
 
@@ -14,53 +13,46 @@ import numpy as np
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
-from pmmkit.diagnosis.evidence import Entry
-from pmmkit.diagnosis.findings import Diagnosis, Verdict
+from pmmkit.diagnosis.evidence import Visible
+from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
+from pmmkit.diagnosis.free_running.base import SPREAD, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
-from pmmkit.diagnosis.free_running.evidence import (
-    Basis,
-    Fit,
-    Point,
-    Screen,
-    chance_of,
-    fitted,
-    point_at,
-    screen,
-)
+from pmmkit.diagnosis.free_running.chance import chance_of
+from pmmkit.diagnosis.free_running.contest import Contest, contest_of, steady
 from pmmkit.diagnosis.free_running.findings import (
-    BEYOND,
-    LEFT,
-    Names,
-    Settled,
+    Named,
     coverage_of,
-    errors_held_out,
-    errors_of,
     findings_of,
-    flags_of,
-    left_over,
+    held_out_errors,
     model_of,
+    moved,
 )
-from pmmkit.diagnosis.free_running.question import judge_of, records_of
-from pmmkit.diagnosis.free_running.scores import Judge
-from pmmkit.diagnosis.free_running.system import FreeSystem, log_likelihood
-from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, WINDOW, base_prior
+from pmmkit.diagnosis.free_running.fits import Fit, above_floor
+from pmmkit.diagnosis.free_running.hypotheses import screen
+from pmmkit.diagnosis.free_running.left_out import (
+    each,
+    kinds,
+    log_left_out,
+    missed,
+    pooled,
+    predicted,
+)
+from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
+from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
-from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
-from pmmkit.errors import ModelError
+from pmmkit.effects.seen import OUTSIDE
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.models.vessel import Sailing
-from pmmkit.numerics import Array
 
-AHEAD: Final = 4
-"""Best pairs that are combined with every third."""
-REFITTED: Final = 6
-"""Best sets that are fitted through the equations."""
-FAR: Final = 2.0 * RIVALS
-"""A set so far behind the best by the linear problem is not fitted."""
 LONGEST: Final = 6
 """A group of more sets names nothing."""
+BEYOND: Final = 10.0
+"""ln evidence of unknown forces above the floor from which something is left to explain."""
+TOLERANCE: Final = (math.degrees(0.0087), 0.005)
+"""Errors of heading [deg] and of speed over the approach over a window that do not matter."""
 
 
 def diagnose_free(
@@ -68,8 +60,7 @@ def diagnose_free(
     records: Sequence[FreeRecord] | Campaign,
     *,
     prior: Prior | None = None,
-    spread: float = 0.05,
-    loose: float = 0.1,
+    spread: float = SPREAD,
     floor: float = FLOOR,
     tolerance: tuple[float, float] = TOLERANCE,
     window: float | None = None,
@@ -93,15 +84,16 @@ def diagnose_free(
     records : sequence of FreeRecord or Campaign
         At least two; zigzags and turns to both sides.
     prior : Prior, optional
-        What is known of the values of the model; by default `base_prior` with `spread` and `loose`.
-    spread, loose : float
-        As for `base_prior`.
+        What is known of the values of the model, where that is no question; by default their
+        covariance, and a spread that is found from the records.
+    spread : float
+        Largest share of their usual sizes by which the values of the model may be off.
     floor : float
         Unknown forces below this share of the rms force of a channel do not matter.
     tolerance : (float, float)
-        Errors of heading [rad] and of speed over the approach that do not matter over a window.
+        Errors of heading [deg] and of speed over the approach that do not matter over a window.
     window : float, optional
-        Length of the windows by which sets are judged [s]; by default 5 ship lengths.
+        Length of the windows [s]; by default 5 ship lengths.
     held_out : sequence of FreeRecord
         Records that take no part but in the errors before and after.
     held_out_window : float, optional
@@ -113,7 +105,7 @@ def diagnose_free(
     windage : (float, float), optional
         Frontal and lateral area above water [m²].
     sensors : mapping of str to float, optional
-        Standard deviations of channels.
+        Standard deviations of channels; those not named are told from the records.
     most : int
         Effects in a set.
     extrapolate : bool
@@ -126,34 +118,41 @@ def diagnose_free(
     Returns
     -------
     Diagnosis
-        The evidence of an `Entry` is how much more probable it makes records left out one after
-        another, less ln 2K for each effect.
+        The evidence of an `Entry` is ln of how much more probable it makes the records, less
+        ln 2K for each effect.
 
     Raises
     ------
     DataError
-        If there are fewer than two records long enough.
+        If there are fewer than two records.
+    SimulationError
+        If the motion of a record is lost however short its windows are.
 
     Notes
     -----
-    Each record is followed by a Kalman filter that holds the model and unknown forces, a fast and
-    a slow one per channel, of the size that the records make most likely under the largest model
-    (all candidates) but not below `floor`. Its innovations are white up to a factor, found from
-    the scores of stretches of four ship lengths, by which all information is divided. They are
-    made linear in all values, so the values of any set follow from any choice of records.
+    Each record is cut into windows that do not overlap. Through each the model sails with the
+    measured inputs, from a start of its own. Position, heading, velocities and yaw rate are
+    compared with what is measured, averaged over short blocks, by ``eᵀV⁻¹e + ln|V|``: V holds the
+    noise of the sensors, the start (any start is as good as another), and unknown forces that hang
+    together over time, carried through the equations to what they do to the track. So a constant
+    push grows into metres, and a current shows by its drift.
 
-    That is not the verdict yet: such evidence is large for everything that happens fast, and an
-    effect that matters over a manoeuvre is slow. So each record is left out in turn, the base and
-    the set fitted to the others, and it is predicted over windows with its measured rudder. One
-    error of heading and one of speed count as independent per length of a window. Sets of up to
-    `most` effects are ranked by that, the best fitted again by Gauss-Newton. Nothing is named
-    unless the records are more probable by more than e after the price, and chance gives the
-    filter's evidence of the best effect in less than 1 % of campaigns without any.
+    The unknown forces have, for each set of effects, the size that makes the records most probable:
+    what no effect explains has to be paid by them. The values of the base may move by a share of
+    their usual sizes; the records are averaged over several such shares, none of it among them.
+    Sets of up to `most` effects are compared by the probability that is left (Laplace), those in
+    front after a fit through the equations. Nothing is named unless the records are more probable
+    by more than e after the price, records left out one after another are too, and chance gives
+    such evidence in less than 1 % of campaigns without any effect.
     """
     tell = progress or (lambda _: None)
     given = records_of(records, model)
     speed = given[0].speed
-    prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
+    base = (
+        base_of(model, speed, spread=spread, extrapolate=extrapolate)
+        if prior is None
+        else stated_base(prior)
+    )
     every = (
         candidates_for(model, given, windage=windage, own=own)
         if candidates is None
@@ -162,151 +161,158 @@ def diagnose_free(
             for item in candidates
         )
     )
-    judge, largest = judge_of(
+    question = question_of(
         model,
         given,
         every,
-        prior,
+        base,
         floor=floor,
-        tolerance=tolerance,
         window=window,
         sensors=sensors,
         extrapolate=extrapolate,
         tell=tell,
     )
-    system, basis, wider = judge.system, judge.basis, judge.wider
-    null = fitted(system, basis, (), wider=wider, begin=largest.z)
-    here = point_at(system, basis, null.z)
-    seen = screen(here, basis, wider)
-    before = judge.left_out(here, ())
-    price = math.log(2.0 * len(every))
-
-    def gain(names: Names) -> float:
-        return judge.gain(before, judge.left_out(here, names)) - price * len(names)
-
-    tell("Sets of effects")
-    sets = _sets([item.name for item in every], gain, most)
-    tell("Best sets through the equations")
-    settled = _settled(sets, judge, null, before, price, (model, every))
+    contest = contest_of(question, model, every, speed, most=most, tell=tell)
+    null, settled = contest.null, contest.settled
     best = settled[0] if settled else None
-    single = max((seen.evidence([n]) for n in best.names), default=-math.inf) if best else -math.inf
-    chance = chance_of(seen, single, seed=seed)
-    named = best is not None and chance < CHANCE and best.gain > LEAST
+    seen = screen(null.known, question.numbers, null.spread)
+    found = best.gain + contest.price * len(best.names) if best else -math.inf
+    chance = chance_of(seen, found, seed=seed)
+    kept_out = float(np.sum(log_left_out(best.fit) - log_left_out(null))) if best else 0.0
+    named = best is not None and chance < CHANCE and best.gain > LEAST and kept_out > 0.0
     group = [
         (item.names, math.exp(item.gain - settled[0].gain))
         for item in settled
         if item.gain > settled[0].gain - RIVALS and len(item.names) <= len(settled[0].names)
     ]
     many = named and len(group) > LONGEST
-    left = left_over(judge, judge.kept_in((best.fit if named and best else null).z))
-    forced = _forced(system, system.start + basis.T @ null.z) / wider > BEYOND
-    verdict: Verdict = "missing_effect" if named and not many else "noise"
-    if many or (not named and forced and left > LEFT):
+    told = named and not many
+    refit = steady(null)
+    better = steady(best.fit) if told and best else None
+    last = better or refit
+    errors = _errors(contest, refit, better)
+    left = _left(last, tolerance)
+    forced = above_floor(last) > BEYOND
+    verdict: Verdict = "missing_effect" if told else "noise"
+    if many or (not named and forced and left):
         verdict = "unexplained"
-    told = named and not many and best is not None
-    fit = best.fit if told and best else null
-    made = model_of(model, every, system, basis, fit)
-    refitted = model_of(model, every, system, basis, null)
-    numbers = dict(zip(system.names, (system.start + basis.T @ fit.z).tolist(), strict=True))
-    current = (numbers.get(CURRENT[0], 0.0), numbers.get(CURRENT[1], 0.0))
-    zero = numbers.get(RUDDER_ZERO, 0.0)
-    tell("Errors of the records held out")
-    errors = errors_of(judge, before, best.errors if told and best else None)
+    made = model_of(model, every, last, speed)
+    refitted = model_of(model, every, refit, speed)
+    change = moved(last)
+    corrections = {name: x for name, x in change.items() if name in OUTSIDE}
     if held_out:
-        errors |= errors_held_out(
+        tell("Errors of the records held out")
+        errors |= held_out_errors(
             model,
             refitted,
             made if told else None,
             held_out,
             window=held_out_window or window or WINDOW * model.ship.L / speed,
-            current=current,
-            zero=zero,
+            corrections=corrections,
             sensors=sensors,
             extrapolate=extrapolate,
         )
-    covered = coverage_of(seen, _fewer(here, basis, wider), judge.likeness(null.z), every)
+    fewer = [
+        screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(given))
+    ]
+    covered = coverage_of(seen, fewer, every)
     return Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
-        flags=flags_of(told, many, left),
-        findings=findings_of(best, judge, before, every, covered) if told and best else (),
+        flags=_flags(told, many, told and forced and left),
+        findings=_findings(replace(best, fit=last), contest, every, covered)
+        if told and best
+        else (),
         chance=chance,
         covered=covered,
-        entries=_entries(sets, settled),
+        entries=contest.entries,
         floor=floor,
-        base=MappingProxyType({name: numbers[name] for name in prior.names}),
-        errors=MappingProxyType(errors),
+        base=MappingProxyType(_values(question, last)),
+        errors=MappingProxyType({name: MappingProxyType(row) for name, row in errors.items()}),
         model=made,
         refitted=refitted,
-        current=current,
-        rudder_zero=zero,
-        notes=(
-            f"information divided by {wider:.2g}; unknown forces hang together over "
-            f"{system.memories[0]:g} and {system.memories[1]:g} ship lengths",
-            f"{sum(item.count for item in judge.courses):.0f} independent windows",
-        ),
+        corrections=MappingProxyType(corrections),
+        notes=_notes(question, last),
     )
 
 
-def _entries(sets: Sequence[tuple[Names, float]], settled: Sequence[Settled]) -> tuple[Entry, ...]:
-    """All sets, those that were fitted through the equations with what they gave then."""
-    gains = dict(sets) | {item.names: item.gain for item in settled}
-    order = sorted(gains.items(), key=lambda item: -item[1])
-    return tuple(Entry(names=names, log_evidence=gain, values=()) for names, gain in order)
-
-
-def _forced(system: FreeSystem, values: Array) -> float:
-    """ln of how much more likely the records are with unknown forces than with the floor's."""
-    small = system.with_shares(system.least)
-    return log_likelihood(system, values) - log_likelihood(small, values)
-
-
-def _fewer(here: Point, basis: Basis, wider: float) -> list[Screen]:
-    """The linear problem without one record after another."""
-    found = []
-    for number in np.unique(here.linear.owners):
-        kept = here.linear.owners != number
-        found.append(screen(replace(here, G=here.G[kept], y=here.y[kept]), basis, wider))
+def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:
+    """Errors over windows of what is left out in turn: each record, each kind of record."""
+    zero = contest.zero
+    records = [item.record for item in zero.question.stretches]
+    found = {
+        "model as given": pooled(
+            missed(zero.question.followed(zero.z), zero.z, range(len(records)))
+        )
+    }
+    for name, left_out in (
+        ("left out", each(records)),
+        *((f"{item.name} left out", [item]) for item in kinds(records)),
+    ):
+        found[f"{name}, base refitted"] = pooled(predicted(refit, left_out))
+        if best is not None:
+            found[f"{name}, with the effects"] = pooled(predicted(best, left_out))
     return found
 
 
-def _sets(
-    names: Sequence[str], gain: Callable[[Names], float], most: int
-) -> list[tuple[Names, float]]:
-    """All single effects and pairs, and the best pairs with every third, best first."""
-    found: dict[Names, float] = {(name,): gain((name,)) for name in names}
-    if most > 1:
-        found |= {pair: gain(pair) for pair in combinations(names, 2)}
-    if most > 2:
-        order = {name: i for i, name in enumerate(names)}
-        pairs = sorted((item for item in found if len(item) == 2), key=lambda x: -found[x])
-        for pair in pairs[:AHEAD]:
-            for other in names:
-                three: Names = tuple(sorted({*pair, other}, key=order.__getitem__))
-                if len(three) == 3 and three not in found:
-                    found[three] = gain(three)
-    return sorted(found.items(), key=lambda item: -item[1])
+def _left(fit: Fit, tolerance: tuple[float, float]) -> bool:
+    """Whether records are missed by more than does not matter."""
+    stretches = fit.place.question.stretches
+    found = pooled(missed(fit.place.question.followed(fit.z), fit.z, range(len(stretches))))
+    speed = stretches[0].record.speed
+    return (
+        found.get("heading", 0.0) > tolerance[0] or found.get("speed", 0.0) > tolerance[1] * speed
+    )
 
 
-def _settled(
-    sets: Sequence[tuple[Names, float]],
-    judge: Judge,
-    null: Fit,
-    before: Array,
-    price: float,
-    asked: tuple[Model, Sequence[FreeCandidate]],
-) -> list[Settled]:
-    """The best sets fitted through the equations; what no model can have is left out."""
-    found = []
-    for names, linear in sets[:REFITTED]:
-        if linear < sets[0][1] - FAR:
-            break
-        fit = fitted(judge.system, judge.basis, names, wider=judge.wider, begin=null.z)
-        try:
-            model_of(*asked, judge.system, judge.basis, fit)
-        except ModelError:
-            continue
-        errors = judge.left_out(fit.here, names)
-        value = judge.gain(before, errors) - price * len(names)
-        found.append(Settled(names=names, gain=value, fit=fit, errors=errors))
-    return sorted(found, key=lambda item: -item.gain)
+def _flags(told: bool, many: bool, left: bool) -> tuple[str, ...]:
+    """What to warn of."""
+    found = ["not_the_whole_story"] if told and left else []
+    return (*found, *(["no_short_group"] if many else []))
+
+
+def _values(question: Question, fit: Fit) -> dict[str, float]:
+    """Values of the base of a fit."""
+    base = question.numbers.base
+    start = dict(
+        zip(
+            question.stretches[0].binding.names,
+            question.stretches[0].binding.mean.tolist(),
+            strict=True,
+        )
+    )
+    change = dict(zip(question.numbers.values, (question.numbers.T @ fit.z).tolist(), strict=True))
+    return {name: start[name] + change[name] for name in base.names}
+
+
+def _findings(
+    best: Named, contest: Contest, every: Sequence[FreeCandidate], covered: Sequence[Visible]
+) -> tuple[Finding, ...]:
+    """The effects of the best set, each beside the others."""
+    records = [item.record for item in contest.zero.question.stretches]
+    after = pooled(predicted(best.fit, each(records)))
+    odds, errors = {}, {}
+    for name in best.names:
+        rest = contest.without(best.names, name)
+        odds[name] = best.gain - rest.gain
+        errors[name] = (pooled(predicted(rest.fit, each(records))), after)
+    return findings_of(best, every, covered, odds, errors)
+
+
+def _notes(question: Question, last: Fit) -> tuple[str, ...]:
+    """What a reader must know of how it was found."""
+    windows = sum(len(item.begins) - 1 for item in question.stretches)
+    shares = ", ".join(
+        f"{word} {100 * share:.2g} %"
+        for word, share in zip("XYNK", last.forces.shares.tolist(), strict=False)
+    )
+    found = [
+        f"{windows} windows of {len(question.stretches)} records",
+        f"values of the base moved by {100 * last.spread:.3g} % of their usual sizes"
+        if last.spread
+        else "the base stands as it is given",
+        f"unknown forces of {shares} of ½ρLdU² (½ρL²dU²) are left",
+    ]
+    if question.outliers:
+        found.append(f"{question.outliers} averages left out that no motion explains")
+    return tuple(found)

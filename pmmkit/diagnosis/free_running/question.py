@@ -1,22 +1,34 @@
-"""Records and candidates made into equations, and the judge of sets of effects."""
+"""Records, a model and what it may lack, made into one linear problem about any values."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.free_running.base import Base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.evidence import Fit, basis_of, widened
-from pmmkit.diagnosis.free_running.scores import Judge, courses_of
-from pmmkit.diagnosis.free_running.system import build_free
-from pmmkit.diagnosis.free_running.weighing import WINDOW, weighed
+from pmmkit.diagnosis.free_running.hypotheses import Numbers, numbers_of
+from pmmkit.diagnosis.free_running.information import Forces, Information, information_of
+from pmmkit.diagnosis.free_running.settling import follow, moved_along, settled
+from pmmkit.diagnosis.free_running.slopes import Sheet, sheets_of
+from pmmkit.diagnosis.free_running.unknown import usual_forces
+from pmmkit.diagnosis.free_running.windows import (
+    SHORT,
+    WINDOW,
+    Stretch,
+    joined,
+    sailed,
+    stretches_of,
+)
 from pmmkit.errors import DataError
 from pmmkit.identification.from_run import free_records
-from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
+from pmmkit.numerics import Array
 
 
 def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequence[FreeRecord]:
@@ -44,20 +56,88 @@ def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequen
     return found
 
 
-def judge_of(
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Question:
+    """What is asked of records.
+
+    Parameters
+    ----------
+    model : Model
+        With a place for every candidate.
+    numbers : Numbers
+        All that may move.
+    stretches : tuple of Stretch
+        The records in windows.
+    short : tuple of Stretch
+        The same in short windows, from which the sensors tell how the ship went.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    least : array (f,)
+        What unknown forces may not fall below, over ½ρLdU² (½ρL²dU²).
+    outliers : int
+        Averages that were left out.
+    """
+
+    model: Model
+    numbers: Numbers
+    stretches: tuple[Stretch, ...]
+    short: tuple[Stretch, ...]
+    sensors: Mapping[str, float]
+    least: Array
+    outliers: int
+
+    def sheets(self, z: Array, columns: NDArray[np.intp]) -> list[list[Sheet]]:
+        """The linear problem about some numbers, with the slopes of some columns."""
+        steps = self.numbers.steps(columns)
+        change = self.numbers.T @ z
+        return [sheets_of(item, change, steps) for item in self.stretches]
+
+    def information(self, sheets: Sequence[Sequence[Sheet]], z: Array) -> Information:
+        """What the records say of the numbers, by slopes about some of them."""
+        found = information_of(
+            sheets, [item.channels for item in self.stretches], self.sensors, self.numbers.T @ z
+        )
+        return found.of_columns(self.numbers.T)
+
+    def sails(self, z: Array) -> bool:
+        """Whether no motion is lost with some numbers."""
+        change = self.numbers.T @ z
+        return all(bool(np.all(np.isfinite(sailed(item, change)))) for item in self.stretches)
+
+    def followed(self, z: Array) -> Question:
+        """The same along the path that the sensors tell, as they are read with some numbers."""
+        change = self.numbers.T @ z
+        short = (follow(item, change, self.sensors) for item in self.short)
+        return replace(
+            self, stretches=tuple(follow(joined(x), change, self.sensors) for x in short)
+        )
+
+    def moved(self, sheets: Sequence[Sequence[Sheet]], step: Array, forces: Forces) -> Question:
+        """The same along the most probable path after a step in the numbers, by sheets from before
+        it and with unknown forces."""
+        change = self.numbers.T @ step
+        return replace(
+            self,
+            stretches=tuple(
+                moved_along(item, own, self.sensors, change, forces)
+                for item, own in zip(self.stretches, sheets, strict=True)
+            ),
+        )
+
+
+def question_of(
     model: Model,
     records: Sequence[FreeRecord],
     candidates: Sequence[FreeCandidate],
-    prior: Prior,
+    base: Base,
     *,
     floor: float,
-    tolerance: tuple[float, float],
     window: float | None,
     sensors: Mapping[str, float] | None,
     extrapolate: bool,
     tell: Callable[[str], None],
-) -> tuple[Judge, Fit]:
-    """The judge of sets of some candidates, and the fit of all of them together.
+) -> Question:
+    """The question that records are asked.
 
     Parameters
     ----------
@@ -67,9 +147,9 @@ def judge_of(
         At least two.
     candidates : sequence of FreeCandidate
         Who takes part.
-    prior : Prior
+    base : Base
         What is known of the values of the model.
-    floor, tolerance, window, sensors, extrapolate
+    floor, window, sensors, extrapolate
         As for `diagnose_free`.
     tell : callable
         Is told what is being done.
@@ -77,24 +157,33 @@ def judge_of(
     Raises
     ------
     DataError
-        If there are fewer than two records long enough.
+        If there are fewer than two records.
     """
+    if len(records) < 2:
+        raise DataError(
+            "A diagnosis leaves out one record after another: give at least two of them."
+        )
     large = model
     for item in candidates:
         large = item.added_to(large)
-    values = tuple(dict.fromkeys((*prior.names, *(v for item in candidates for v in item.values))))
-    tell("Records and equations")
-    system = build_free(
-        large, records, values, sensors=sensors, floor=floor, extrapolate=extrapolate
+    numbers = numbers_of(base, candidates)
+    tell(f"Starts and noise of {len(records)} records")
+    length = (WINDOW if window is None else window * records[0].speed / model.ship.L) / SHORT
+
+    def cut(chosen: Sequence[FreeRecord], noise: Mapping[str, float]) -> tuple[Stretch, ...]:
+        return stretches_of(
+            large, chosen, numbers.values, sensors=noise, window=length, extrapolate=extrapolate
+        )
+
+    ready = settled(large, records, cut, sensors or {})
+    still = np.zeros(len(numbers.values))
+    longer = [follow(joined(item), still, ready.sensors) for item in ready.stretches]
+    return Question(
+        model=large,
+        numbers=numbers,
+        stretches=tuple(longer),
+        short=ready.stretches,
+        sensors=ready.sensors,
+        least=floor * usual_forces(large, records),
+        outliers=ready.outliers,
     )
-    basis = basis_of(system, prior, candidates)
-    tell("Size of what nothing explains")
-    system, largest = weighed(system, basis, [item.name for item in candidates])
-    length = window or WINDOW * model.ship.L / records[0].speed
-    return Judge(
-        system=system,
-        basis=basis,
-        courses=courses_of(system, length, extrapolate=extrapolate),
-        tolerance=np.array(tolerance),
-        wider=widened(largest),
-    ), largest

@@ -8,13 +8,18 @@ from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
+
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
+from pmmkit.diagnosis.free_running.base import SPREAD, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
-from pmmkit.diagnosis.free_running.evidence import WIDER, Basis, Fit, fitted, point_at
-from pmmkit.diagnosis.free_running.findings import model_of, pooled
-from pmmkit.diagnosis.free_running.question import judge_of, records_of
-from pmmkit.diagnosis.free_running.weighing import FLOOR, TOLERANCE, base_prior
+from pmmkit.diagnosis.free_running.findings import model_of
+from pmmkit.diagnosis.free_running.fits import Fit, first_place, fitted
+from pmmkit.diagnosis.free_running.hypotheses import WIDER
+from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
+from pmmkit.diagnosis.free_running.question import question_of, records_of
+from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.effects.effect import Effect
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
@@ -28,6 +33,7 @@ if TYPE_CHECKING:
 
 FALLS: Final = 0.995
 """A step whose error is above this share of the one before does not lower it."""
+COLUMNS: Final = ("position", "heading", "speed", "yaw_rate")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,13 +44,16 @@ class RecordError:
     ----------
     step : str
         ``base``, or the effect that was added.
-    heading_deg, speed : float
-        Root mean square errors over windows with the measured rudder [deg, m/s].
+    position, heading, speed, yaw_rate : float
+        Root mean square errors over windows with the measured rudder [m, deg, m/s, deg/s]; NaN of
+        what was not measured.
     """
 
     step: str
-    heading_deg: float
-    speed: float
+    position: float = math.nan
+    heading: float = math.nan
+    speed: float = math.nan
+    yaw_rate: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -66,20 +75,25 @@ class FreeRefit:
         return f"<FreeRefit of {self.model.name}: {', '.join(x.step for x in self.errors)}>"
 
     def __str__(self) -> str:
-        rows = [[item.step, f"{item.heading_deg:.2f}", f"{item.speed:.4f}"] for item in self.errors]
-        return aligned(["records left out", "heading [deg]", "speed [m/s]"], rows)
+        from pmmkit.diagnosis.findings import UNITS
+
+        head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in COLUMNS]
+        rows = [
+            [item.step, *(f"{getattr(item, name):.3g}" for name in COLUMNS)] for item in self.errors
+        ]
+        return aligned(["records left out", *head], rows)
 
     @property
     def useless(self) -> tuple[str, ...]:
-        """Steps after which neither heading nor speed is predicted better."""
+        """Steps after which nothing is predicted better."""
         return tuple(
             after.step
             for before, after in pairwise(self.errors)
-            if after.heading_deg > FALLS * before.heading_deg and after.speed > FALLS * before.speed
+            if not any(getattr(after, name) <= FALLS * getattr(before, name) for name in COLUMNS)
         )
 
     def to_pandas(self) -> pd.DataFrame:
-        """A row per step: step, heading_deg [deg], speed [m/s] of records left out."""
+        """A row per step: its errors of records left out."""
         import pandas as pd
 
         return pd.DataFrame([asdict(item) for item in self.errors])
@@ -91,8 +105,7 @@ def fit_to_records(
     effects: Sequence[str] = (),
     *,
     prior: Prior | None = None,
-    spread: float = 0.05,
-    loose: float = 0.1,
+    spread: float = SPREAD,
     floor: float = FLOOR,
     window: float | None = None,
     windage: tuple[float, float] | None = None,
@@ -113,7 +126,7 @@ def fit_to_records(
     effects : sequence of str
         What is added, one after another: names of findings of `diagnose_free`. Faults correct the
         records and enter no model.
-    prior, spread, loose, floor, window, windage, sensors, own, extrapolate
+    prior, spread, floor, window, windage, sensors, own, extrapolate
         As for `diagnose_free`.
     why : str
         A remark for the history of the model.
@@ -134,55 +147,50 @@ def fit_to_records(
     tell = progress or (lambda _: None)
     given = records_of(records, model)
     speed = given[0].speed
-    prior = prior or base_prior(model, speed, spread=spread, loose=loose, extrapolate=extrapolate)
+    base = (
+        base_of(model, speed, spread=spread, extrapolate=extrapolate)
+        if prior is None
+        else stated_base(prior)
+    )
     offered = {x.name: x for x in candidates_for(model, given, windage=windage, own=own)}
     for name in effects:
         if name not in offered:
             raise no_such_effect(name, list(offered))
     asked = tuple(offered[name] for name in effects)
-    judge, largest = judge_of(
+    question = question_of(
         model,
         given,
         asked,
-        prior,
+        base,
         floor=floor,
-        tolerance=TOLERANCE,
         window=window,
         sensors=sensors,
         extrapolate=extrapolate,
         tell=tell,
     )
-    system, basis = judge.system, judge.basis
-    errors, made, begin = [], model, largest.z
+    place = first_place(question)
+    errors, made, forces = [], model, None
     for count in range(len(asked) + 1):
         names = tuple(effects[:count])
         tell(f"Fit with {', '.join(names) or 'the base alone'}")
-        fit = fitted(system, basis, names, wider=judge.wider, begin=begin)
-        here = fit.here if names else point_at(system, basis, fit.z)
-        heading, pace = pooled(judge, judge.left_out(here, names)).tolist()
-        errors.append(
-            RecordError(
-                step=names[-1] if names else "base", heading_deg=math.degrees(heading), speed=pace
-            )
-        )
-        begin = fit.z
-        after = model_of(model, asked, system, basis, fit)
+        fit = fitted(place, names, forces)
+        left = pooled(predicted(fit, each(given)))
+        errors.append(RecordError(step=names[-1] if names else "base", **left))
+        after = model_of(model, asked, fit, speed)
         if names:
-            step = step_of(made, after, asked[count - 1], basis, fit)
-            fall = " to ".join(f"{item.heading_deg:.2f}" for item in errors[-2:])
+            step = step_of(made, after, asked[count - 1], fit)
+            fall = " to ".join(f"{item.heading:.2f}" for item in errors[-2:])
             said = f"error of heading of records left out {fall}°"
             step = replace(step, note=f"{why}; {said}" if why else said)
             made = after.with_(steps=(*made.steps, step))
         else:
-            steps = (
-                *model.steps,
-                Step(action="fitted", count=len(prior.names), campaign="records"),
-            )
-            made = after.with_(steps=steps)
+            count_of = len(base.names) if fit.spread or np.any(base.known) else 0
+            first = Step(action="fitted", count=count_of, campaign="records")
+            made = after.with_(steps=(*model.steps, *([first] if count_of else [])))
     return FreeRefit(model=made, errors=tuple(errors))
 
 
-def step_of(old: Model, new: Model, item: FreeCandidate, basis: Basis, fit: Fit) -> Step:
+def step_of(old: Model, new: Model, item: FreeCandidate, fit: Fit) -> Step:
     """The step by which a fit to records took an effect in.
 
     Parameters
@@ -191,14 +199,13 @@ def step_of(old: Model, new: Model, item: FreeCandidate, basis: Basis, fit: Fit)
         Before and after.
     item : FreeCandidate
         The effect.
-    basis, fit
-        Of the records.
+    fit : Fit
+        To the records.
     """
+    columns = fit.place.question.numbers.columns[item.name].tolist()
     found = {
         label: WIDER * typical * float(fit.z[column])
-        for (label, typical), column in zip(
-            item.typical.items(), basis.columns[item.name], strict=True
-        )
+        for (label, typical), column in zip(item.typical.items(), columns, strict=True)
     }
     if item.kind == "fault":
         return Step(action="fault_corrected", effect=item.name, coefficients=found)

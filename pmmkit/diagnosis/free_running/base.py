@@ -1,0 +1,142 @@
+"""What is known of a model's values before free-running records are asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from pmmkit.effects.catalogue import catalogue, effect_of
+from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.models import Model
+from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.vessel import Sailing, moves_of
+from pmmkit.numerics import Array
+
+SPREAD: Final = 0.3
+"""Largest share of their usual sizes by which the values of a model may be off."""
+STEPS: Final = (0.0, 0.03, 0.1, 0.3, 1.0)
+"""Shares of the spread that are weighed against each other, none of it among them."""
+JITTER: Final = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Base:
+    """Values that may move, and by how much.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Values of the model.
+    sizes : array (b,)
+        Usual size of each.
+    known : array (b, b)
+        Covariance that holds whatever the spread is, over the sizes.
+    spreads : array (s,)
+        Standard deviations over the sizes that are weighed against each other, beside it.
+    """
+
+    names: tuple[str, ...]
+    sizes: Array
+    known: Array
+    spreads: Array
+
+    @property
+    def held(self) -> Base:
+        """The same with no spread."""
+        return replace(self, spreads=np.zeros(1))
+
+    def root(self, spread: float) -> Array:
+        """Root (b, b) of the covariance at a spread; no columns where nothing may move."""
+        whole = self.known + spread**2 * np.eye(len(self.sizes))
+        if not np.any(whole):
+            return np.zeros((len(self.sizes), 0))
+        scale = np.sqrt(np.maximum(np.diagonal(whole), 1e-300))
+        correlation = whole / np.outer(scale, scale)
+        lower = np.linalg.cholesky(correlation + JITTER * np.eye(len(scale)))
+        found: Array = scale[:, None] * lower
+        return found
+
+
+def movable(model: Model) -> tuple[str, ...]:
+    """Derivatives of hull, rudder and added mass, and the uncertain values of other parts."""
+    derivatives = [
+        name
+        for part in DERIVATIVE_PARTS
+        if part in model.parts
+        for name in model.parts[part].values
+        if effect_of(part).parameter(name) is None
+    ]
+    others = [
+        f"{part.effect}.{item.name}"
+        for part in model.parts.values()
+        for item in part.known.parameters
+        if item.uncertain and item.name in part.values
+    ]
+    return (*derivatives, *others)
+
+
+def base_of(
+    model: Model, speed: float, *, spread: float = SPREAD, extrapolate: bool = False
+) -> Base:
+    """The values of a model, its covariance, and a spread that the records have to tell.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    speed : float
+        Speed of the approach [m/s].
+    spread : float
+        Largest share of the usual sizes by which values may be off.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> found = base_of(load_model("kvlcc2-l7"), 1.179)
+    >>> len(found.names), found.spreads.tolist()
+    (25, [0.0, 0.009, 0.03, 0.09, 0.3])
+    """
+    names = movable(model)
+    own = prior_of(model, names, speed, spread=dict.fromkeys(names, 1.0), extrapolate=extrapolate)
+    usual = usual_sizes(model, speed)
+    sizes = np.array(
+        [max(size, usual.get(name, 0.0)) for name, size in zip(names, own.std, strict=True)]
+    )
+    stated = prior_of(model, names, speed, spread=None, extrapolate=extrapolate)
+    there = np.isin(names, model.covariance_names)
+    known = np.where(np.outer(there, there), stated.covariance, 0.0) / np.outer(sizes, sizes)
+    return Base(
+        names=names, sizes=sizes, known=known, spreads=np.round(spread * np.array(STEPS), 12)
+    )
+
+
+def stated_base(prior: Prior) -> Base:
+    """A base that is known as it is stated, and no further."""
+    sizes = prior.std
+    return Base(
+        names=prior.names,
+        sizes=sizes,
+        known=prior.covariance / np.outer(sizes, sizes),
+        spreads=np.zeros(1),
+    )
+
+
+def usual_sizes(model: Model, speed: float) -> dict[str, float]:
+    """Usual sizes of values by name, as the effects of the catalogue have them.
+
+    A value of a model may be far smaller than it usually is, and be off by more than itself.
+    """
+    vessel = Sailing(model, speed)
+    found: dict[str, float] = {}
+    for effect in catalogue().values():
+        asked = effect.kind in ("terms", "freed") and effect.frees in ("", *model.parts)
+        if not asked or effect.varies_with_speed:
+            continue
+        for move in moves_of(effect, vessel).values():
+            for name, share in move.values.items():
+                found[name] = max(found.get(name, 0.0), abs(share * move.typical))
+    return found

@@ -1,0 +1,271 @@
+"""Sets of effects fitted through the equations, with unknown forces of their own size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.free_running.hypotheses import (
+    Names,
+    Weighed,
+    damped,
+    probable,
+    unlikely,
+    weighed,
+)
+from pmmkit.diagnosis.free_running.information import Forces, Information, Known
+from pmmkit.diagnosis.free_running.question import Question
+from pmmkit.diagnosis.free_running.slopes import Sheet
+from pmmkit.diagnosis.free_running.unknown import most_likely
+from pmmkit.numerics import Array
+
+STEPS: Final = 8
+"""Most steps of a fit."""
+SETTLED: Final = 0.05
+"""A fit ends when no number moves by more than this share of its standard deviation."""
+DAMPED: Final = (0.0, 1e-2, 1.0, 1e2)
+"""Damping of the steps that are tried one after another until the records are more probable."""
+PATHS: Final = 2
+"""Times that the path of the model as given is told anew."""
+SLACK: Final = 0.5
+"""By how much less probable, in ln, a step may leave the records: near the top all is flat."""
+FINE: Final = (2.0, 1.4)
+"""By which the sizes of unknown forces are varied about those that are nearly right."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """The linear problem about some numbers.
+
+    Parameters
+    ----------
+    question : Question
+        With the starts about which it is made.
+    z : array (q,)
+        The numbers.
+    sheets : list of list of Sheet
+        Rows of the windows.
+    information : Information
+        What they say.
+    """
+
+    question: Question
+    z: Array
+    sheets: list[list[Sheet]]
+    information: Information
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """A set fitted through the equations.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The set.
+    spread : float
+        Most probable spread of the base.
+    z : array (q,)
+        Most probable numbers, zero where they take no part.
+    covariance : array (q, q)
+        Of them.
+    forces : Forces
+        Unknown forces of the most probable size.
+    log_probability : float
+        ln of how probable the records are, averaged over the spreads of the base.
+    known : Known
+        What each record says, under these forces.
+    place : Place
+        The linear problem there.
+    """
+
+    names: Names
+    spread: float
+    z: Array
+    covariance: Array
+    forces: Forces
+    log_probability: float
+    known: Known
+    place: Place
+
+    def weighed(self) -> Weighed:
+        """All sets by the linear problem there and under its forces."""
+        return weighed(self.known, self.place.question.numbers)
+
+
+def place_at(question: Question, z: Array, columns: NDArray[np.intp] | None = None) -> Place:
+    """The linear problem about some numbers, with the slopes of some columns or of all."""
+    used = question.numbers.every if columns is None else columns
+    sheets = question.sheets(z, used)
+    return Place(question=question, z=z, sheets=sheets, information=question.information(sheets, z))
+
+
+def fitted(
+    place: Place, names: Sequence[str], forces: Forces | None = None, *, whole: bool = False
+) -> Fit:
+    """The most probable numbers of a set, by Gauss and Newton from some place.
+
+    Parameters
+    ----------
+    place : Place
+        Where to begin, with the slopes of the base and the set.
+    names : sequence of str
+        The set.
+    forces : Forces, optional
+        Where their sizes begin.
+    whole : bool
+        Whether to keep the slopes of all columns.
+
+    Notes
+    -----
+    Starts and unknown forces are told from each window anew in each step. A step that makes the
+    records less probable, by unknown forces of the best size there, is halved.
+    """
+    numbers = place.question.numbers
+    used = numbers.used(names)
+    begin = np.zeros_like(place.z)
+    begin[used] = place.z[used]
+    question = place.question
+    if np.any(begin != place.z):
+        place = _along(place_at(question.followed(begin), begin, used), names)
+        place = place_at(place.question, begin, None if whole else used)
+    found = at_place(place, names, forces, fine=forces is not None)
+    stands = _standing(found, place)
+    for _ in range(STEPS):
+        if _is_settled(found):
+            return found
+        there = _stepped(found, None if whole else used, stands)
+        if there is None:
+            break
+        place, stands = there
+        found = at_place(place, names, found.forces, fine=True)
+    return found if _is_settled(found) else _where_it_stands(found, stands.value)
+
+
+def _is_settled(found: Fit) -> bool:
+    """Whether the linear problem leads nowhere else."""
+    std = np.sqrt(np.maximum(np.diagonal(found.covariance), 1e-24))
+    away = np.abs(found.z - found.place.z)
+    return bool(np.all(away <= SETTLED * np.where(std > 1e-11, std, np.inf)))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Standing:
+    """How probable records and numbers of a place are, in ln, by unknown forces of the best size
+    there."""
+
+    value: float
+    forces: Forces
+
+
+def _standing(found: Fit, place: Place) -> _Standing:
+    def value(known: Known) -> float:
+        return -0.5 * float(known.total[0, 0]) - 0.5 * known.volume
+
+    question = place.question
+    asked = place.information.at(place.z)
+    forces, best = most_likely(asked, value, question.least, found.forces)
+    before = unlikely(question.numbers, found.names, found.spread, place.z)
+    return _Standing(value=best - before, forces=forces)
+
+
+def _where_it_stands(found: Fit, stands: float) -> Fit:
+    """A fit that no step takes further: not what the linear problem promises from there."""
+    P = found.known.total
+    numbers = found.place.question.numbers
+    wide = np.append(-found.z, 1.0)
+    promised = -0.5 * float(wide @ P @ wide) - 0.5 * found.known.volume
+    promised -= unlikely(numbers, found.names, found.spread, found.z)
+    lower = found.log_probability - max(promised - stands, 0.0)
+    return replace(found, z=found.place.z, log_probability=lower)
+
+
+def _along(place: Place, names: Sequence[str]) -> Place:
+    """The linear problem about the most probable path, unknown forces of the best size on it."""
+    forces = _standing(at_place(place, names), place).forces
+    return place_at(
+        place.question.moved(place.sheets, np.zeros_like(place.z), forces),
+        place.z,
+        place.question.numbers.used(names),
+    )
+
+
+def first_place(question: Question) -> Place:
+    """The linear problem of the model as it is given, with all slopes."""
+    place = place_at(question, np.zeros(len(question.numbers.every)), np.zeros(0, np.intp))
+    for _ in range(PATHS):
+        place = _along(place, ())
+    return place_at(place.question, place.z)
+
+
+def at_place(
+    place: Place, names: Sequence[str], forces: Forces | None = None, *, fine: bool = False
+) -> Fit:
+    """The most probable numbers of a set by the linear problem of a place.
+
+    Parameters
+    ----------
+    place : Place
+        With the slopes of the base and the set.
+    names : sequence of str
+        The set.
+    forces : Forces, optional
+        Where their sizes begin.
+    fine : bool
+        Whether they begin nearly right.
+    """
+    numbers = place.question.numbers
+
+    few = numbers.only(names)
+
+    def value(known: Known) -> float:
+        return weighed(known, few)(names)
+
+    asked = place.information.only(numbers.used(names))
+    least = place.question.least
+    how = {"factors": FINE} if fine else {}
+    best, probability = most_likely(asked, value, least, forces, **how)
+    known = place.information.under(best)
+    spread = float(numbers.base.spreads[weighed(known, numbers).best(names)])
+    z, covariance = probable(known.total, numbers, names, spread)
+    return Fit(
+        names=tuple(names),
+        spread=spread,
+        z=z,
+        covariance=covariance,
+        forces=best,
+        log_probability=probability,
+        known=known,
+        place=place,
+    )
+
+
+def above_floor(fit: Fit) -> float:
+    """ln of how much more probable the records are by their unknown forces than by the floor's."""
+    question = fit.place.question
+    smallest = Forces(shares=question.least, memory=fit.forces.memory)
+    known = fit.place.information.under(smallest)
+    return fit.log_probability - weighed(known, question.numbers)(fit.names)
+
+
+def _stepped(
+    found: Fit, columns: NDArray[np.intp] | None, stands: _Standing
+) -> tuple[Place, _Standing] | None:
+    """The linear problem a step further and how it stands there; None where no step helps."""
+    place = found.place
+    question, numbers = place.question, place.question.numbers
+    P = place.information.under(stands.forces).total
+    about = (P, numbers, found.names, found.spread, place.z)
+    for z in (found.z, *(damped(*about, x) for x in DAMPED)):
+        moved = question.moved(place.sheets, z - place.z, stands.forces)
+        if not moved.sails(z):
+            continue
+        there = place_at(moved, z, columns)
+        new = _standing(found, there)
+        if new.value > stands.value - SLACK:
+            return there, new
+    return None

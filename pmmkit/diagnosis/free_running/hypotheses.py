@@ -1,0 +1,218 @@
+"""Sets of effects, and how far the base moves, weighed by what the records make of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.free_running.base import Base
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.free_running.information import Known
+from pmmkit.numerics import Array
+
+Names = tuple[str, ...]
+WIDER: Final = 1.5
+"""Standard deviation of a coefficient before, over its usual size."""
+BASE_SURE: Final = 1e-12
+"""A base that moves by less is not moved at all."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Numbers:
+    """All that may move: the values of the base over their sizes, then coefficients.
+
+    Parameters
+    ----------
+    values : tuple of str
+        Values of the model, and what the records show wrongly.
+    T : array (m, q)
+        ``values = T numbers``; a coefficient of 1 is `WIDER` times its usual size.
+    base : Base
+        Its first columns.
+    columns : mapping of str to array of int
+        Those of each candidate.
+    """
+
+    values: tuple[str, ...]
+    T: Array
+    base: Base
+    columns: Mapping[str, NDArray[np.intp]]
+
+    @property
+    def width(self) -> int:
+        """Number of columns of the base."""
+        return len(self.base.names)
+
+    def at(self, names: Sequence[str]) -> NDArray[np.intp]:
+        """Columns of candidates."""
+        found = [self.columns[name] for name in names]
+        return np.concatenate([np.zeros(0, np.intp), *found])
+
+    def used(self, names: Sequence[str]) -> NDArray[np.intp]:
+        """Columns of the base and of candidates."""
+        return np.concatenate([np.arange(self.width), self.at(names)])
+
+    def only(self, names: Sequence[str]) -> Numbers:
+        """Those of the base and of candidates alone, in the order of `used`."""
+        columns, begin = {}, self.width
+        for name in names:
+            count = len(self.columns[name])
+            columns[name] = np.arange(begin, begin + count)
+            begin += count
+        return replace(self, T=self.T[:, self.used(names)], columns=columns)
+
+    def steps(self, columns: NDArray[np.intp]) -> dict[int, float]:
+        """The values that some columns move, and by how much for a slope."""
+        size = np.max(np.abs(self.T[:, columns]), axis=1, initial=0.0)
+        return {int(i): 1e-3 * float(size[i]) for i in np.flatnonzero(size)}
+
+    @cached_property
+    def every(self) -> NDArray[np.intp]:
+        """All columns."""
+        return np.arange(self.T.shape[1])
+
+
+def numbers_of(base: Base, candidates: Sequence[FreeCandidate]) -> Numbers:
+    """The numbers of a base and of candidates."""
+    values = tuple(
+        dict.fromkeys((*base.names, *(name for item in candidates for name in item.values)))
+    )
+    place = {name: i for i, name in enumerate(values)}
+    blocks = [np.zeros((len(values), len(base.names)))]
+    for j, (name, size) in enumerate(zip(base.names, base.sizes.tolist(), strict=True)):
+        blocks[0][place[name], j] = size
+    columns, begin = {}, len(base.names)
+    for item in candidates:
+        block = np.zeros((len(values), len(item.moves)))
+        for j, (label, own) in enumerate(item.moves.items()):
+            for name, amount in own.items():
+                block[place[name], j] = WIDER * item.typical[label] * amount
+        blocks.append(block)
+        columns[item.name] = np.arange(begin, begin + block.shape[1])
+        begin += block.shape[1]
+    return Numbers(values=values, T=np.concatenate(blocks, axis=1), base=base, columns=columns)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Screen:
+    """What is known of candidates when the base is averaged over one spread.
+
+    Parameters
+    ----------
+    gram : array (c, c)
+        Information on the coefficients.
+    score : array (c,)
+        Their scores.
+    ground : float
+        ln of how probable the records are without any.
+    columns : mapping of str to array of int
+        Places of each candidate.
+    """
+
+    gram: Array
+    score: Array
+    ground: float
+    columns: Mapping[str, NDArray[np.intp]]
+
+    def __call__(self, names: Sequence[str]) -> float:
+        """ln of how probable the records are with a set."""
+        return self.ground + (self.gain(names) if names else 0.0)
+
+    def gain(self, names: Sequence[str]) -> float:
+        """ln evidence of a set against none of it."""
+        at = np.concatenate([self.columns[name] for name in names])
+        H = np.eye(len(at)) + self.gram[np.ix_(at, at)]
+        lower = np.linalg.cholesky(H)
+        y = np.linalg.solve(lower, self.score[at])
+        return 0.5 * float(y @ y) - float(np.log(np.diagonal(lower)).sum())
+
+
+def screen(known: Known, numbers: Numbers, spread: float) -> Screen:
+    """The base taken out of what is known."""
+    b, P = numbers.width, known.total
+    root = numbers.base.root(spread)
+    H = np.eye(root.shape[1]) + root.T @ P[:b, :b] @ root
+    lower = np.linalg.cholesky(H)
+    taken = np.linalg.solve(lower, root.T @ P[:b, b:])
+    rest = P[b:, b:] - taken.T @ taken
+    volume = known.volume + 2.0 * float(np.log(np.diagonal(lower)).sum())
+    return Screen(
+        gram=0.5 * (rest[:-1, :-1] + rest[:-1, :-1].T),
+        score=rest[:-1, -1],
+        ground=-0.5 * float(rest[-1, -1]) - 0.5 * volume,
+        columns={name: at - b for name, at in numbers.columns.items()},
+    )
+
+
+def averaged(values: Sequence[float]) -> float:
+    """ln of the mean of probabilities that are given by their logarithms."""
+    top = max(values)
+    return top + math.log(sum(math.exp(x - top) for x in values) / len(values))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weighed:
+    """Screens of one information, one for each spread of the base."""
+
+    screens: tuple[Screen, ...]
+
+    def __call__(self, names: Sequence[str]) -> float:
+        """ln of how probable the records are with a set, averaged over the spreads."""
+        return averaged([item(names) for item in self.screens])
+
+    def best(self, names: Sequence[str]) -> int:
+        """Number of the most probable spread."""
+        return int(np.argmax([item(names) for item in self.screens]))
+
+
+def weighed(known: Known, numbers: Numbers) -> Weighed:
+    """Screens for all spreads of the base."""
+    return Weighed(screens=tuple(screen(known, numbers, float(x)) for x in numbers.base.spreads))
+
+
+def probable(
+    P: Array, numbers: Numbers, names: Sequence[str], spread: float
+) -> tuple[Array, Array]:
+    """The most probable numbers (q,) of a set, zero where they take no part; their covariance."""
+    whole = _whole(numbers, names, spread)
+    H = np.eye(whole.shape[1]) + whole.T @ P[:-1, :-1] @ whole
+    z = whole @ np.linalg.solve(H, whole.T @ P[:-1, -1])
+    return z, whole @ np.linalg.solve(H, whole.T)
+
+
+def damped(
+    P: Array, numbers: Numbers, names: Sequence[str], spread: float, begin: Array, damping: float
+) -> Array:
+    """A step towards the most probable numbers, damped after Levenberg and Marquardt."""
+    whole = _whole(numbers, names, spread)
+    y = np.linalg.lstsq(whole, begin, rcond=None)[0]
+    H = np.eye(whole.shape[1]) + whole.T @ P[:-1, :-1] @ whole
+    slope = whole.T @ P[:-1, -1] - H @ y
+    found: Array = begin + whole @ np.linalg.solve(H + damping * np.diag(np.diagonal(H)), slope)
+    return found
+
+
+def _whole(numbers: Numbers, names: Sequence[str], spread: float) -> Array:
+    """Numbers of a set over such as are standard normal before."""
+    b, at = numbers.width, numbers.at(names)
+    root = numbers.base.root(spread)
+    whole = np.zeros((len(numbers.every), root.shape[1] + len(at)))
+    whole[:b, : root.shape[1]] = root
+    whole[at, np.arange(root.shape[1], whole.shape[1])] = 1.0
+    return whole
+
+
+def unlikely(numbers: Numbers, names: Sequence[str], spread: float, z: Array) -> float:
+    """Half the sum of squares of some numbers by what is known of them before."""
+    total = float(z[numbers.at(names)] @ z[numbers.at(names)])
+    root = numbers.base.root(spread)
+    if root.shape[1]:
+        own = np.linalg.solve(root, z[: numbers.width])
+        total += float(own @ own)
+    return 0.5 * total

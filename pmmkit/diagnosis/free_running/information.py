@@ -1,0 +1,244 @@
+"""What records say of values when their starts are free and unknown forces act."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.diagnosis.free_running.slopes import Sheet
+from pmmkit.numerics import Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Forces:
+    """Unknown forces: Ornstein-Uhlenbeck processes, one for each channel.
+
+    Parameters
+    ----------
+    shares : array (f,)
+        Their standard deviations over ½ρLdU² (moments over ½ρL²dU²).
+    memory : float
+        Time over which they hang together, in ship lengths over the speed.
+    """
+
+    shares: Array
+    memory: float
+
+    def root(self, spacing: Array, pieces: int) -> Array:
+        """Roots (w, p f, p f) of their covariance in windows of pieces of some length."""
+        rho = np.exp(-spacing / self.memory)[:, None, None]
+        i = np.arange(pieces)
+        apart = (i[:, None] - i[None])[None]
+        lower = np.where(apart >= 0, rho ** np.maximum(apart, 0), 0.0)
+        fresh = np.where(i[None, None] == 0, 1.0, np.sqrt(1.0 - rho**2))
+        found: Array = np.einsum("wij,kl->wikjl", lower * fresh, np.diag(self.shares)).reshape(
+            len(spacing), pieces * len(self.shares), -1
+        )
+        return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Alike:
+    """Windows of one number of pieces: products of their whitened rows, the starts taken out."""
+
+    owners: NDArray[np.int64]
+    spacing: Array
+    pieces: int
+    forces: Array
+    cross: Array
+    values: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Information:
+    """All windows of all records, made small: products of slopes and errors.
+
+    Parameters
+    ----------
+    alike : tuple
+        Windows by their number of pieces.
+    records : int
+        Number of records.
+    """
+
+    alike: tuple[_Alike, ...]
+    records: int
+
+    def under(self, forces: Forces) -> Known:
+        """What is known of the values where unknown forces are of some size."""
+        return self._each(forces).by(self.records)
+
+    def windows(self, forces: Forces) -> Known:
+        """The same of every window."""
+        return self._each(forces)
+
+    def _each(self, forces: Forces) -> Known:
+        products, volumes, owners = [], [], []
+        for item in self.alike:
+            root = forces.root(item.spacing, item.pieces)
+            turned = np.swapaxes(root, 1, 2)
+            H = np.eye(root.shape[1]) + turned @ item.forces @ root
+            lower = np.linalg.cholesky(H)
+            taken = np.linalg.solve(lower, turned @ item.cross)
+            products.append(item.values - np.swapaxes(taken, 1, 2) @ taken)
+            volumes.append(2.0 * np.log(np.diagonal(lower, axis1=1, axis2=2)).sum(axis=1))
+            owners.append(item.owners)
+        return Known(
+            products=np.concatenate(products),
+            volumes=np.concatenate(volumes),
+            owners=np.concatenate(owners),
+        )
+
+    def only(self, columns: NDArray[np.intp]) -> Information:
+        """With some of the values, the others held."""
+        kept = np.append(columns, -1)
+        return replace(
+            self,
+            alike=tuple(
+                replace(
+                    item, cross=item.cross[:, :, kept], values=item.values[:, kept[:, None], kept]
+                )
+                for item in self.alike
+            ),
+        )
+
+    def at(self, z: Array) -> Information:
+        """With nothing but what some numbers leave."""
+        wide = np.append(-z, 1.0)[:, None]
+        return replace(
+            self,
+            alike=tuple(
+                replace(item, cross=item.cross @ wide, values=wide.T @ item.values @ wide)
+                for item in self.alike
+            ),
+        )
+
+    def of_columns(self, T: Array) -> Information:
+        """In other numbers: ``values = T numbers``."""
+        wide = np.zeros((T.shape[0] + 1, T.shape[1] + 1))
+        wide[:-1, :-1], wide[-1, -1] = T, 1.0
+        return replace(
+            self,
+            alike=tuple(
+                replace(item, cross=item.cross @ wide, values=wide.T @ item.values @ wide)
+                for item in self.alike
+            ),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Known:
+    """What windows or records say of the values.
+
+    Parameters
+    ----------
+    products : array (w, m + 1, m + 1)
+        Of slopes and, last, of what would be left if no value were moved; whitened.
+    volumes : array (w,)
+        ln of the determinant of the covariance, up to what no unknown force changes.
+    owners : array (w,) of int
+        Record of each.
+    """
+
+    products: Array
+    volumes: Array
+    owners: NDArray[np.int64]
+
+    def by(self, records: int) -> Known:
+        """Summed over the windows of each record."""
+        mine = (np.arange(records)[:, None] == self.owners).astype(float)
+        products = np.tensordot(mine, self.products, axes=1)
+        return Known(products=products, volumes=mine @ self.volumes, owners=np.arange(records))
+
+    def without(self, left_out: Sequence[int]) -> Known:
+        """Without some records."""
+        kept = ~np.isin(self.owners, left_out)
+        return Known(
+            products=self.products[kept], volumes=self.volumes[kept], owners=self.owners[kept]
+        )
+
+    def over(self, wider: float) -> Known:
+        """With all variances larger by a factor."""
+        return replace(self, products=self.products / wider)
+
+    @property
+    def total(self) -> Array:
+        """Sum of the products."""
+        found: Array = self.products.sum(axis=0)
+        return found
+
+    @property
+    def volume(self) -> float:
+        """Sum of the volumes."""
+        return float(self.volumes.sum())
+
+
+def information_of(
+    sheets: Sequence[Sequence[Sheet]],
+    names: Sequence[Sequence[str]],
+    sensors: Mapping[str, float],
+    change: Array,
+) -> Information:
+    """The information of the windows of records.
+
+    Parameters
+    ----------
+    sheets : sequence of sequence of Sheet
+        By record.
+    names : sequence of sequence of str
+        Channels of each record.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    change : array (m,)
+        Of the values, about which the sheets were made.
+    """
+    by: dict[int, list[tuple[int, float, Array, Array, Array]]] = {}
+    for owner, (own, channels) in enumerate(zip(sheets, names, strict=True)):
+        sigma = np.array([sensors[name] for name in channels])
+        for sheet in own:
+            pieces = sheet.forces.shape[1]
+            rows = whitened(sheet, sigma)
+            size = sheet.starts.shape[1]
+            rest = np.asarray(np.linalg.qr(scaled(rows, size), mode="r"))[size:, size:]
+            split = pieces * sheet.forces.shape[2]
+            F, G = rest[:, :split], rest[:, split:].copy()
+            G[:, -1] += G[:, :-1] @ change + F @ sheet.along.ravel()
+            by.setdefault(pieces, []).append((owner, sheet.spacing, F.T @ F, F.T @ G, G.T @ G))
+    return Information(
+        alike=tuple(
+            _Alike(
+                owners=np.array([item[0] for item in found]),
+                spacing=np.array([item[1] for item in found]),
+                pieces=pieces,
+                forces=np.stack([item[2] for item in found]),
+                cross=np.stack([item[3] for item in found]),
+                values=np.stack([item[4] for item in found]),
+            )
+            for pieces, found in by.items()
+        ),
+        records=len(sheets),
+    )
+
+
+def whitened(sheet: Sheet, sigma: Array) -> Array:
+    """Slopes over starts, forces and values, and errors, side by side, over the sensors' noise."""
+    rows = np.concatenate(
+        [
+            sheet.starts,
+            sheet.forces.reshape(len(sheet.errors), -1),
+            sheet.values,
+            sheet.errors[:, None],
+        ],
+        axis=1,
+    )
+    found: Array = rows * (np.sqrt(sheet.counts) / sigma[sheet.channels])[:, None]
+    return found
+
+
+def scaled(rows: Array, size: int) -> Array:
+    """Rows with the columns of the starts of one length, so that none is lost beside others."""
+    length = np.maximum(np.linalg.norm(rows[:, :size], axis=0), 1e-300)
+    return np.concatenate([rows[:, :size] / length, rows[:, size:]], axis=1)

@@ -1,0 +1,153 @@
+"""Records, and kinds of records, predicted with what all others say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.hypotheses import probable, weighed
+from pmmkit.diagnosis.free_running.question import Question
+from pmmkit.diagnosis.free_running.windows import Stretch, sailed, shown
+from pmmkit.identification.record import FreeRecord
+from pmmkit.numerics import Array
+
+ERRORS: Final[Mapping[str, tuple[tuple[str, ...], float]]] = {
+    "position": (("x", "y"), 1.0),
+    "heading": (("psi",), 180.0 / math.pi),
+    "speed": (("u", "v"), 1.0),
+    "yaw_rate": (("r",), 180.0 / math.pi),
+}
+"""The channels that each error is told by, and its unit in theirs: m, deg, m/s, deg/s."""
+LOST: Final = 1e6
+"""A lost motion counts as an error so large."""
+TURNS: Final = 0.8
+"""Share of its rudder to one side from which a record is a turn."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kept:
+    """Records that are left out together.
+
+    Parameters
+    ----------
+    name : str
+        What they have in common.
+    records : tuple of int
+        Their numbers.
+    """
+
+    name: str
+    records: tuple[int, ...]
+
+
+def each(records: Sequence[FreeRecord]) -> list[Kept]:
+    """One record after another."""
+    return [Kept(name=item.name, records=(i,)) for i, item in enumerate(records)]
+
+
+def kinds(records: Sequence[FreeRecord]) -> list[Kept]:
+    """Turns, zigzags, and each range of speed, where there are others to predict them by."""
+    turns = [_turns(item) for item in records]
+    speeds = np.array([item.speed for item in records])
+    fast = speeds > 1.1 * np.min(speeds)
+    found = [
+        Kept(name=name, records=tuple(np.flatnonzero(there).tolist()))
+        for name, there in (
+            ("turns", np.array(turns)),
+            ("zigzags", ~np.array(turns)),
+            ("slow records", ~fast),
+            ("fast records", fast),
+        )
+    ]
+    return [item for item in found if 0 < len(item.records) < len(records)]
+
+
+def _turns(record: FreeRecord) -> bool:
+    """Whether the rudder stands to one side."""
+    return abs(float(np.sum(record.delta))) > TURNS * float(np.sum(np.abs(record.delta)))
+
+
+def log_left_out(fit: Fit) -> Array:
+    """ln of how probable each record (n,) is by what the others say."""
+    numbers = fit.place.question.numbers
+    whole = weighed(fit.known, numbers)(fit.names)
+    return np.array(
+        [
+            whole - weighed(fit.known.without([j]), numbers)(fit.names)
+            for j in fit.known.owners.tolist()
+        ]
+    )
+
+
+def squares(question: Question, stretch: Stretch, z: Array) -> dict[str, float]:
+    """Mean squares of the errors of a record over its windows, the sensors' noise taken off."""
+    change = question.numbers.T @ z
+    record = stretch.record
+    off = np.stack([record.measured[name] for name in stretch.channels], axis=1)
+    states = np.nan_to_num(sailed(stretch.free, change), nan=LOST, posinf=LOST, neginf=-LOST)
+    off = off - shown(stretch, np.clip(states, -LOST, LOST), change)
+    found = {}
+    for error, (channels, unit) in ERRORS.items():
+        there = [name for name in channels if name in stretch.channels]
+        if not there:
+            continue
+        found[error] = unit**2 * sum(
+            _square(off[:, stretch.channels.index(name)], question.sensors[name]) for name in there
+        )
+    return found
+
+
+def _square(off: Array, noise: float) -> float:
+    """Mean square without that of the noise; infinite where the motion is lost."""
+    measured = ~np.isnan(off)
+    if not measured.any():
+        return 0.0
+    return max(float(np.mean(np.minimum(np.abs(off[measured]), LOST) ** 2)) - noise**2, 0.0)
+
+
+def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
+    """Mean squares of the errors of all records that are left out in turn.
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose set is fitted to the others.
+    left_out : sequence of Kept
+        What is left out together.
+    """
+    question = fit.place.question.followed(fit.z)
+    found = []
+    for item in left_out:
+        P = fit.known.without(item.records).total
+        z = probable(P, question.numbers, fit.names, fit.spread)[0]
+        found += missed(question, z, item.records)
+    return found
+
+
+def missed(question: Question, z: Array, records: Sequence[int]) -> list[dict[str, float]]:
+    """Mean squares of the errors of records with some numbers.
+
+    Parameters
+    ----------
+    question : Question
+        From starts that follow the sensors.
+    z : array (q,)
+        The numbers.
+    records : sequence of int
+        Which.
+    """
+    return [squares(question, question.stretches[j], z) for j in records]
+
+
+def pooled(found: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Root mean square over records."""
+    names = [name for name in ERRORS if any(name in item for item in found)]
+    return {
+        name: math.sqrt(float(np.mean([item[name] for item in found if name in item])))
+        for name in names
+    }

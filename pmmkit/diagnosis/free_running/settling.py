@@ -1,0 +1,290 @@
+"""Starts of windows, noise of sensors and outliers, told with forces that follow any ship."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.free_running.information import Forces, scaled, whitened
+from pmmkit.diagnosis.free_running.slopes import Sheet, channels_of, sheets_of
+from pmmkit.diagnosis.free_running.windows import Stretch, of_instants, sailed
+from pmmkit.identification.record import FreeRecord, noise_of
+from pmmkit.models import Model
+from pmmkit.numerics import Array
+
+AGILE: Final = Forces(shares=np.full(4, 0.03), memory=1.0)
+"""Unknown forces that follow any ship, so that its sensors alone say how it went."""
+ROUNDS: Final = 5
+"""Times that starts and noise are told from each other."""
+GATE: Final = 6.0
+"""An average so many standard deviations from all others of its window is an outlier."""
+FEW: Final = 0.3
+"""Share of the windows of a record that may hold one; where there are more its noise is larger."""
+FINEST: Final = 1e-5
+"""No sensor is better than this share of a ship length, a radian, the speed, or speed over length:
+what is exact, from a program, would outweigh the integration."""
+LEAST_FREE: Final = 10.0
+"""Averages beyond those that starts and forces take from which a noise is told."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Settled:
+    """Records ready to be asked.
+
+    Parameters
+    ----------
+    stretches : tuple of Stretch
+        With starts that follow the sensors.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    outliers : int
+        Averages that were left out.
+    """
+
+    stretches: tuple[Stretch, ...]
+    sensors: Mapping[str, float]
+    outliers: int
+
+
+def agile(stretch: Stretch) -> Forces:
+    """Forces that follow any ship, in the channels of a stretch."""
+    channels = 4 if "phi" in stretch.states else 3
+    return replace(AGILE, shares=AGILE.shares[:channels])
+
+
+def settled(
+    model: Model,
+    records: Sequence[FreeRecord],
+    cut: Callable[[Sequence[FreeRecord], Mapping[str, float]], tuple[Stretch, ...]],
+    given: Mapping[str, float],
+) -> Settled:
+    """Starts and noise from each other, in a few rounds.
+
+    Parameters
+    ----------
+    model : Model
+        Of the ship.
+    records : sequence of FreeRecord
+        Records.
+    cut : callable
+        Makes stretches of records with sensors.
+    given : mapping of str to float
+        Standard deviations that are known.
+    """
+    sensors = first_sensors(records, given, model.ship.L)
+    stretches = cut(records, sensors)
+    outliers = 0
+    still = np.zeros(len(stretches[0].names))
+    for number in range(ROUNDS):
+        sheets = [sheets_of(item, still) for item in stretches]
+        fits = [
+            [smoothed(sheet, _sigma(item, sensors), agile(item)) for sheet in own]
+            for item, own in zip(stretches, sheets, strict=True)
+        ]
+        stretches = tuple(_moved(item, own) for item, own in zip(stretches, fits, strict=True))
+        if number == 0:
+            continue
+        cleaned, count = _without_outliers(stretches, sheets, fits)
+        if count:
+            stretches, outliers = cleaned, outliers + count
+        else:
+            sensors = _told(stretches, sheets, fits, sensors, given, model.ship.L)
+    return Settled(stretches=stretches, sensors=sensors, outliers=outliers)
+
+
+def follow(stretch: Stretch, change: Array, sensors: Mapping[str, float]) -> Stretch:
+    """A stretch along the path that the sensors tell, as they are read with some values.
+
+    Where the motion is lost with these values the path stays as it is.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        Near that path.
+    change : array (m,)
+        Of the values.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    """
+    if not np.all(np.isfinite(sailed(stretch, change))):
+        return stretch
+    sheets = sheets_of(stretch, change)
+    return moved_along(stretch, sheets, sensors, np.zeros(len(change)), agile(stretch))
+
+
+def moved_along(
+    stretch: Stretch,
+    sheets: Sequence[Sheet],
+    sensors: Mapping[str, float],
+    change: Array,
+    forces: Forces,
+) -> Stretch:
+    """A stretch along the most probable path as sheets tell it for other values.
+
+    Parameters
+    ----------
+    stretch : Stretch
+        Where the sheets were made.
+    sheets : sequence of Sheet
+        Of its windows.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    change : array (m,)
+        Of the values from where the sheets were made.
+    forces : Forces
+        Unknown forces that may act on it.
+    """
+    sigma = _sigma(stretch, sensors)
+    return _moved(stretch, [smoothed(sheet, sigma, forces, change) for sheet in sheets])
+
+
+def _moved(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
+    """A stretch from the starts and with the forces of its windows' fits."""
+    return stretch.along(
+        stretch.starts + np.stack([fit.start for fit in fits]),
+        of_instants(stretch, np.concatenate([fit.forces for fit in fits])),
+    )
+
+
+def _sigma(stretch: Stretch, sensors: Mapping[str, float]) -> Array:
+    return np.array([sensors[name] for name in stretch.channels])
+
+
+def first_sensors(
+    records: Sequence[FreeRecord], given: Mapping[str, float], L: float
+) -> dict[str, float]:
+    """Noise of each channel: as given, else from third differences."""
+    found = {}
+    for name in dict.fromkeys(name for record in records for name in record.measured):
+        noises = [noise_of(item.measured[name]) for item in records if name in item.measured]
+        told = [x for x in noises if math.isfinite(x)]
+        least = finest(name, records[0].speed, L)
+        found[name] = given.get(name) or max(float(np.median(told)) if told else 0.0, least)
+    return found
+
+
+def finest(name: str, speed: float, L: float) -> float:
+    """What no sensor of a channel is better than."""
+    sizes = {"x": L, "y": L, "r": speed / L, "p": speed / L}
+    sizes |= dict.fromkeys(("u", "v", "xdot", "ydot", "sog"), speed)
+    return FINEST * sizes.get(name, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Smooth:
+    """A window as its sensors tell it.
+
+    Parameters
+    ----------
+    start : array (s,)
+        What comes to its first states.
+    forces : array (p, f)
+        Unknown forces.
+    left : array (b,)
+        Residuals over the noise.
+    leverage : array (b,)
+        Share of each average that starts and forces take.
+    """
+
+    start: Array
+    forces: Array
+    left: Array
+    leverage: Array
+
+
+def smoothed(sheet: Sheet, sigma: Array, forces: Forces, moved: Array | None = None) -> Smooth:
+    """The most probable start and forces of a window.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        The window.
+    sigma : array (c,)
+        Noise of its channels.
+    forces : Forces
+        Unknown forces.
+    moved : array (m,), optional
+        By how much the values are moved from where the sheet was made.
+    """
+    rows, size = whitened(sheet, sigma), sheet.starts.shape[1]
+    pieces, channels = sheet.forces.shape[1:]
+    length = np.maximum(np.linalg.norm(rows[:, :size], axis=0), 1e-300)
+    root = forces.root(np.array([sheet.spacing]), pieces)[0]
+    split = size + pieces * channels
+    A = np.concatenate([scaled(rows, size)[:, :size], rows[:, size:split] @ root], axis=1)
+    e = rows[:, -1] + rows[:, size:split] @ sheet.along.ravel()
+    if moved is not None:
+        e = e - rows[:, split:-1] @ moved
+    prior = np.concatenate([np.full(size, 1e-9), np.ones(pieces * channels)])
+    H = A.T @ A + np.diag(prior)
+    taken = np.linalg.solve(H, np.concatenate([A.T @ e[:, None], A.T], axis=1))
+    return Smooth(
+        start=taken[:size, 0] / length,
+        forces=(root @ taken[size:, 0]).reshape(pieces, channels),
+        left=e - A @ taken[:, 0],
+        leverage=np.einsum("ij,ji->i", A, taken[:, 1:]),
+    )
+
+
+def _told(
+    stretches: Sequence[Stretch],
+    sheets: Sequence[Sequence[Sheet]],
+    fits: Sequence[Sequence[Smooth]],
+    sensors: Mapping[str, float],
+    given: Mapping[str, float],
+    L: float,
+) -> dict[str, float]:
+    """Noise of the channels from what starts and forces leave."""
+    found = dict(sensors)
+    for name in channels_of(stretches):
+        if name in given:
+            continue
+        square, free = 0.0, 0.0
+        for item, own, fitted in zip(stretches, sheets, fits, strict=True):
+            if name not in item.channels:
+                continue
+            number = item.channels.index(name)
+            for sheet, fit in zip(own, fitted, strict=True):
+                at = sheet.channels == number
+                square += float(np.sum(fit.left[at] ** 2))
+                free += float(np.sum(1.0 - fit.leverage[at]))
+        if free > LEAST_FREE:
+            least = finest(name, stretches[0].record.speed, L)
+            found[name] = max(sensors[name] * math.sqrt(square / free), least)
+    return found
+
+
+def _without_outliers(
+    stretches: Sequence[Stretch],
+    sheets: Sequence[Sequence[Sheet]],
+    fits: Sequence[Sequence[Smooth]],
+) -> tuple[tuple[Stretch, ...], int]:
+    """The worst average of each window is taken out of the records, where nothing explains it."""
+    made, count = [], 0
+    for item, own, fitted in zip(stretches, sheets, fits, strict=True):
+        wild = [
+            (w, row)
+            for w, (sheet, fit) in enumerate(zip(own, fitted, strict=True))
+            if (row := _worst(fit)) is not None
+        ]
+        if len(wild) > max(FEW * len(own), 1.0):
+            wild = []
+        count += len(wild)
+        measured = {name: x.copy() for name, x in item.record.measured.items()}
+        for w, row in wild:
+            rows = slice(item.begins[w], item.begins[w + 1])
+            name = item.channels[own[w].channels[row]]
+            measured[name][rows][item.blocks[rows] == own[w].blocks[row]] = np.nan
+        made.append(replace(item, record=item.record.with_(measured=measured)))
+    return tuple(made), count
+
+
+def _worst(fit: Smooth) -> int | None:
+    """Row of the average furthest off in a window, if it is beyond the gate."""
+    away = fit.left**2 / np.maximum(1.0 - fit.leverage, 1e-6)
+    row = int(np.argmax(away))
+    return row if away[row] > GATE**2 else None

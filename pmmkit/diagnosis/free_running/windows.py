@@ -1,0 +1,325 @@
+"""Free-running records cut into windows that a model sails through from states of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.effects.seen import (
+    ANTENNA,
+    CLOCK_LAG,
+    CURRENT,
+    HEADING_OFFSET,
+    LOG_GAIN,
+    OUTSIDE,
+    RUDDER_ZERO,
+)
+from pmmkit.equations.code_generation import ESTIMATING
+from pmmkit.equations.compilation import compiled
+from pmmkit.equations.layouts import Constant, InputField, State
+from pmmkit.identification.binding import FORCES, Binding, bound, driven
+from pmmkit.identification.filters import STEP, first_state
+from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.smoother import units
+from pmmkit.identification.starts import first_states
+from pmmkit.models import Model
+from pmmkit.numerics import Array
+
+WINDOW: Final = 5.0
+"""Length of a window in ship lengths over the speed."""
+PIECE: Final = 0.4
+"""An unknown force is constant for so long, in ship lengths over the speed."""
+BLOCK: Final = 0.15
+"""Measurements are averaged over so long, and so is what the model shows for them."""
+SHORT: Final = 5
+"""Short windows in a window: what starts and noise are told by. In them any model is almost
+linear."""
+INSTANTS: Final = 6
+"""Least instants of a short window."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stretch:
+    """A record in windows, with the equations that sail it.
+
+    Parameters
+    ----------
+    record : FreeRecord
+        Measurements and inputs.
+    names : tuple of str
+        Values that may move.
+    binding : Binding
+        Constants over those of them that are constants.
+    functions : module
+        Compiled equations.
+    begins : array (w + 1,) of int
+        First instant of each window, and the number of instants.
+    starts : array (w, s)
+        States at the first instants.
+    forces : array (n, f)
+        Unknown forces that keep it on the measured path, over ½ρLdU² (½ρL²dU²): the path about
+        which all is made linear.
+    units : array (f,)
+        These units [N, N m].
+    pieces, blocks : array (n,) of int
+        Number within its window of the piece and of the block that each instant belongs to.
+    spacing : array (w,)
+        Length of the pieces of each window, in ship lengths over the speed.
+    pace : float
+        Speed over ship length [1/s].
+    """
+
+    record: FreeRecord
+    names: tuple[str, ...]
+    binding: Binding
+    functions: ModuleType
+    begins: NDArray[np.int64]
+    starts: Array
+    forces: Array
+    units: Array
+    pieces: NDArray[np.int64]
+    blocks: NDArray[np.int64]
+    spacing: Array
+    pace: float
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self.binding.structure.states
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """What was measured."""
+        return tuple(self.record.measured)
+
+    @property
+    def longest(self) -> float:
+        """Longest step of the integration [s]."""
+        return STEP / self.pace
+
+    def along(self, starts: Array, forces: Array) -> Stretch:
+        """The same from other states and with other forces."""
+        return replace(self, starts=starts, forces=forces)
+
+    @property
+    def free(self) -> Stretch:
+        """The same without unknown forces."""
+        return replace(self, forces=np.zeros_like(self.forces))
+
+
+def stretches_of(
+    model: Model,
+    records: Sequence[FreeRecord],
+    names: Sequence[str],
+    *,
+    sensors: Mapping[str, float],
+    window: float = WINDOW,
+    extrapolate: bool = False,
+) -> tuple[Stretch, ...]:
+    """Records in windows of equal length that do not overlap.
+
+    Parameters
+    ----------
+    model : Model
+        With a place for every name.
+    records : sequence of FreeRecord
+        Records.
+    names : sequence of str
+        Values that may move.
+    sensors : mapping of str to float
+        Standard deviation of each channel.
+    window : float
+        Length of the windows in ship lengths over the speed.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    """
+    ready = driven(model)
+    own = [name for name in names if name in CURRENT or name not in OUTSIDE]
+    at = {
+        speed: bound(ready, own, speed, extrapolate=extrapolate)
+        for speed in {record.speed for record in records}
+    }
+    return tuple(
+        _stretch(ready, record, tuple(names), at[record.speed], sensors, window)
+        for record in records
+    )
+
+
+def _stretch(
+    model: Model,
+    record: FreeRecord,
+    names: tuple[str, ...],
+    binding: Binding,
+    sensors: Mapping[str, float],
+    window: float,
+) -> Stretch:
+    pace = record.speed / model.ship.L
+    default = first_state(record, binding.structure.states, sensors, model.ship.L)[0]
+    begins = _begins(record, window / pace)
+    pieces, spacing = _pieces(record, begins, pace)
+    by = units(model, record.speed)
+    words = FORCES if model.rolls else FORCES[:3]
+    return Stretch(
+        record=record,
+        names=names,
+        binding=binding,
+        functions=compiled(binding.structure, ESTIMATING),
+        begins=begins,
+        starts=first_states(record, begins, binding.structure.states, default, 0.5 / pace),
+        forces=np.zeros((len(record), len(words))),
+        units=np.array([by[word[-1]] for word in words]),
+        pieces=pieces,
+        blocks=_blocks(record, begins, pace),
+        spacing=spacing,
+        pace=pace,
+    )
+
+
+def joined(stretch: Stretch, count: int = SHORT) -> Stretch:
+    """A stretch whose windows are so many of another one's, along the same path."""
+    begins = np.unique(np.append(stretch.begins[:-1:count], stretch.begins[-1]))
+    if len(begins) > 2 and 2 * (begins[-1] - begins[-2]) < begins[1] - begins[0]:
+        begins = np.delete(begins, -2)
+    pieces, spacing = _pieces(stretch.record, begins, stretch.pace)
+    made = replace(
+        stretch,
+        begins=begins,
+        starts=starts_of(stretch, begins),
+        pieces=pieces,
+        blocks=_blocks(stretch.record, begins, stretch.pace),
+        spacing=spacing,
+    )
+    return replace(made, forces=of_instants(made, by_piece(made, stretch.forces)))
+
+
+def piece_begins(stretch: Stretch) -> NDArray[np.int64]:
+    """First instants of all pieces of all windows."""
+    first = np.zeros(len(stretch.record), bool)
+    first[stretch.begins[:-1]] = True
+    first[1:] |= np.diff(stretch.pieces) != 0
+    return np.flatnonzero(first)
+
+
+def by_piece(stretch: Stretch, forces: Array) -> Array:
+    """Means (q, f) over the pieces of all windows of forces (n, f) at instants."""
+    begins = piece_begins(stretch)
+    lengths = np.diff(np.append(begins, len(stretch.record)))[:, None]
+    found: Array = np.add.reduceat(forces, begins, axis=0) / lengths
+    return found
+
+
+def of_instants(stretch: Stretch, forces: Array) -> Array:
+    """Forces (n, f) at instants from those of the pieces (q, f) of all windows."""
+    begins = piece_begins(stretch)
+    return np.repeat(forces, np.diff(np.append(begins, len(stretch.record))), axis=0)
+
+
+def starts_of(stretch: Stretch, begins: NDArray[np.int64]) -> Array:
+    """The starts of those windows of a stretch that begin at some instants."""
+    return stretch.starts[np.searchsorted(stretch.begins, begins[:-1])]
+
+
+def _begins(record: FreeRecord, window: float) -> NDArray[np.int64]:
+    """First instants of windows, each with some instants at least."""
+    t = record.t
+    count = max(min(round((t[-1] - t[0]) / window), len(t) // INSTANTS), 1)
+    edges = np.searchsorted(t, np.linspace(t[0], t[-1], count + 1)[1:-1])
+    return np.unique(np.array([0, *edges.tolist(), len(t)], np.int64))
+
+
+def _pieces(
+    record: FreeRecord, begins: NDArray[np.int64], pace: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Pieces of equal length, none without an instant."""
+    found, spacing = np.zeros(len(record), np.int64), []
+    for begin, end in zip(begins[:-1].tolist(), begins[1:].tolist(), strict=True):
+        t = (record.t[begin:end] - record.t[begin]) * pace
+        count = max(min(round(float(t[-1]) / PIECE), end - begin), 1)
+        own = np.minimum(t / max(float(t[-1]), 1e-300) * count, count - 1).astype(np.int64)
+        found[begin:end] = np.unique(own, return_inverse=True)[1]
+        spacing.append(float(t[-1]) / (int(found[end - 1]) + 1))
+    return found, np.array(spacing)
+
+
+def _blocks(record: FreeRecord, begins: NDArray[np.int64], pace: float) -> NDArray[np.int64]:
+    found = np.zeros(len(record), np.int64)
+    for begin, end in zip(begins[:-1].tolist(), begins[1:].tolist(), strict=True):
+        own = ((record.t[begin:end] - record.t[begin]) * pace / BLOCK + 1e-9).astype(np.int64)
+        found[begin:end] = np.unique(own, return_inverse=True)[1]
+    return found
+
+
+def constants(stretch: Stretch, change: Array) -> Array | None:
+    """Constants of the equations after a change of the values; None if no ship has such a mass."""
+    moved = dict(zip(stretch.names, change.tolist(), strict=True))
+    own = np.array([moved[name] for name in stretch.binding.names])
+    k = stretch.binding.constants(stretch.binding.mean + own)
+    return k if stretch.functions.complete(k) == 0 else None
+
+
+def inputs(stretch: Stretch, change: Array) -> Array:
+    """Inputs (n, i) after a change of the values."""
+    moved = dict(zip(stretch.names, change.tolist(), strict=True))
+    found = stretch.record.inputs
+    found[:, InputField.rudder] += moved.get(RUDDER_ZERO, 0.0)
+    return found
+
+
+def sailed(stretch: Stretch, change: Array) -> Array:
+    """States (n, s) at all instants, each window from its own start; NaN where they are lost."""
+    out = np.full((len(stretch.record), len(stretch.states)), np.nan)
+    k = constants(stretch, change)
+    if k is not None:
+        stretch.functions.pushed(
+            stretch.record.t,
+            inputs(stretch, change),
+            np.ascontiguousarray(stretch.forces * stretch.units),
+            stretch.begins,
+            np.ascontiguousarray(stretch.starts),
+            k,
+            stretch.longest,
+            out,
+        )
+    return out
+
+
+def shown(stretch: Stretch, states: Array, change: Array) -> Array:
+    """What the channels (n, c) should show of states (n, s)."""
+    moved = dict(zip(stretch.names, change.tolist(), strict=True))
+    psi, u, v = (states[:, place] for place in (State.psi, State.u, State.v))
+    ahead, aside = np.cos(psi), np.sin(psi)
+    level = v * np.cos(_heel(stretch, states))
+    current = [stretch.binding.base[Constant[name]] + moved.get(name, 0.0) for name in CURRENT]
+    north = u * ahead - level * aside + current[0]
+    east = u * aside + level * ahead + current[1]
+    lag, offset = moved.get(CLOCK_LAG, 0.0), moved.get(HEADING_OFFSET, 0.0)
+    forward, starboard = (moved.get(name, 0.0) for name in ANTENNA)
+    gain = 1.0 + moved.get(LOG_GAIN, 0.0)
+    made = {
+        "x": states[:, State.x] - lag * north + forward * ahead - starboard * aside,
+        "y": states[:, State.y] - lag * east + forward * aside + starboard * ahead,
+        "psi": psi + offset,
+        "u": gain * u,
+        "v": gain * v,
+        "xdot": north,
+        "ydot": east,
+        "sog": np.hypot(north, east),
+    }
+    place = {name: i for i, name in enumerate(stretch.states)}
+    return np.stack(
+        [made[name] if name in made else states[:, place[name]] for name in stretch.channels],
+        axis=1,
+    )
+
+
+def _heel(stretch: Stretch, states: Array) -> Array | float:
+    """Heel [rad] at all instants: the ship's own, else the one that was measured."""
+    if State.phi.name in stretch.states:
+        found: Array = states[:, stretch.states.index(State.phi.name)]
+        return found
+    return 0.0 if stretch.record.roll is None else stretch.record.roll
