@@ -14,7 +14,7 @@ from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.vessel import Sailing, moves_of
 from pmmkit.numerics import Array
 
-SPREAD: Final = 0.3
+SPREAD: Final = 0.15
 """Largest share of their usual sizes by which the values of a model may be off."""
 STEPS: Final = (0.0, 0.03, 0.1, 0.3, 1.0)
 """Shares of the spread that are weighed against each other, none of it among them."""
@@ -98,7 +98,7 @@ def base_of(
     >>> from pmmkit.models import load_model
     >>> found = base_of(load_model("kvlcc2-l7"), 1.179)
     >>> len(found.names), found.spreads.tolist()
-    (25, [0.0, 0.009, 0.03, 0.09, 0.3])
+    (25, [0.0, 0.0045, 0.015, 0.045, 0.15])
     """
     names = movable(model)
     own = prior_of(model, names, speed, spread=dict.fromkeys(names, 1.0), extrapolate=extrapolate)

@@ -12,7 +12,7 @@ from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, first_place, fitted, place_at
-from pmmkit.diagnosis.free_running.hypotheses import Names, Weighed
+from pmmkit.diagnosis.free_running.hypotheses import Names, Weighed, weighed
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import Question
@@ -21,9 +21,9 @@ from pmmkit.models import Model
 
 AHEAD: Final = 4
 """Best pairs that are combined with every third."""
-PAID: Final = 10
+PAID: Final = 8
 """Sets in front that are given unknown forces of their own."""
-REFITTED: Final = 4
+REFITTED: Final = 3
 """Of those, sets that are fitted through the equations."""
 TINY: Final = 1e-9
 """Added to errors before their logarithm: some vanish once the noise is taken off."""
@@ -116,14 +116,18 @@ def contest_of(
     price = price_of(question)
     before = _missed(steady(null))
     settled: dict[Names, Named] = {}
+    tried: set[Names] = set()
     sets: list[tuple[Names, float]] = []
     place, forces = zero, largest.forces
     for turn in range(TURNS):
         sets = _sets(names, _gain(views, null, price), most)
-        front = _front(sets, place, forces, price)
+        front = _front([item[0] for item in sets[:PAID]], place, forces, REFITTED)
+        if turn == 0:
+            front = [*_held_front(names, zero, largest.forces), *front]
         for found, own in front:
-            if found in settled:
+            if found in tried:
                 continue
+            tried.add(found)
             tell(f"Fit with {' and '.join(found)}")
             fit = fitted(place, found, own)
             try:
@@ -160,11 +164,27 @@ def steady(fit: Fit) -> Fit:
     """A fit, or that of its set with a base that does not move, if records left out say so."""
     if not fit.spread:
         return fit
-    question = fit.place.question
-    numbers = replace(question.numbers, base=question.numbers.base.held)
-    still = replace(fit.place, question=replace(question, numbers=numbers))
-    held = fitted(still, fit.names, fit.forces)
+    held = fitted(_held(fit.place), fit.names, fit.forces)
     return held if _missed(held) < _missed(fit) else fit
+
+
+def _held(place: Place) -> Place:
+    """The linear problem with a base that does not move."""
+    question = place.question
+    numbers = replace(question.numbers, base=question.numbers.base.held)
+    return replace(place, question=replace(question, numbers=numbers))
+
+
+def _held_front(names: Sequence[str], zero: Place, sharp: Forces) -> list[tuple[Names, Forces]]:
+    """The single effects in front while the base stands as it is given.
+
+    A base that moves can promise, by the linear problem, what no ship does.
+    """
+    still = _held(zero)
+    alone = at_place(still, ())
+    views = [alone.weighed(), weighed(zero.information.under(sharp), still.question.numbers)]
+    order = sorted(names, key=lambda name: -max(view((name,)) for view in views))
+    return _front([(name,) for name in order[:PAID]], still, alone.forces, REFITTED - 1)
 
 
 def _missed(fit: Fit) -> float:
@@ -182,15 +202,16 @@ def _gain(views: Sequence[Weighed], null: Fit, price: float) -> Callable[[Names]
 
 
 def _front(
-    sets: Sequence[tuple[Names, float]], place: Place, forces: Forces, price: float
+    sets: Sequence[Names], place: Place, forces: Forces, count: int
 ) -> list[tuple[Names, Forces]]:
     """The sets in front once each has unknown forces of its own, and these."""
+    price = price_of(place.question)
     paid = []
-    for names, _ in sets[:PAID]:
+    for names in sets:
         fit = at_place(place, names, forces, fine=True)
         paid.append((fit.log_probability - price * len(names), names, fit.forces))
     paid.sort(key=lambda item: -item[0])
-    return [(names, own) for _, names, own in paid[:REFITTED]]
+    return [(names, own) for _, names, own in paid[:count]]
 
 
 def _sets(

@@ -23,14 +23,17 @@ from pmmkit.diagnosis.free_running.slopes import Sheet
 from pmmkit.diagnosis.free_running.unknown import most_likely
 from pmmkit.numerics import Array
 
-STEPS: Final = 8
+STEPS: Final = 15
 """Most steps of a fit."""
 SETTLED: Final = 0.05
 """A fit ends when no number moves by more than this share of its standard deviation."""
-DAMPED: Final = (0.0, 1e-2, 1.0, 1e2)
-"""Damping of the steps that are tried one after another until the records are more probable."""
+DAMPED: Final = (0.0, 1e-2, 0.1, 1.0, 10.0, 1e2)
+"""Damping of the steps that are tried one after another until the records are more probable; the
+next step begins with a little less."""
 PATHS: Final = 2
 """Times that the path of the model as given is told anew."""
+WILD: Final = 1e12
+"""Slope of what a channel shows over a force from which an unstable motion has no meaning."""
 SLACK: Final = 0.5
 """By how much less probable, in ln, a step may leave the records: near the top all is flat."""
 FINE: Final = (2.0, 1.4)
@@ -135,14 +138,18 @@ def fitted(
         place = place_at(place.question, begin, None if whole else used)
     found = at_place(place, names, forces, fine=forces is not None)
     stands = _standing(found, place)
+    first = 0
     for _ in range(STEPS):
         if _is_settled(found):
             return found
-        there = _stepped(found, None if whole else used, stands)
+        there = _stepped(found, None if whole else used, stands, DAMPED[first:])
         if there is None:
             break
-        place, stands = there
+        place, gained, damping = there[0], there[1].value - stands.value, there[2]
+        stands, first = there[1], max(DAMPED.index(damping) - 1, 0)
         found = at_place(place, names, found.forces, fine=True)
+        if gained < SLACK:
+            break
     return found if _is_settled(found) else _where_it_stands(found, stands.value)
 
 
@@ -202,6 +209,17 @@ def first_place(question: Question) -> Place:
     return place_at(place.question, place.z)
 
 
+def _tried(question: Question, z: Array, columns: NDArray[np.intp] | None) -> Place | None:
+    """The linear problem about some numbers; None where a little more leads to nowhere at all."""
+    used = question.numbers.every if columns is None else columns
+    with np.errstate(all="ignore"):
+        sheets = question.sheets(z, used)
+        largest = max(float(np.max(np.abs(x.forces))) for own in sheets for x in own)
+    if not largest < WILD:
+        return None
+    return Place(question=question, z=z, sheets=sheets, information=question.information(sheets, z))
+
+
 def at_place(
     place: Place, names: Sequence[str], forces: Forces | None = None, *, fine: bool = False
 ) -> Fit:
@@ -253,19 +271,27 @@ def above_floor(fit: Fit) -> float:
 
 
 def _stepped(
-    found: Fit, columns: NDArray[np.intp] | None, stands: _Standing
-) -> tuple[Place, _Standing] | None:
-    """The linear problem a step further and how it stands there; None where no step helps."""
+    found: Fit, columns: NDArray[np.intp] | None, stands: _Standing, dampings: Sequence[float]
+) -> tuple[Place, _Standing, float] | None:
+    """The linear problem a step further, how it stands there, and by which damping; None where no
+    step helps.
+
+    Undamped it goes where the linear problem of a set leads by the unknown forces it needs there,
+    damped by those that explain what is missed now.
+    """
     place = found.place
     question, numbers = place.question, place.question.numbers
     P = place.information.under(stands.forces).total
     about = (P, numbers, found.names, found.spread, place.z)
-    for z in (found.z, *(damped(*about, x) for x in DAMPED)):
+    for damping in dampings:
+        z = damped(*about, damping) if damping else found.z
         moved = question.moved(place.sheets, z - place.z, stands.forces)
         if not moved.sails(z):
             continue
-        there = place_at(moved, z, columns)
+        there = _tried(moved, z, columns)
+        if there is None:
+            continue
         new = _standing(found, there)
         if new.value > stands.value - SLACK:
-            return there, new
+            return there, new, damping
     return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,11 +25,15 @@ from pmmkit.diagnosis.free_running.windows import (
     sailed,
     stretches_of,
 )
+from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+
+ROUND: Final = 1.5
+"""Error of heading [rad] from which a motion is lost."""
 
 
 def records_of(records: Sequence[FreeRecord] | Campaign, model: Model) -> Sequence[FreeRecord]:
@@ -100,9 +105,14 @@ class Question:
         return found.of_columns(self.numbers.T)
 
     def sails(self, z: Array) -> bool:
-        """Whether no motion is lost with some numbers."""
+        """Whether no motion is lost with some numbers: none turns the other way."""
         change = self.numbers.T @ z
-        return all(bool(np.all(np.isfinite(sailed(item, change)))) for item in self.stretches)
+        for item in self.stretches:
+            heading = sailed(item, change)[:, State.psi]
+            turned = np.abs(heading - np.interp(item.record.t, *_measured(item)))
+            if not np.all(turned < ROUND):
+                return False
+        return True
 
     def followed(self, z: Array) -> Question:
         """The same along the path that the sensors tell, as they are read with some numbers."""
@@ -123,6 +133,13 @@ class Question:
                 for item, own in zip(self.stretches, sheets, strict=True)
             ),
         )
+
+
+def _measured(stretch: Stretch) -> tuple[Array, Array]:
+    """Instants at which the heading was measured, and headings."""
+    psi = stretch.record.measured["psi"]
+    there = np.isfinite(psi)
+    return stretch.record.t[there], psi[there]
 
 
 def question_of(
