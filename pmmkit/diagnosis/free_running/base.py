@@ -42,21 +42,26 @@ class Base:
     known: Array
     spreads: Array
 
-    @property
-    def held(self) -> Base:
-        """The same with no spread."""
-        return replace(self, spreads=np.zeros(1))
+    def within(self, count: int) -> Base:
+        """The same with the first, smallest spreads alone; the first is none."""
+        return replace(self, spreads=self.spreads[:count])
 
     def root(self, spread: float) -> Array:
-        """Root (b, b) of the covariance at a spread; no columns where nothing may move."""
+        """Root (b, k) of the covariance at a spread; no columns for what may not move."""
         whole = self.known + spread**2 * np.eye(len(self.sizes))
-        if not np.any(whole):
-            return np.zeros((len(self.sizes), 0))
-        scale = np.sqrt(np.maximum(np.diagonal(whole), 1e-300))
-        correlation = whole / np.outer(scale, scale)
-        lower = np.linalg.cholesky(correlation + JITTER * np.eye(len(scale)))
-        found: Array = scale[:, None] * lower
+        scale = np.sqrt(np.diagonal(whole))
+        moves = scale > 0.0
+        part = whole[np.ix_(moves, moves)] / np.outer(scale[moves], scale[moves])
+        found = np.zeros((len(scale), int(moves.sum())))
+        found[moves] = scale[moves, None] * np.linalg.cholesky(part + JITTER * np.eye(len(part)))
         return found
+
+    def unlikely(self, z: Array, spread: float) -> float:
+        """Half the sum of squares of numbers (b,) by their covariance at a spread."""
+        root = self.root(spread)
+        moves = np.any(root, axis=1)
+        own = np.linalg.solve(root[moves], z[moves])
+        return 0.5 * float(own @ own)
 
 
 def movable(model: Model) -> tuple[str, ...]:

@@ -12,23 +12,22 @@ from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, first_place, fitted, place_at
-from pmmkit.diagnosis.free_running.hypotheses import Names, Weighed, weighed
+from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
+from pmmkit.presentation import counted
 
-AHEAD: Final = 4
-"""Best pairs that are combined with every third."""
-PAID: Final = 8
+PAID: Final = 6
 """Sets in front that are given unknown forces of their own."""
-REFITTED: Final = 3
+REFITTED: Final = 2
 """Of those, sets that are fitted through the equations."""
+LIKELY: Final = 1
+"""Sets in front that are fitted anyway."""
 TINY: Final = 1e-9
 """Added to errors before their logarithm: some vanish once the noise is taken off."""
-TURNS: Final = 2
-"""Times that all sets are looked at from where the best one leads."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -106,51 +105,34 @@ def contest_of(
     tell(f"Slopes of {len(question.numbers.values)} values")
     zero = first_place(question)
     tell("The base alone")
-    null = fitted(zero, (), whole=True)
-    if not names:
-        return Contest(null=null, zero=zero, settled=[], entries=())
-    tell(f"Sets of {len(names)} effects")
-    largest = at_place(zero, names)
-    views = [null.weighed(), at_place(zero, (), null.forces, fine=True).weighed()]
-    views.append(largest.weighed())
+    zero, null = _base_alone(zero)
     price = price_of(question)
-    before = _missed(steady(null))
     settled: dict[Names, Named] = {}
-    tried: set[Names] = set()
-    sets: list[tuple[Names, float]] = []
-    place, forces = zero, largest.forces
-    for turn in range(TURNS):
-        sets = _sets(names, _gain(views, null, price), most)
-        front = _front([item[0] for item in sets[:PAID]], place, forces, REFITTED)
-        if turn == 0:
-            front = [*_held_front(names, zero, largest.forces), *front]
-        for found, own in front:
-            if found in tried:
+    ahead = Named(names=(), gain=0.0, fit=null)
+    place, missed, first = null.place, _missed(null), null.weighed()
+    for count in range(min(most, len(names))):
+        tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
+        found = []
+        for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
+            tell(f"Fit with {' and '.join(chosen)}")
+            fit = fitted(place, chosen, forces)
+            # The linear problem may promise what the equations, far from there, do not keep.
+            if not _can_be(model, every, fit, speed) or _missed(fit) > missed:
                 continue
-            tried.add(found)
-            tell(f"Fit with {' and '.join(found)}")
-            fit = fitted(place, found, own)
-            try:
-                model_of(model, every, fit, speed)
-            except ModelError:
-                continue
-            if _missed(fit) > before:
-                # The linear problem promised what the equations, far from there, do not keep.
-                continue
-            gain = fit.log_probability - null.log_probability - price * len(found)
-            settled[found] = Named(names=found, gain=gain, fit=fit)
-        if turn == TURNS - 1 or not settled:
+            gain = fit.log_probability - null.log_probability - price * len(chosen)
+            found.append(Named(names=chosen, gain=gain, fit=fit))
+        settled |= {item.names: item for item in found}
+        best = max(found, key=lambda item: item.gain, default=ahead)
+        if best.gain <= ahead.gain:
             break
-        best = max(settled.values(), key=lambda item: item.gain)
-        if best.gain < 0.0:
-            break
-        tell(f"All sets from where {' and '.join(best.names)} leads")
-        there = best.fit.place
-        place = place_at(there.question, best.fit.z)
-        forces = best.fit.forces
-        views.append(at_place(place, best.names, forces, fine=True).weighed())
+        ahead, missed = best, _missed(best.fit)
+        place = place_at(best.fit.place.question, best.fit.z)
     order = sorted(settled.values(), key=lambda item: -item.gain)
-    gains = dict(sets) | {item.names: item.gain for item in order}
+    gains = {
+        chosen: first(chosen) - first(()) - price * len(chosen)
+        for chosen in (*combinations(names, 1), *combinations(names, min(most, 2)))
+    }
+    gains |= {item.names: item.gain for item in order}
     entries = sorted(gains.items(), key=lambda item: -item[1])
     return Contest(
         null=null,
@@ -160,73 +142,81 @@ def contest_of(
     )
 
 
+def _can_be(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> bool:
+    """Whether a model can have the values of a fit."""
+    try:
+        model_of(model, every, fit, speed)
+    except ModelError:
+        return False
+    return True
+
+
+def _larger(chosen: Names, names: Sequence[str]) -> list[Names]:
+    """A set with each of the other effects, in the order of the catalogue."""
+    return [
+        tuple(x for x in names if x in chosen or x == name) for name in names if name not in chosen
+    ]
+
+
+def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names, Forces]]:
+    """Sets that are in front by the linear problem of a place, and forces to begin with.
+
+    They are looked at by the unknown forces of the set that is ahead, with a base that moves and
+    one that does not, and by those that each set needs itself: what removes nearly all that is
+    missed shows by these, what removes a little by the others.
+    """
+    own = ahead.weighed() if ahead.place is place else at_place(place, ahead.names).weighed()
+    held = _within(place, 1)
+    still = at_place(held, ahead.names, ahead.forces, fine=True)
+    views = (own, still.weighed())
+    found: dict[Names, Forces] = {}
+    for view in views:
+        order = sorted(sets, key=view, reverse=True)
+        found |= dict.fromkeys(order[:LIKELY], ahead.forces)
+        paid = []
+        for names in order[:PAID]:
+            fit = at_place(held if view is views[1] else place, names, still.forces, fine=True)
+            paid.append((fit.log_probability, names, fit.forces))
+        paid.sort(key=lambda item: -item[0])
+        found |= {names: forces for _, names, forces in paid[:REFITTED]}
+    return list(found.items())
+
+
+def _base_alone(zero: Place) -> tuple[Place, Fit]:
+    """The base as far as it may move for the good of records left out one after another.
+
+    A spread that makes these worse is none for any set: with it the values take over, by the
+    linear problem, what they do not explain.
+    """
+    count = len(zero.question.numbers.base.spreads)
+    place = _within(zero, 1)
+    null = fitted(place, (), whole=True)
+    missed = _missed(null)
+    for number in range(2, count + 1):
+        wider = _within(zero, number)
+        other = fitted(wider, (), whole=True)
+        if other.spread < wider.question.numbers.base.spreads[-1] or _missed(other) >= missed:
+            break
+        place, null, missed = wider, other, _missed(other)
+    return place, null
+
+
 def steady(fit: Fit) -> Fit:
     """A fit, or that of its set with a base that does not move, if records left out say so."""
     if not fit.spread:
         return fit
-    held = fitted(_held(fit.place), fit.names, fit.forces)
+    held = fitted(_within(fit.place, 1), fit.names, fit.forces)
     return held if _missed(held) < _missed(fit) else fit
 
 
-def _held(place: Place) -> Place:
-    """The linear problem with a base that does not move."""
+def _within(place: Place, count: int) -> Place:
+    """The linear problem with a base that moves by the smallest spreads alone."""
     question = place.question
-    numbers = replace(question.numbers, base=question.numbers.base.held)
+    numbers = replace(question.numbers, base=question.numbers.base.within(count))
     return replace(place, question=replace(question, numbers=numbers))
-
-
-def _held_front(names: Sequence[str], zero: Place, sharp: Forces) -> list[tuple[Names, Forces]]:
-    """The single effects in front while the base stands as it is given.
-
-    A base that moves can promise, by the linear problem, what no ship does.
-    """
-    still = _held(zero)
-    alone = at_place(still, ())
-    views = [alone.weighed(), weighed(zero.information.under(sharp), still.question.numbers)]
-    order = sorted(names, key=lambda name: -max(view((name,)) for view in views))
-    return _front([(name,) for name in order[:PAID]], still, alone.forces, REFITTED - 1)
 
 
 def _missed(fit: Fit) -> float:
     """Sum of ln of the errors of records that are left out one after another."""
     records = [item.record for item in fit.place.question.stretches]
     return sum(math.log(x + TINY) for x in pooled(predicted(fit, each(records))).values())
-
-
-def _gain(views: Sequence[Weighed], null: Fit, price: float) -> Callable[[Names], float]:
-    def gain(names: Names) -> float:
-        found = max(view(names) for view in views)
-        return found - null.log_probability - price * len(names)
-
-    return gain
-
-
-def _front(
-    sets: Sequence[Names], place: Place, forces: Forces, count: int
-) -> list[tuple[Names, Forces]]:
-    """The sets in front once each has unknown forces of its own, and these."""
-    price = price_of(place.question)
-    paid = []
-    for names in sets:
-        fit = at_place(place, names, forces, fine=True)
-        paid.append((fit.log_probability - price * len(names), names, fit.forces))
-    paid.sort(key=lambda item: -item[0])
-    return [(names, own) for _, names, own in paid[:count]]
-
-
-def _sets(
-    names: Sequence[str], gain: Callable[[Names], float], most: int
-) -> list[tuple[Names, float]]:
-    """All single effects and pairs, and the best pairs with every third, best first."""
-    found: dict[Names, float] = {(name,): gain((name,)) for name in names}
-    if most > 1:
-        found |= {pair: gain(pair) for pair in combinations(names, 2)}
-    if most > 2:
-        order = {name: i for i, name in enumerate(names)}
-        pairs = sorted((item for item in found if len(item) == 2), key=lambda x: -found[x])
-        for pair in pairs[:AHEAD]:
-            for other in names:
-                three: Names = tuple(sorted({*pair, other}, key=order.__getitem__))
-                if len(three) == 3 and three not in found:
-                    found[three] = gain(three)
-    return sorted(found.items(), key=lambda item: -item[1])

@@ -19,8 +19,6 @@ from pmmkit.numerics import Array
 Names = tuple[str, ...]
 WIDER: Final = 1.5
 """Standard deviation of a coefficient before, over its usual size."""
-BASE_SURE: Final = 1e-12
-"""A base that moves by less is not moved at all."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -210,9 +208,5 @@ def _whole(numbers: Numbers, names: Sequence[str], spread: float) -> Array:
 
 def unlikely(numbers: Numbers, names: Sequence[str], spread: float, z: Array) -> float:
     """Half the sum of squares of some numbers by what is known of them before."""
-    total = float(z[numbers.at(names)] @ z[numbers.at(names)])
-    root = numbers.base.root(spread)
-    if root.shape[1]:
-        own = np.linalg.solve(root, z[: numbers.width])
-        total += float(own @ own)
-    return 0.5 * total
+    own = z[numbers.at(names)]
+    return 0.5 * float(own @ own) + numbers.base.unlikely(z[: numbers.width], spread)
