@@ -70,7 +70,7 @@ def diagnose_free(
     own: Sequence[Effect] = (),
     windage: tuple[float, float] | None = None,
     sensors: Mapping[str, float] | None = None,
-    most: int = 3,
+    most: int = 4,
     extrapolate: bool = False,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,

@@ -32,6 +32,8 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 
+PACE: Final = 0.04
+"""Time between the instants of a record in ship lengths over the speed; finer ones are averaged."""
 ROUND: Final = 1.5
 """Error of heading [rad] from which a motion is lost."""
 
@@ -142,6 +144,31 @@ def _measured(stretch: Stretch) -> tuple[Array, Array]:
     return stretch.record.t[there], psi[there]
 
 
+def paced(record: FreeRecord, L: float) -> FreeRecord:
+    """A record at instants `PACE` apart, its measurements averaged about each of them.
+
+    Parameters
+    ----------
+    record : FreeRecord
+        However finely sampled.
+    L : float
+        Ship length [m].
+    """
+    step = float(np.median(np.diff(record.t)))
+    every = max(round(PACE * L / record.speed / step), 1)
+    if every == 1:
+        return record
+    kernel = np.ones(every)
+    means = {}
+    for name, x in record.measured.items():
+        there = np.isfinite(x)
+        count = np.convolve(there.astype(float), kernel, mode="same")
+        total = np.convolve(np.where(there, x, 0.0), kernel, mode="same")
+        # Next to a gap or an end the average is not one about its instant.
+        means[name] = np.where(count == every, total / every, np.nan)
+    return record.with_(measured=means).at(slice(every, len(record) - every, every))
+
+
 def question_of(
     model: Model,
     records: Sequence[FreeRecord],
@@ -192,7 +219,7 @@ def question_of(
             large, chosen, numbers.values, sensors=noise, window=length, extrapolate=extrapolate
         )
 
-    ready = settled(large, records, cut, sensors or {})
+    ready = settled(large, [paced(item, large.ship.L) for item in records], cut, sensors or {})
     still = np.zeros(len(numbers.values))
     longer = [follow(joined(item), still, ready.sensors) for item in ready.stretches]
     return Question(
