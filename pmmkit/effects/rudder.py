@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, sin, sqrt, where
+from pmmkit.effects.seen import Move, Vessel
 
 
 def rudder_flow(
@@ -230,6 +232,31 @@ RUDDER_MMG: Final = Effect(
     outputs=("X", "Y", "N", "K", "rudder_force"),
     sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
+
+
+_STALLING: Final = {"stall_loss": (0.0, 0.4), "stall_deg": (20.0, 5.0)}
+"""Where values of a stall begin and how far they usually are from there."""
+
+
+def stall_of_the_rudder(vessel: Vessel) -> Mapping[str, Move]:
+    """The stall of a rudder in the flow behind ship and propeller; none without such a rudder.
+
+    A rudder of which nothing is known begins to stall at 20° and loses nothing.
+    """
+    part = RUDDER_MMG.name
+    if not vessel.holds(part, "area"):
+        return {}
+    begins = MappingProxyType({f"{part}.{name}": at for name, (at, _) in _STALLING.items()})
+    options = MappingProxyType({part: MappingProxyType(dict([_STALL]))})
+    return {
+        name: Move(
+            values=MappingProxyType({f"{part}.{name}": 1.0}),
+            typical=usual,
+            options=options,
+            begins=begins,
+        )
+        for name, (_, usual) in _STALLING.items()
+    }
 
 
 def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -> Effect:
