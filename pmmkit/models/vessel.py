@@ -103,9 +103,6 @@ def told(
     --------
     >>> from pmmkit.models import load_model
     >>> ship = load_model("s175")
-    >>> told(ship, {"rudder_mmg": {"stall": "smooth"}}, {}) is ship
-    Traceback (most recent call last):
-    pmmkit.errors.ModelError: s175: rudder_mmg lacks stall_deg, stall_loss.
     >>> begins = {"rudder_mmg.stall_deg": 20.0, "rudder_mmg.stall_loss": 0.0}
     >>> stalls = told(ship, {"rudder_mmg": {"stall": "smooth"}}, begins)
     >>> told(stalls, {"rudder_mmg": {"stall": "smooth"}}, begins) is stalls

@@ -160,7 +160,9 @@ def candidate_of(
         moves=MappingProxyType({label: move.values for label, move in moves.items()}),
         typical=MappingProxyType({label: move.typical for label, move in moves.items()}),
         part=part,
-        options=MappingProxyType({x: y for move in moves.values() for x, y in move.options.items()}),
+        options=MappingProxyType(
+            {x: y for move in moves.values() for x, y in move.options.items()}
+        ),
         begins=MappingProxyType({x: y for move in moves.values() for x, y in move.begins.items()}),
         check=effect.check,
     )
