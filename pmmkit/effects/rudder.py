@@ -241,14 +241,14 @@ RUDDER_MMG: Final = Effect(
 )
 
 
-_STALLING: Final = {"stall_loss": (0.0, 0.4), "stall_deg": (20.0, 5.0)}
-"""Where values of a stall begin and how far they usually are from there."""
+_STALLING: Final = {"stall_loss": (0.0, 0.4), "stall_deg": (15.0, 5.0)}
+"""Where values of a stall begin and how far they usually are from there: few stall before 15°."""
 
 
 def stall_of_the_rudder(vessel: Vessel) -> Mapping[str, Move]:
     """The stall of a rudder in the flow behind ship and propeller; none without such a rudder.
 
-    A rudder of which nothing is known begins to stall at 20° and loses nothing.
+    A rudder of which nothing is known begins to stall at 15° and loses nothing.
     """
     part = RUDDER_MMG.name
     if not vessel.holds(part, "area"):
