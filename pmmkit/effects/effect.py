@@ -180,7 +180,8 @@ class Effect(Described):
         Of kind freed: the part whose values it moves.
     moves : callable, optional
         From a vessel to how each coefficient moves its values, where that does not follow from
-        the kind; of a fault, what it does to a model that was made from faulty tests.
+        the kind; of kind terms, for vessels that have a part of their own for it, and nothing for
+        others; of a fault, what it does to a model that was made from faulty tests.
     columns : callable, optional
         Of kind fault: from a run and a value of the nonlinear parameter to the harmonics of each
         coefficient by channel.

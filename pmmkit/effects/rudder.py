@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.primitives import atan2, cos, fabs, maximum, minimum, pi, sin, sqrt, where
+from pmmkit.effects.seen import Move, Vessel
 
 
 def rudder_flow(
@@ -82,19 +84,26 @@ def normal_force(
     """Normal force of the rudder [N], negative when the rudder turns the ship to starboard.
 
     -½ρ A fα V² sin α with α = δ + atan(across/along), written by sums of angles. With `stall` the
-    force falls beyond the stall angle, smoothly over 10°, by the share that is lost.
+    force falls beyond the stall angle by the share that is lost: 1 smoothly over 10°, 2 so much
+    more with each 10°, down to what a plate across the flow has.
 
     Examples
     --------
     >>> from math import radians
     >>> round(normal_force(3.0, 0.0, radians(30), 1000.0, 2.0, 2.5, 0, 0.0, 0.0))
     -11250
+    >>> round(normal_force(3.0, 0.0, radians(30), 1000.0, 2.0, 2.5, 2, 20.0, 0.3))
+    -7875
     """
     flow = sqrt(along * along + across * across)
     force = -0.5 * rho * area * lift_slope * flow * (along * sin(delta) + across * cos(delta))
     if stall == 0:
         return force
     angle = fabs(delta + atan2(across, along)) * 180.0 / pi
+    if stall == 2:
+        further = maximum((angle - stall_deg) / 10.0, 0.0)
+        # A plate across the flow has a coefficient of about 1.2, a rudder's fα is 2.5 to 3.
+        return force * maximum(1.0 - stall_loss * further, 0.4)
     beyond = minimum(maximum((angle - stall_deg) / 10.0, 0.0), 1.0)
     return force * (1.0 - stall_loss * beyond * beyond * (3.0 - 2.0 * beyond))
 
@@ -165,7 +174,7 @@ def force(
 
 _SN: Final = ("inflow", "son-nomoto")
 _MMG: Final = ("inflow", "mmg")
-_STALL: Final = ("stall", "smooth")
+_STALL: Final = ("stall", "smooth", "linear")
 RUDDER_MMG: Final = Effect(
     name="rudder_mmg",
     family="rudder",
@@ -224,12 +233,39 @@ RUDDER_MMG: Final = Effect(
         Parameter(name="rate_deg_s", text="rate of the steering gear", unit="deg/s", low=1e-6),
         Parameter(name="max_deg", text="largest rudder angle", unit="deg", default=90.0, low=0.0),
     ),
-    options={"inflow": ("son-nomoto", "mmg"), "stall": ("none", "smooth")},
+    options={"inflow": ("son-nomoto", "mmg"), "stall": ("none", "smooth", "linear")},
     needs=("delta", "n"),
     force=force,
     outputs=("X", "Y", "N", "K", "rudder_force"),
     sources=("son_nomoto_1981", "yasukawa_yoshimura_2015"),
 )
+
+
+_STALLING: Final = {"stall_loss": (0.0, 0.4), "stall_deg": (15.0, 5.0)}
+"""Where values of a stall begin and how far they usually are from there: few stall before 15°."""
+
+
+def stall_of_the_rudder(vessel: Vessel) -> Mapping[str, Move]:
+    """The stall of a rudder in the flow behind ship and propeller; none without such a rudder.
+
+    A rudder of which nothing is known begins to stall at 15° and loses nothing.
+    """
+    part = RUDDER_MMG.name
+    if not vessel.holds(part, "area"):
+        return {}
+    begins = MappingProxyType({f"{part}.{name}": at for name, (at, _) in _STALLING.items()})
+    # How the force falls is not known: in proportion is the first term of any law.
+    words = {} if vessel.holds(part, "stall_loss") else {"stall": "linear"}
+    options = MappingProxyType({part: MappingProxyType(words)})
+    return {
+        name: Move(
+            values=MappingProxyType({f"{part}.{name}": 1.0}),
+            typical=usual,
+            options=options,
+            begins=begins,
+        )
+        for name, (_, usual) in _STALLING.items()
+    }
 
 
 def _freed(name: str, summary: str, sizes: Mapping[str, float], *, check: str) -> Effect:

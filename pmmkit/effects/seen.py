@@ -6,8 +6,9 @@ An effect knows nothing of runs and models: it is asked through these.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Final, Protocol
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any, Final, Protocol
 
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
@@ -42,6 +43,10 @@ EXCITES: Final = {
 """What tests must hold to show an effect, and what that means."""
 
 
+def _none() -> Mapping[str, Any]:
+    return MappingProxyType({})
+
+
 @dataclass(frozen=True, kw_only=True)
 class Move:
     """How a coefficient moves values.
@@ -54,10 +59,16 @@ class Move:
         `CURRENT` and `RUDDER_ZERO`.
     typical : float
         Usual size of the coefficient.
+    options : mapping of str to (mapping of str to str)
+        By part: the words that it has to be told to use these values.
+    begins : mapping of str to float
+        What values are where the part did not use them before, as ``rudder_mmg.stall_loss``.
     """
 
     values: Mapping[str, float]
     typical: float
+    options: Mapping[str, Mapping[str, str]] = field(default_factory=_none)
+    begins: Mapping[str, float] = field(default_factory=_none)
 
 
 class Vessel(Protocol):

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
+from pmmkit.effects.rudder import stall_of_the_rudder
 
 
 def terms(
@@ -174,6 +175,7 @@ EFFECTS: Final = (
         sources=("molland_turnock_2007",),
         check="rudder at 25, 30 and 35°",
         excites=("rudder",),
+        moves=stall_of_the_rudder,
     ),
     terms(
         "rudder_cross_terms",

@@ -22,7 +22,8 @@ def before_of(old: Model, new: Model, places: Collection[str] | None = None) -> 
     old, new : Model
         Before and after the step.
     places : collection of str, optional
-        Parts and values (``hull_polynomial.Yvvr``) that belong to the step; all by default.
+        Parts and values (``hull_polynomial.Yvvr``) that belong to the step; all by default. What
+        a part was told to use its values belongs to them.
 
     Examples
     --------
@@ -35,11 +36,19 @@ def before_of(old: Model, new: Model, places: Collection[str] | None = None) -> 
     absent: list[str] = []
     values: dict[str, Value] = {}
     sources: dict[str, str] = {}
+    options: dict[str, str] = {}
+    touched = None if places is None else {place.partition(".")[0] for place in places}
     for effect, part in new.parts.items():
         if effect not in old.parts and (places is None or effect in places):
             absent.append(effect)
             continue
         was = old.parts.get(effect, Part(effect=effect))
+        there = effect in old.parts and (touched is None or effect in touched)
+        for name, word in part.options.items() if there else ():
+            if name not in was.options:
+                absent.append(f"{effect}.{name}")
+            elif was.options[name] != word:
+                options[f"{effect}.{name}"] = was.options[name]
         for name, value in part.values.items():
             place = f"{effect}.{name}"
             if places is not None and place not in places:
@@ -54,6 +63,7 @@ def before_of(old: Model, new: Model, places: Collection[str] | None = None) -> 
         absent=tuple(absent),
         values=MappingProxyType(values),
         sources=MappingProxyType(sources),
+        options=MappingProxyType(options),
         pooled=bool(new.Fn) and not old.Fn,
     )
 
@@ -95,19 +105,24 @@ def restored(model: Model, before: Before) -> Model:
             values=MappingProxyType({**part.values, name: value}),
             sources=MappingProxyType(sources),
         )
+    for place, word in before.options.items():
+        effect, _, name = place.partition(".")
+        if effect in parts:
+            words = MappingProxyType({**parts[effect].options, name: word})
+            parts[effect] = replace(parts[effect], options=words)
     made = replace(made, parts=MappingProxyType(parts))
     return _pooled(made) if before.pooled else made
 
 
 def without_values(model: Model, places: Iterable[str]) -> Model:
-    """A model without some parts or values of parts, nor their sources and covariance.
+    """A model without some parts, or values and options of parts, nor sources and covariance.
 
     Parameters
     ----------
     model : Model
         The model.
     places : iterable of str
-        Parts, and values of parts (``hull_polynomial.Yvvr``).
+        Parts, and values and options of parts (``hull_polynomial.Yvvr``, ``rudder_mmg.stall``).
     """
     gone = frozenset(places)
     parts = {
@@ -116,6 +131,7 @@ def without_values(model: Model, places: Iterable[str]) -> Model:
             values=_left(part.values, effect, gone),
             sources=_left(part.sources, effect, gone),
             std=_left(part.std, effect, gone),
+            options=_left(part.options, effect, gone),
         )
         for effect, part in model.parts.items()
         if effect not in gone

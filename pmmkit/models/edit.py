@@ -16,7 +16,7 @@ from pmmkit.models.changes import before_of, restored
 from pmmkit.models.model import Model, Part
 from pmmkit.models.step import Before, Step, Value
 from pmmkit.models.terms import Asked, home_of, reference, with_terms, without_terms
-from pmmkit.models.vessel import Sailing, moves_of
+from pmmkit.models.vessel import Sailing, moves_of, told
 
 
 class Found(Protocol):
@@ -100,7 +100,7 @@ def with_effect(
     if len(several) > 1 and (value is not None or isinstance(coefficients, Mapping)):
         raise ModelError("Coefficients and values are given for one effect at a time.")
     for item in several:
-        asked = _asked(item, coefficients, value, tuple(float(x) for x in Fn), source)
+        asked = _asked(model, item, coefficients, value, tuple(float(x) for x in Fn), source)
         beside = not isinstance(item, (str, Effect)) and item.beside
         there = asked.name in model.parts or not asked.effect.enters
         if asked.effect.kind == "freed" or (beside and there):
@@ -141,8 +141,8 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
     False
     """
     for item in _listed(effect):
-        asked = _asked(item, None, None, (), "")
-        if asked.effect.kind == "freed":
+        asked = _asked(model, item, None, None, (), "")
+        if asked.effect.kind == "freed" or _was_moved(model, asked):
             model = _moved_back(model, asked.name)
         elif asked.effect.enters:
             if asked.name not in model.parts:
@@ -162,10 +162,16 @@ def _listed(effect: Named | Sequence[Named]) -> list[Named]:
 
 
 def _asked(
-    effect: Named, coefficients: Sizes, value: float | None, Fn: tuple[float, ...], source: str
+    model: Model,
+    effect: Named,
+    coefficients: Sizes,
+    value: float | None,
+    Fn: tuple[float, ...],
+    source: str,
 ) -> Asked:
     """What is asked for, checked against what there is."""
     given: Mapping[str, float] | None = None
+    own: Mapping[str, object] = {}
     if isinstance(effect, Effect):
         entry = effect
     elif isinstance(effect, str):
@@ -174,17 +180,19 @@ def _asked(
         given = effect.coefficients
         value = effect.value if value is None else value
         entry = effect_of(effect.effect) if effect.effect in catalogue() else _found(effect)
+        own = moves_of(entry, Sailing(model, 1.0)) if effect.beside and not entry.faulty else {}
     _refuse(entry)
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
         given, origin = None, "assumed: usual size"
     elif isinstance(coefficients, Mapping):
         given, origin = coefficients, "given"
-    stray = [label for label in given or {} if entry.typical and label not in entry.typical]
+    known = {**entry.typical, **own}
+    stray = [label for label in given or {} if entry.typical and label not in known]
     if stray:
         raise UnknownNameError(
             f"{entry.name} has no coefficient {', '.join(stray)}"
-            f"{did_you_mean(stray[0], entry.typical) or '.'} It has {', '.join(entry.typical)}."
+            f"{did_you_mean(stray[0], known) or '.'} It has {', '.join(known)}."
         )
     sizes = dict(given or {})
     if coefficients == "typical":
@@ -296,7 +304,15 @@ def _with_moved(model: Model, asked: Asked) -> Model:
             f"{asked.name} moves values of {asked.effect.frees}, which model {model.name!r} does "
             f"not have."
         )
-    parts = dict(model.parts)
+    if asked.known and not any(moves.keys() & {x for x, y in asked.coefficients.items() if y}):
+        raise ModelError(
+            f"{asked.name} moves {', '.join(moves)} of model {model.name!r}, and was found as "
+            f"{', '.join(asked.coefficients)} of another one: diagnose with this model."
+        )
+    made = model
+    for move in moves.values():
+        made = told(made, move.options, move.begins)
+    parts = dict(made.parts)
     for label, size in asked.coefficients.items():
         for place, share in moves[label].values.items() if label in moves else ():
             home, _, name = place.rpartition(".")
@@ -311,7 +327,7 @@ def _with_moved(model: Model, asked: Asked) -> Model:
                     {**part.sources, name: f"{part.source_of(name)}; {asked.source}"}
                 ),
             )
-    made = replace(model, parts=MappingProxyType(parts))
+    made = replace(made, parts=MappingProxyType(parts))
     return made.stepped(
         Step(
             action="effect_added",
@@ -327,6 +343,12 @@ def _with_moved(model: Model, asked: Asked) -> Model:
 
 def _more(value: Value, size: float) -> Value:
     return tuple(x + size for x in value) if isinstance(value, tuple) else value + size
+
+
+def _was_moved(model: Model, asked: Asked) -> bool:
+    """Whether an effect of derivatives came to a model by the values of another part."""
+    own = [step for step in model.steps if step.effect == asked.name and step.before is not None]
+    return bool(own) and not own[-1].coefficients.keys() & asked.effect.typical.keys()
 
 
 def _moved_back(model: Model, name: str) -> Model:

@@ -40,11 +40,14 @@ class Before:
     Parameters
     ----------
     absent : tuple of str
-        Parts, and values of parts (``hull_polynomial.Yvvr``), that were not there.
+        Parts, and values and options of parts (``hull_polynomial.Yvvr``, ``rudder_mmg.stall``),
+        that were not there.
     values : mapping of str to float or tuple of float
         Values that were replaced.
     sources : mapping of str to str
         Sources that these values had of their own.
+    options : mapping of str to str
+        Words of options that were replaced.
     pooled : bool
         Whether the model had no Froude numbers.
     """
@@ -52,6 +55,7 @@ class Before:
     absent: tuple[str, ...] = ()
     values: Mapping[str, Value] = field(default_factory=_none)
     sources: Mapping[str, str] = field(default_factory=_none)
+    options: Mapping[str, str] = field(default_factory=_none)
     pooled: bool = False
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from pmmkit.conventions import force_unit, parse_derivative, speed_unit
 from pmmkit.effects.added_mass import INERTIA
@@ -58,7 +59,9 @@ def moves_of(effect: Effect, vessel: Sailing) -> Mapping[str, Move]:
     Coefficients of derivatives are those of the catalogue, in the prime system.
     """
     if effect.moves is not None:
-        return effect.moves(vessel)
+        found = effect.moves(vessel)
+        if found or effect.kind != "terms":
+            return found
     if effect.kind == "terms":
         return {
             label: Move(
@@ -80,6 +83,44 @@ def moves_of(effect: Effect, vessel: Sailing) -> Mapping[str, Move]:
         label: Move(values={f"{part}.{label}": 1.0}, typical=effect.typical[label])
         for label in held
     }
+
+
+def told(
+    model: Model, options: Mapping[str, Mapping[str, str]], begins: Mapping[str, float]
+) -> Model:
+    """A model whose parts are told to use values, which act as little as before.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    options : mapping of str to (mapping of str to str)
+        By part: the words that it is told; those that it has by default need not be said.
+    begins : mapping of str to float
+        What values become that the part did not use before.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> ship = load_model("s175")
+    >>> begins = {"rudder_mmg.stall_deg": 20.0, "rudder_mmg.stall_loss": 0.0}
+    >>> stalls = told(ship, {"rudder_mmg": {"stall": "smooth"}}, begins)
+    >>> told(stalls, {"rudder_mmg": {"stall": "smooth"}}, begins) is stalls
+    True
+    """
+    known, parts = Sailing(model, 1.0), dict(model.parts)
+    for name, words in options.items():
+        part = parts[name]
+        chosen = part.known.chosen(part.options)
+        new = {option: word for option, word in words.items() if chosen[option] != word}
+        parts[name] = replace(part, options=MappingProxyType({**part.options, **new}))
+    for place, value in begins.items():
+        name, _, own = place.partition(".")
+        if not known.holds(name, own) or own not in parts[name].values:
+            values = MappingProxyType({**parts[name].values, own: value})
+            parts[name] = replace(parts[name], values=values)
+    same = all(parts[name] == model.parts[name] for name in parts)
+    return model if same else replace(model, parts=MappingProxyType(parts))
 
 
 def _from_prime(model: Model, name: str) -> float:

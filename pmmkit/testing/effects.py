@@ -23,7 +23,7 @@ from pmmkit.diagnosis.free_running.candidates import candidate_of as free_candid
 from pmmkit.effects.catalogue import arguments_of, catalogue
 from pmmkit.effects.effect import BY_SPEED, KINDS, Effect, unit_is_known
 from pmmkit.effects.primitives import over_arrays
-from pmmkit.effects.seen import CURRENT, EXCITES, RUDDER_ZERO
+from pmmkit.effects.seen import EXCITES, OUTSIDE
 from pmmkit.equations import Prepared, prepare
 from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.histories import water_forces
@@ -555,7 +555,7 @@ def _free_running(case: _Case) -> Iterator[str]:
         found.append(candidate)
         made = candidate.added_to(model)
         for place in candidate.values:
-            if place in (*CURRENT, RUDDER_ZERO):
+            if place in OUTSIDE:
                 continue
             part, _, name = place.rpartition(".")
             homes = [part] if part else list(made.parts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Literal
 
@@ -15,7 +15,7 @@ from pmmkit.effects.seen import OUTSIDE
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
-from pmmkit.models.vessel import Sailing, moves_of
+from pmmkit.models.vessel import Sailing, moves_of, told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +37,9 @@ class FreeCandidate:
         Usual size of each coefficient.
     part : Part, optional
         What the model is given to have these values, where it lacks them.
+    options, begins : mapping
+        What parts of the model are told to use these values, and what these are then, as in
+        `effects.seen.Move`.
     check : str
         A run that tells it from others, in words.
     """
@@ -48,6 +51,8 @@ class FreeCandidate:
     typical: Mapping[str, float]
     kind: Literal["physics", "fault"] = "physics"
     part: Part | None = None
+    options: Mapping[str, Mapping[str, str]] = field(default_factory=lambda: MappingProxyType({}))
+    begins: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     check: str = ""
 
     @property
@@ -57,10 +62,10 @@ class FreeCandidate:
 
     def added_to(self, model: Model) -> Model:
         """The model with a place for the effect, its size still zero."""
-        made = model
+        made = told(model, self.options, self.begins)
         if self.part is not None and self.part.effect not in model.parts:
             made = replace(
-                model, parts=MappingProxyType({**model.parts, self.part.effect: self.part})
+                made, parts=MappingProxyType({**made.parts, self.part.effect: self.part})
             )
         for name in self.values:
             if "." in name or name in OUTSIDE or _known(made, name):
@@ -155,6 +160,10 @@ def candidate_of(
         moves=MappingProxyType({label: move.values for label, move in moves.items()}),
         typical=MappingProxyType({label: move.typical for label, move in moves.items()}),
         part=part,
+        options=MappingProxyType(
+            {x: y for move in moves.values() for x, y in move.options.items()}
+        ),
+        begins=MappingProxyType({x: y for move in moves.values() for x, y in move.begins.items()}),
         check=effect.check,
     )
 

@@ -42,6 +42,7 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
+from pmmkit.errors import ModelError
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -188,7 +189,7 @@ def diagnose_free(
     many = named and len(group) > LONGEST
     told = named and not many
     refit = steady(null)
-    better = steady(best.fit) if told and best else None
+    better = _possible(model, every, best.fit, speed) if told and best else None
     last = better or refit
     errors = _errors(contest, refit, better)
     left = _left(last, tolerance)
@@ -234,6 +235,16 @@ def diagnose_free(
         corrections=MappingProxyType(corrections),
         notes=_notes(question, last),
     )
+
+
+def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:
+    """The steady form of a fit, if there can be such a ship, else the fit."""
+    found = steady(fit)
+    try:
+        model_of(model, every, found, speed)
+    except ModelError:
+        return fit
+    return found
 
 
 def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:

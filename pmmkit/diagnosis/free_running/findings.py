@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
+from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
 from pmmkit.identification.parameters import places
@@ -20,6 +22,9 @@ from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.numerics import Array
+
+BEYOND: Final = 2.0
+"""Standard deviations by which a fit may leave a value beyond the least or most that there is."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,10 +43,23 @@ def moved(fit: Fit) -> dict[str, float]:
     return {name: x for name, x in zip(numbers.values, change, strict=True) if x != 0.0}
 
 
+def _uncertain(fit: Fit) -> dict[str, float]:
+    """Standard deviation of each value of the model by a fit."""
+    numbers = fit.place.question.numbers
+    variance = np.einsum("ij,jk,ik->i", numbers.T, fit.covariance, numbers.T)
+    return dict(zip(numbers.values, np.sqrt(np.maximum(variance, 0.0)).tolist(), strict=True))
+
+
 def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Model:
     """The model with the values of a fit and the parts of its effects.
 
-    What a fit moves is moved alike at all Froude numbers.
+    What a fit moves is moved alike at all Froude numbers. What it leaves a little beyond the least
+    or the most that there is, by less than it knows of it, is put there.
+
+    Raises
+    ------
+    ModelError
+        If a value is further beyond.
     """
     made = replace(model, covariance=None, covariance_names=())
     for item in every:
@@ -50,13 +68,25 @@ def model_of(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: floa
     change = {name: x for name, x in moved(fit).items() if name not in OUTSIDE}
     numbers = values_at(made, speed, extrapolate=True)
     at = places(made, list(change))
-    for (effect, name), x in zip(at, change.values(), strict=True):
+    std = _uncertain(fit)
+    for (effect, name), (place, x) in zip(at, change.items(), strict=True):
         own = made.parts[effect].values.get(name)
+        known, unsure = made.parts[effect].known.parameter(name), std[place]
         if isinstance(own, tuple):
-            made = made.with_values(effect, **{name: tuple(value + x for value in own)})
+            more = tuple(_within(known, value + x, unsure) for value in own)
+            made = made.with_values(effect, **{name: more})
         else:
-            made = made.with_values(effect, **{name: float(numbers[effect][name]) + x})
+            one = _within(known, float(numbers[effect][name]) + x, unsure)
+            made = made.with_values(effect, **{name: one})
     return made
+
+
+def _within(parameter: Parameter | None, value: float, unsure: float) -> float:
+    """A value at the limit that it is beyond by less than is known of it, else as it is."""
+    if parameter is None:
+        return value
+    near = min(max(value, parameter.low), parameter.high)
+    return near if abs(value - near) <= BEYOND * unsure else value
 
 
 def held_out_errors(

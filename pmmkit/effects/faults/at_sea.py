@@ -40,6 +40,7 @@ def _fault(name: str, summary: str, moves: Moves, check: str, **more: Any) -> Ef
         kind="fault",
         summary=summary,
         moves=moves,
+        sources=("ittc_7.5-04-02-01",),
         check=check,
         not_captive=ON_A_CARRIAGE,
         **more,
