@@ -31,8 +31,9 @@ class Base:
         Values of the model.
     sizes : array (b,)
         Usual size of each.
-    known : array (b, b)
-        Covariance that holds whatever the spread is, over the sizes.
+    known : array (b + g, b + g)
+        Covariance that holds whatever the spread is, over the sizes; after the values, that of the
+        coefficients of effects that the base has.
     spreads : array (s,)
         Standard deviations over the sizes that are weighed against each other, beside it.
     """
@@ -47,15 +48,26 @@ class Base:
         """The same with no spread."""
         return replace(self, spreads=np.zeros(1))
 
+    def having(self, coefficients: int) -> Base:
+        """The same with effects of so many coefficients, each as wide as a candidate's."""
+        width = len(self.known)
+        known = np.eye(width + coefficients)
+        known[:width, :width] = self.known
+        return replace(self, known=known)
+
     def root(self, spread: float) -> Array:
-        """Root (b, b) of the covariance at a spread; no columns where nothing may move."""
-        whole = self.known + spread**2 * np.eye(len(self.sizes))
-        if not np.any(whole):
-            return np.zeros((len(self.sizes), 0))
-        scale = np.sqrt(np.maximum(np.diagonal(whole), 1e-300))
-        correlation = whole / np.outer(scale, scale)
-        lower = np.linalg.cholesky(correlation + JITTER * np.eye(len(scale)))
-        found: Array = scale[:, None] * lower
+        """Root (b + g, m) of the covariance at a spread, with a column for each of the m numbers
+        that may move."""
+        whole = self.known.copy()
+        values = np.arange(len(self.sizes))
+        whole[values, values] += spread**2
+        moves = np.diagonal(whole) > 0.0
+        scale = np.sqrt(np.diagonal(whole)[moves])
+        correlation = whole[np.ix_(moves, moves)] / np.outer(scale, scale)
+        found = np.zeros((len(whole), len(scale)))
+        found[moves] = scale[:, None] * np.linalg.cholesky(
+            correlation + JITTER * np.eye(len(scale))
+        )
         return found
 
 
