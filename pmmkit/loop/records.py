@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
@@ -13,6 +13,8 @@ from pmmkit.diagnosis.diagnose import complete_model
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
+from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
 from pmmkit.diagnosis.free_running.refit import refitted
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
@@ -23,8 +25,14 @@ from pmmkit.loop.evidence import BASE
 from pmmkit.loop.record_fall import RecordError, RecordFall
 from pmmkit.models import Model
 from pmmkit.models.step import Step
+from pmmkit.plotting.records import Sailed
 from pmmkit.presentation import counted
 from pmmkit.structures import Structure
+
+DRAWN: Final = 3
+"""Records of which tracks are drawn."""
+BASE_FITTED: Final = "base fitted to the other records"
+WITH_EFFECTS: Final = "with the effects"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,9 +108,45 @@ class FreeRecords:
             )
         )
 
+    def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:
+        """The records that the base misses most, each left out, measured and sailed.
+
+        Parameters
+        ----------
+        steps : sequence of Step
+            What is added.
+        most : int
+            Records at most.
+        """
+        sets = self.sets(steps)
+        fits = {BASE_FITTED: self.system.fit(sets[0])}
+        if steps:
+            fits[WITH_EFFECTS] = self.system.fit(sets[-1])
+        missed = [
+            item["heading"] for item in predicted(fits[BASE_FITTED], each(self.system.records))
+        ]
+        worst = sorted(range(len(missed)), key=lambda j: -missed[j])[:most]
+        return [_sailed(fits, j) for j in sorted(worst)]
+
     def model(self, steps: Sequence[Step]) -> Model:
         """The model with base and effects fitted together, and with a step per effect."""
         return refitted(self.system, self.begun, steps)
+
+
+def _sailed(fits: Mapping[str, Fit], record: int) -> Sailed:
+    """A record left out, as fits to the others sail it."""
+    found = {name: left_out_windows(fit, record) for name, fit in fits.items()}
+    stretch = next(iter(found.values()))[0]
+    return Sailed(
+        name=stretch.record.name,
+        t=stretch.record.t,
+        begins=stretch.begins[:-1],
+        measured=stretch.record.measured,
+        simulated={
+            name: dict(zip(stretch.channels, shown.T, strict=True))
+            for name, (_, shown) in found.items()
+        },
+    )
 
 
 def free_running(

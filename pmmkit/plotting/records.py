@@ -44,21 +44,17 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
     if not steps or not errors:
         raise DataError("There is no step to draw.")
     with style.styled():
-        figure = style.canvas(3.2)
+        figure = style.canvas(3.0)
         axes = np.atleast_1d(figure.subplots(1, len(errors)))
         for axis, ((name, unit), values) in zip(axes, errors.items(), strict=True):
-            for number, (step, value) in enumerate(zip(steps, values, strict=True)):
-                label = figure_text(step).replace("_", " ")
-                axis.bar(
-                    number,
-                    value,
-                    width=0.75,
-                    color=style.colour(number),
-                    hatch=style.hatch(number),
-                    edgecolor="white",
-                    lw=0.0,
-                    label=f"+ {label}" if number else label,
-                )
+            axis.bar(
+                range(len(steps)),
+                values,
+                width=0.75,
+                color=[style.colour(number) for number in range(len(steps))],
+                label=f"error of {name}",
+            )
+            for number, value in enumerate(values):
                 axis.annotate(
                     f"{value:.3g}",
                     (number, value),
@@ -69,11 +65,16 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
                 )
             axis.set_ylim(0.0, 1.15 * max(values) or 1.0)
             axis.set_xlim(-0.7, len(steps) - 0.3)
-            axis.set_xticks([])
+            axis.set_xticks(range(len(steps)), _ticks(steps))
             axis.grid(visible=False, axis="x")
             axis.set_ylabel(f"error of {name} [{unit}]")
-        style.legend_below(figure, [axes[0]])
     return figure
+
+
+def _ticks(steps: Sequence[str]) -> list[str]:
+    """The steps in short lines."""
+    words = [figure_text(step).replace("_", "\n") for step in steps]
+    return [f"+ {word}" if number else word for number, word in enumerate(words)]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
