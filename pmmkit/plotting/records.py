@@ -52,7 +52,7 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
                 values,
                 width=0.75,
                 color=[style.colour(number) for number in range(len(steps))],
-                label=f"error of {name}",
+                label="error",
             )
             for number, value in enumerate(values):
                 axis.annotate(
@@ -67,7 +67,8 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
             axis.set_xlim(-0.7, len(steps) - 0.3)
             axis.set_xticks(range(len(steps)), _ticks(steps))
             axis.grid(visible=False, axis="x")
-            axis.set_ylabel(f"error of {name} [{unit}]")
+            axis.set_title(name)
+            axis.set_ylabel(f"error [{unit}]")
     return figure
 
 
@@ -147,21 +148,19 @@ def before_and_after(records: Sequence[Sailed]) -> Figure:
 
 
 def _track(axis: Axes, item: Sailed) -> None:
-    axis.plot(item.measured["y"], item.measured["x"], label="measured", **_MEASURED)
+    """Seen from above, ahead to the right, so that starboard is below."""
+    x, y = item.measured["x"], item.measured["y"]
+    axis.plot(x, y, label="measured", **_MEASURED)
+    at = _whole(item)
     for number, (label, shown) in enumerate(item.simulated.items()):
-        at = _whole(item)
-        axis.plot(_cut(shown["y"], at), _cut(shown["x"], at), label=label, **_look(number))
+        axis.plot(_cut(shown["x"], at), _cut(shown["y"], at), label=label, **_look(number))
     axis.plot(
-        item.measured["y"][item.begins],
-        item.measured["x"][item.begins],
-        ls="",
-        marker="|",
-        color=style.INK,
-        label="a window begins",
+        x[item.begins], y[item.begins], ls="", marker="|", color=style.INK, label="a window begins"
     )
     axis.set_aspect("equal", adjustable="datalim")
-    axis.set_xlabel("y, to starboard [m]")
-    axis.set_ylabel("x, ahead [m]")
+    axis.yaxis.set_inverted(True)
+    axis.set_xlabel("x, ahead [m]")
+    axis.set_ylabel("y, to starboard [m]")
 
 
 def _over_time(axis: Axes, item: Sailed, channel: str) -> None:
