@@ -7,7 +7,8 @@ from pathlib import Path
 
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
-from pmmkit.loop import Fall, Session
+from pmmkit.loop import Session
+from pmmkit.loop.evidence import Fall
 from pmmkit.presentation import Section, counted
 from pmmkit.report.drawn import drawn
 from pmmkit.report.page import page

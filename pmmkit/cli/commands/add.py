@@ -17,7 +17,8 @@ from pmmkit.presentation import aligned
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
     from pmmkit.effects.effect import Effect
-    from pmmkit.loop import Fall, Session
+    from pmmkit.loop import Session
+    from pmmkit.loop.evidence import Fall
     from pmmkit.models import Model
 
 
