@@ -180,11 +180,6 @@ def begin(
     DataError
         If captive tests hold no run with a known noise, records are too few, or an argument is of
         no use for such tests.
-
-    Examples
-    --------
-    >>> import pmmkit as pk
-    >>> session = pk.begin("kvlcc2", pk.open_campaign("datasets/s175"))  # doctest: +SKIP
     """
     if not isinstance(campaign, Campaign) or campaign.kind == "free-running":
         if noise is not None:
