@@ -40,16 +40,25 @@ def diagnose(
         If the model does not fit the kind of the campaign, or the runs say nothing of their noise.
     """
     if campaign.kind == "free-running":
-        return _free(model, campaign, **settings)
+        return diagnose_free(complete_model(model), campaign, **settings)
     base = derivatives_of(model)
     given = (*base.effects, *settings.pop("given", ()))
     return diagnose_captive(campaign, base.structure, given=given, **settings)
 
 
-def _free(
-    model: Model | str | Path | Sequence[str] | Structure, campaign: Campaign, **settings: Any
-) -> Diagnosis:
-    """Free-running records ask a model that can sail."""
+def complete_model(model: Model | str | Path | Sequence[str] | Structure) -> Model:
+    """A model that can sail, as free-running records need one.
+
+    Parameters
+    ----------
+    model : Model, str, path, sequence of str or Structure
+        As for `diagnose`.
+
+    Raises
+    ------
+    DataError
+        If it is a structure or a list of derivatives.
+    """
     if isinstance(model, (str, Path)) and model not in structures():
         model = load_model(model)
     if not isinstance(model, Model):
@@ -57,4 +66,4 @@ def _free(
             "Free-running records are diagnosed with a complete model: a model file or a ship of "
             "the library. A list of derivatives has no propeller and no rudder."
         )
-    return diagnose_free(model, campaign, **settings)
+    return model

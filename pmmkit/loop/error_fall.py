@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.diagnosis.captive.held_out import HeldOut
+from pmmkit.loop.evidence import FALLS
 from pmmkit.presentation import Described, Grid, Group, Section, counted
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
-
-FALLS: Final = 0.995
-"""A step whose held-out error is above this share of the one before does not lower it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -42,6 +40,15 @@ class ErrorFall(Described):
             name
             for name, before, after in zip(self.steps[1:], shares, shares[1:], strict=False)
             if after > FALLS * before
+        )
+
+    @property
+    def how(self) -> str:
+        """What was left out, and what the numbers are, in a sentence."""
+        return (
+            "Each condition was left out of the fit in turn, with its repeats, and predicted from "
+            "all others: root mean square of the error in newtons and in per cent of the channel's "
+            "rms force, beside what noise alone gives."
         )
 
     def plot(self) -> Figure:

@@ -1,6 +1,7 @@
 """The report: one HTML file with everything that was found."""
 
 from pmmkit.report.build import report_html, write_report
+from pmmkit.report.free_running import write_free_diagnosis
 from pmmkit.report.loop import Loop, loop_of, write_diagnosis
 from pmmkit.report.reference import Reference, reference_of
 from pmmkit.report.turning import Turns, changes, turns_of
@@ -15,5 +16,6 @@ __all__ = [
     "report_html",
     "turns_of",
     "write_diagnosis",
+    "write_free_diagnosis",
     "write_report",
 ]

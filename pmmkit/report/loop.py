@@ -7,7 +7,8 @@ from pathlib import Path
 
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
-from pmmkit.loop import ErrorFall, Session
+from pmmkit.loop import Session
+from pmmkit.loop.evidence import Fall
 from pmmkit.presentation import Section, counted
 from pmmkit.report.drawn import drawn
 from pmmkit.report.page import page
@@ -24,7 +25,7 @@ class Loop:
         The model in words.
     diagnosis : Diagnosis
         Of the base.
-    fall : ErrorFall
+    fall : Fall
         Of the base and of each effect that was named.
     end : Diagnosis or None
         Of the base with all of them, where the loop went on.
@@ -32,7 +33,7 @@ class Loop:
 
     base: str
     diagnosis: Diagnosis
-    fall: ErrorFall
+    fall: Fall
     end: Diagnosis | None = None
 
 
@@ -154,11 +155,7 @@ def _fall(loop: Loop) -> Section:
     end = _asked_again(loop.end) if loop.end else []
     return Section(
         title="How the error falls",
-        paragraphs=[
-            "Each condition was left out of the fit in turn, with its repeats, and predicted from "
-            "all others: root mean square of the error in newtons and in per cent of the channel's "
-            "rms force, beside what noise alone gives."
-        ],
+        paragraphs=[fall.how],
         points=[*fall.remarks(), *end],
         tables=[fall.table()],
         figures=[drawn(fall.plot(), f"Error after {counted(len(fall.steps) - 1, 'step')}.")],

@@ -58,7 +58,7 @@ def main() -> None:
     campaign = pk.open_campaign(ROOT / "datasets" / "kvlcc2_hmri", data=o.data)
     for base in ("linear", "cubic"):
         session = begin(base, campaign, noise=o.noise, floor=o.floor)
-        scatter = session.system.scatter
+        scatter = session.evidence.system.scatter
         session, said = followed(session)
         print(f"\n## Base {base}: run scatter {100 * scatter.offset:g} % of the rms force")
         print("\n".join(said))

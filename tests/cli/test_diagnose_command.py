@@ -274,3 +274,30 @@ def test_a_structure_cannot_sail(tmp_path, capsys):
     status, _, err = run(capsys, "diagnose", "cubic", place)
     assert status == 1
     assert "cubic" in err
+
+
+@pytest.mark.slow
+def test_an_effect_is_fitted_to_records_and_taken_out_again(tmp_path, capsys):
+    place = write_free_campaign(tmp_path / "zigzags")
+    target = tmp_path / "model2.toml"
+    out = tmp_path / "added"
+    order = ("add", "kvlcc2-l7", "asymmetry", "--fit", place, "-o", target, "--out", out)
+    status, said, err = run(capsys, *order, "--why", "by hand", "--json")
+    assert status == 0, err
+    content = json.loads(said)
+    assert [row["step"] for row in content["errors"]] == ["base", "asymmetry"]
+    assert {"position", "heading", "speed", "yaw_rate"} < content["errors"][0].keys()
+    assert {"error_fall.csv", "error_fall.svg"} == {file.name for file in out.iterdir()}
+    made = load_model(target)
+    assert made.steps[-1].effect == "asymmetry"
+    assert "By hand" in made.history[-1]
+    assert {"Y0", "N0"} <= made.values("hull_polynomial").keys()
+    assert "turning" in content
+
+    order = ("add", target, "--undo", "--fit", place, "-o", tmp_path / "back.toml", "--json")
+    status, said, _ = run(capsys, *order)
+    assert status == 0
+    assert json.loads(said)["taken_out"] == "asymmetry"
+    back = load_model(tmp_path / "back.toml")
+    assert "Y0" not in back.values("hull_polynomial")
+    assert all(step.effect != "asymmetry" for step in back.steps)

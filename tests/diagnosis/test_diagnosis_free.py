@@ -16,20 +16,17 @@ from pmmkit.diagnosis.free_running.fits import place_at
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, weighed
 from pmmkit.diagnosis.free_running.information import Forces, Known
 from pmmkit.diagnosis.free_running.question import question_of
-from pmmkit.diagnosis.free_running.refit import fit_to_records
 from pmmkit.diagnosis.free_running.slopes import sheets_of
 from pmmkit.effects.seen import OUTSIDE
-from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.errors import DataError
 from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.session import undone
 from pmmkit.models import model_text
-from tests.support.zigzags import RUNS, SENSORS, SHIP, SPEED, sailed
+from tests.support.zigzags import ASYMMETRY, KNOWN, RUNS, SENSORS, SHIP, SPEED, sailed
 
-KNOWN = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Nvvr", "rudder_mmg.epsilon")
 PRIME = SHIP.ship.d / SHIP.ship.L
 """Of coefficients over ½ρL²U², as findings have them, to those of the ship over ½ρLdU²."""
-ASYMMETRY = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
 YAW_DRAG = SHIP.with_values("hull_polynomial", **{"Yr|r|": 0.10, "Nr|r|": -0.076})
 
 
@@ -112,28 +109,6 @@ def test_a_finding_enters_the_model_beside_what_it_has(asymmetric):
     back, name = undone(better)
     assert name == "asymmetry"
     assert model_text(back) == model_text(known)
-
-
-@pytest.mark.slow
-def test_an_effect_is_added_to_records_and_the_error_falls():
-    """An asymmetry of the ship: named by hand, fitted, and taken out again."""
-    records = sailed(ASYMMETRY, 5)
-    prior = prior_of(SHIP, KNOWN, SPEED, spread=0.02)
-    with pytest.raises(UnknownNameError, match="did you mean 'asymmetry'"):
-        fit_to_records(SHIP, records, ["asymetry"], prior=prior, sensors=SENSORS)
-    found = fit_to_records(
-        SHIP, records, ["asymmetry"], prior=prior, sensors=SENSORS, why="by hand"
-    )
-    base, after = found.errors
-    assert (base.step, after.step) == ("base", "asymmetry")
-    assert after.heading < 0.7 * base.heading
-    assert found.useless == ()
-    assert found.model.values("hull_polynomial")["Y0"] == pytest.approx(0.0022, rel=0.3)
-    step = found.model.steps[-1]
-    assert (step.action, step.effect) == ("effect_added", "asymmetry")
-    assert "By hand" in found.model.history[-1]
-    back, _ = undone(found.model)
-    assert "Y0" not in back.values("hull_polynomial")
 
 
 @pytest.mark.slow

@@ -11,7 +11,6 @@ import pmmkit as pk
 from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidates_for
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
-from pmmkit.diagnosis.free_running.refit import fit_to_records
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.identification.prior import prior_of
 from pmmkit.loop.session import undone
@@ -140,8 +139,3 @@ def test_a_stalled_rudder_is_named_and_its_values_found():
     for name, true in (("stall_loss", 0.3), ("stall_deg", 18.0 - BEGIN)):
         assert abs(finding.coefficients[name] - true) < 3.5 * finding.std[name]
     assert found.model.parts["rudder_mmg"].options["stall"] == "linear"
-    added = fit_to_records(SHIP, records, ["rudder_stall"], prior=prior, sensors=SENSORS).model
-    assert "stall_loss" in added.parts["rudder_mmg"].values
-    back, _ = undone(added)
-    assert "stall_loss" not in back.parts["rudder_mmg"].values
-    assert back.parts["rudder_mmg"].options == SHIP.parts["rudder_mmg"].options

@@ -177,7 +177,7 @@ def test_effects_as_text_enter_a_captive_system(name):
     """What another effect of the same shape by hand gives is in the other tests of expressions."""
     own = pk.own_effect(f"own_{name}", TEXTS[name], check="a run")
     candidate = candidate_of(own)
-    system = begin("cubic", hidden_campaign("small", {}, seed=1), own=(own,)).system
+    system = begin("cubic", hidden_campaign("small", {}, seed=1), own=(own,)).evidence.system
     names = [block.candidate.name for block in system.blocks]
     assert (own.name in names) == excited(system.views, system.base).issuperset(own.excites)
     assert candidate.coefficients == tuple(own.typical)

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 import pmmkit as pk
 from pmmkit.effects.catalogue import effect_of
+from pmmkit.loop import RecordError, RecordFall
 from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
@@ -122,6 +123,14 @@ def parts():
     )
 
 
+def record_fall():
+    """Errors of records left out that an effect halves."""
+    base = {"position": 0.3, "heading": 2.0, "speed": 0.01, "yaw_rate": 0.2}
+    after = {name: value / 2 for name, value in base.items()}
+    rows = (RecordError(step="base", **base), RecordError(step="asymmetry", **after))
+    return RecordFall(errors=rows)
+
+
 MADE = {
     "Effect": lambda: effect_of("crossflow_drag"),
     "Trial": trial,
@@ -137,6 +146,7 @@ MADE = {
     "Identified": cache(lambda: identified().found["ekf"]),
     "Session": added,
     "ErrorFall": cache(lambda: added().fall()),
+    "RecordFall": record_fall,
     "Diagnosis": diagnosis,
     "Finding": cache(lambda: diagnosis().findings[0]),
     "Track": track,
@@ -164,6 +174,7 @@ SAID = {
     "MethodComparison": ("prior", "ekf", "regression", "±", "Notes"),
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
+    "RecordFall": ("base", "+ ", "heading [deg]", "yaw rate [deg/s]", "-50 %"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
     "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
@@ -183,6 +194,7 @@ DRAWN = (
     "Reduction",
     "DerivativeTable",
     "ErrorFall",
+    "RecordFall",
     "Diagnosis",
     "Track",
     "Ensemble",

@@ -115,7 +115,7 @@ def test_the_steps_hold_what_the_fit_says_as_numbers(session):
     assert memory.value == part["lag"]
     assert memory.error_before == fault.error_after
     assert memory.error_after < memory.error_before
-    base = sum(map(len, session.system.base.names.values()))
+    base = sum(map(len, session.evidence.system.base.names.values()))
     assert memory.count == base + 1 + 3, "one of the fault, two and the lag of the memory"
     assert memory.campaign == "hidden effects, full"
     assert len(memory.Fn) == 3
@@ -137,13 +137,13 @@ def test_an_undone_step_leaves_the_base_to_be_fitted_again(session, bare, effect
     old = bare.with_(
         parts=MappingProxyType({**bare.parts, "hull_polynomial": replace(hull, values=values)})
     )
-    before = begin(old, session.campaign)
+    before = begin(old, session.evidence.campaign)
     save_model(before.add(effect).model(), tmp_path / "made.toml")
     back, name = undone(load_model(tmp_path / "made.toml"))
     assert name == effect
     assert back.steps == ()
     assert back.Fn == ()
-    again, first = (begin(x, session.campaign).model() for x in (back, old))
+    again, first = (begin(x, session.evidence.campaign).model() for x in (back, old))
     one, other = (tomllib.loads(model_text(x)) for x in (again, first))
     assert one == other
 
@@ -151,7 +151,7 @@ def test_an_undone_step_leaves_the_base_to_be_fitted_again(session, bare, effect
 @pytest.mark.slow
 def test_a_fault_found_before_is_known_in_the_next_session(session):
     made = session.add("fault_misalignment").model()
-    later = begin(made, session.campaign)
+    later = begin(made, session.evidence.campaign)
     assert later.given == ("fault_misalignment",)
     assert "fault_misalignment" not in {x for x, _ in later.diagnose().group}
 
@@ -178,12 +178,12 @@ def test_a_step_that_explains_nothing_is_said_so(session):
 def test_steps_are_saved_and_replayed(session, bare, tmp_path):
     made = session.add("memory", "seen in sway").add("yaw_sway_coupling")
     made.save(tmp_path / "steps.toml")
-    again = replay(tmp_path / "steps.toml", bare, session.campaign)
+    again = replay(tmp_path / "steps.toml", bare, session.evidence.campaign)
     assert again.steps == made.steps
-    assert again.floor == made.floor
+    assert again.evidence.floor == made.evidence.floor
     found = next(item for item in session.diagnose().findings if item.effect == "memory")
     session.add(found).save(tmp_path / "found.toml")
-    (step,) = replay(tmp_path / "found.toml", bare, session.campaign).steps
+    (step,) = replay(tmp_path / "found.toml", bare, session.evidence.campaign).steps
     assert step.log_odds == found.log_odds
     np.testing.assert_array_equal(again.fall().errors[-1].error, made.fall().errors[-1].error)
 
@@ -205,7 +205,7 @@ def test_steps_are_saved_and_replayed(session, bare, tmp_path):
 def test_a_damaged_file_of_steps_is_refused(session, text, tmp_path):
     (tmp_path / "steps.toml").write_text(text)
     with pytest.raises(ModelError, match="no session"):
-        replay(tmp_path / "steps.toml", session.source, session.campaign)
+        replay(tmp_path / "steps.toml", session.evidence.source, session.evidence.campaign)
 
 
 def test_what_cannot_be_added_is_refused_in_words(session):

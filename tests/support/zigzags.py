@@ -10,6 +10,9 @@ from pmmkit.identification.record import FreeRecord
 SPEED = 1.179
 SHIP = pk.load_model("kvlcc2-l7")
 SENSORS = {"x": 0.02, "y": 0.02, "psi": math.radians(0.1), "r": math.radians(0.05), "u": 0.006}
+KNOWN = ("Xuu", "Yv", "Yr", "Nv", "Nr", "Nvvr", "rudder_mmg.epsilon")
+"""Values of which the tests say how well they are known."""
+ASYMMETRY = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
 RUNS = ((20.0, 20.0), (-10.0, 10.0), (25.0, 5.0))
 """Rudder and heading of reversal [deg]."""
 

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign, stated
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.diagnosis.free_running.refit import FreeRefit
-    from pmmkit.loop.error_fall import ErrorFall
+    from pmmkit.effects.effect import Effect
+    from pmmkit.loop import Session
+    from pmmkit.loop.evidence import Fall
     from pmmkit.models import Model
 
 
@@ -51,7 +52,7 @@ def add(
     """Add effects to a model, fit them together with it, and show how the error falls."""
     from pmmkit.effects.grammar import own_effects
     from pmmkit.files import write_results
-    from pmmkit.loop.session import begin, undone
+    from pmmkit.loop.session import undone
     from pmmkit.models import load_model, save_model
 
     if undo == bool(effects):
@@ -67,19 +68,7 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
-    if opened.kind == "free-running":
-        return _to_records(
-            before,
-            opened,
-            effects or [],
-            written,
-            out,
-            taken,
-            floor=floor,
-            why=why,
-            own=effects_of_user,
-        )
-    session = begin(before, opened, floor=floor, noise=noise, own=effects_of_user)
+    session = _begun(before, opened, effects or (), floor, noise, effects_of_user)
     for effect in effects or ():
         session = session.add(effect, why)
     after = session.model()
@@ -103,42 +92,25 @@ def add(
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
 
 
-def _to_records(
-    before: Model,
+def _begun(
+    model: Model,
     campaign: Campaign,
     effects: Sequence[str],
-    written: Path,
-    out: Path | None,
-    taken: str,
-    *,
     floor: float | None,
-    **given: Any,
-) -> Outcome:
-    """The model fitted with effects to free-running records."""
-    from pmmkit.diagnosis.free_running.refit import fit_to_records
-    from pmmkit.files import write_results
-    from pmmkit.models import save_model
+    noise: float | None,
+    own: Sequence[Effect],
+) -> Session:
+    """A session in which free-running records are asked for nothing but the effects."""
+    from pmmkit.loop.session import begin
 
-    found = fit_to_records(before, campaign, effects, progress=say, **stated(floor=floor), **given)
-    save_model(found.model, written)
-    turns = _turns(before, found.model, campaign)
-    files = write_results(out, [("error_fall.csv", found.to_pandas())]) if out is not None else []
-    content = {
-        "model": str(written),
-        "added": list(effects),
-        "taken_out": taken,
-        "errors": found.to_pandas().to_dict("records"),
-        "useless": list(found.useless),
-        "turning": turns,
-        "notes": list(found.model.notes),
-        "history": list(found.model.history),
-    }
-    lines = _words(found, taken, turns)
-    lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
-    return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+    if campaign.kind != "free-running":
+        return begin(model, campaign, floor=floor, noise=noise, own=own)
+    return begin(
+        model, campaign, floor=floor, noise=noise, own=own, candidates=effects, progress=say
+    )
 
 
-def _files(fall: ErrorFall, drawn: bool) -> list[tuple[str, Any]]:
+def _files(fall: Fall, drawn: bool) -> list[tuple[str, Any]]:
     from pmmkit.plotting.style import save
 
     figure = [("error_fall.svg", partial(save, fall.plot()))] if drawn else []
@@ -171,9 +143,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     return found
 
 
-def _words(
-    fall: ErrorFall | FreeRefit, taken: str, turns: Mapping[str, Mapping[str, float]]
-) -> list[str]:
+def _words(fall: Fall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
     lines = [f"Taken out: {taken}.", ""] if taken else []

@@ -31,8 +31,9 @@ class Base:
         Values of the model.
     sizes : array (b,)
         Usual size of each.
-    known : array (b, b)
-        Covariance that holds whatever the spread is, over the sizes.
+    known : array (b + g, b + g)
+        Covariance that holds whatever the spread is, over the sizes; after the values, that of the
+        coefficients of effects that the base has.
     spreads : array (s,)
         Standard deviations over the sizes that are weighed against each other, beside it.
     """
@@ -46,22 +47,27 @@ class Base:
         """The same with the first, smallest spreads alone; the first is none."""
         return replace(self, spreads=self.spreads[:count])
 
-    def root(self, spread: float) -> Array:
-        """Root (b, k) of the covariance at a spread; no columns for what may not move."""
-        whole = self.known + spread**2 * np.eye(len(self.sizes))
-        scale = np.sqrt(np.diagonal(whole))
-        moves = scale > 0.0
-        part = whole[np.ix_(moves, moves)] / np.outer(scale[moves], scale[moves])
-        found = np.zeros((len(scale), int(moves.sum())))
-        found[moves] = scale[moves, None] * np.linalg.cholesky(part + JITTER * np.eye(len(part)))
-        return found
+    def having(self, coefficients: int) -> Base:
+        """The same with effects of so many coefficients, each as wide as a candidate's."""
+        width = len(self.known)
+        known = np.eye(width + coefficients)
+        known[:width, :width] = self.known
+        return replace(self, known=known)
 
-    def unlikely(self, z: Array, spread: float) -> float:
-        """Half the sum of squares of numbers (b,) by their covariance at a spread."""
-        root = self.root(spread)
-        moves = np.any(root, axis=1)
-        own = np.linalg.solve(root[moves], z[moves])
-        return 0.5 * float(own @ own)
+    def root(self, spread: float) -> Array:
+        """Root (b + g, m) of the covariance at a spread, with a column for each of the m numbers
+        that may move."""
+        whole = self.known.copy()
+        values = np.arange(len(self.sizes))
+        whole[values, values] += spread**2
+        moves = np.diagonal(whole) > 0.0
+        scale = np.sqrt(np.diagonal(whole)[moves])
+        correlation = whole[np.ix_(moves, moves)] / np.outer(scale, scale)
+        found = np.zeros((len(whole), len(scale)))
+        found[moves] = scale[:, None] * np.linalg.cholesky(
+            correlation + JITTER * np.eye(len(scale))
+        )
+        return found
 
 
 def movable(model: Model) -> tuple[str, ...]:

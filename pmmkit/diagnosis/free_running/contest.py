@@ -11,7 +11,7 @@ from typing import Final
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.findings import Named, model_of
-from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, first_place, fitted, place_at
+from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
@@ -76,7 +76,7 @@ def price_of(question: Question) -> float:
 
 
 def contest_of(
-    question: Question,
+    zero: Place,
     model: Model,
     every: Sequence[FreeCandidate],
     speed: float,
@@ -88,8 +88,8 @@ def contest_of(
 
     Parameters
     ----------
-    question : Question
-        What records are asked.
+    zero : Place
+        The linear problem about the model as it is given.
     model : Model
         Complete, without the candidates.
     every : sequence of FreeCandidate
@@ -102,8 +102,7 @@ def contest_of(
         Is told what is being done.
     """
     names = [item.name for item in every]
-    tell(f"Slopes of {len(question.numbers.values)} values")
-    zero = first_place(question)
+    question = zero.question
     tell("The base alone")
     zero, null = _base_alone(zero)
     price = price_of(question)

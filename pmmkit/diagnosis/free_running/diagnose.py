@@ -15,8 +15,8 @@ from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.evidence import Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
-from pmmkit.diagnosis.free_running.base import SPREAD, base_of, stated_base
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
+from pmmkit.diagnosis.free_running.base import SPREAD
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.chance import chance_of
 from pmmkit.diagnosis.free_running.contest import Contest, contest_of, steady
 from pmmkit.diagnosis.free_running.findings import (
@@ -27,7 +27,7 @@ from pmmkit.diagnosis.free_running.findings import (
     model_of,
     moved,
 )
-from pmmkit.diagnosis.free_running.fits import Fit, above_floor
+from pmmkit.diagnosis.free_running.fits import Fit, above_floor, having
 from pmmkit.diagnosis.free_running.hypotheses import screen
 from pmmkit.diagnosis.free_running.left_out import (
     each,
@@ -37,7 +37,8 @@ from pmmkit.diagnosis.free_running.left_out import (
     pooled,
     predicted,
 )
-from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
+from pmmkit.diagnosis.free_running.question import Question
+from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
@@ -46,7 +47,6 @@ from pmmkit.errors import ModelError
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
-from pmmkit.models.vessel import Sailing
 
 LONGEST: Final = 6
 """A group of more sets names nothing."""
@@ -67,7 +67,7 @@ def diagnose_free(
     window: float | None = None,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
-    candidates: Sequence[FreeCandidate | Effect] | None = None,
+    candidates: Sequence[FreeCandidate | Effect | str] | None = None,
     own: Sequence[Effect] = (),
     windage: tuple[float, float] | None = None,
     sensors: Mapping[str, float] | None = None,
@@ -99,8 +99,8 @@ def diagnose_free(
         Records that take no part but in the errors before and after.
     held_out_window : float, optional
         Length of their windows [s]; by default that of the others.
-    candidates : sequence of FreeCandidate or Effect, optional
-        Who takes part; by default all of `candidates_for`.
+    candidates : sequence of FreeCandidate, Effect or str, optional
+        Who takes part, those of the catalogue by name; by default all of `candidates_for`.
     own : sequence of Effect
         Effects beside the catalogue, on equal terms.
     windage : (float, float), optional
@@ -126,6 +126,8 @@ def diagnose_free(
     ------
     DataError
         If there are fewer than two records.
+    UnknownNameError
+        If a candidate that is named has no place in the model or in such records.
     SimulationError
         If the motion of a record is lost however short its windows are.
 
@@ -146,34 +148,60 @@ def diagnose_free(
     by more than e after the price, records left out one after another are too, and chance gives
     such evidence in less than 1 % of campaigns without any effect.
     """
-    tell = progress or (lambda _: None)
-    given = records_of(records, model)
-    speed = given[0].speed
-    base = (
-        base_of(model, speed, spread=spread, extrapolate=extrapolate)
-        if prior is None
-        else stated_base(prior)
-    )
-    every = (
-        candidates_for(model, given, windage=windage, own=own)
-        if candidates is None
-        else tuple(
-            item if isinstance(item, FreeCandidate) else candidate_of(item, Sailing(model, speed))
-            for item in candidates
-        )
-    )
-    question = question_of(
+    system = free_system(
         model,
-        given,
-        every,
-        base,
+        records,
+        prior=prior,
+        spread=spread,
         floor=floor,
         window=window,
+        candidates=candidates,
+        own=own,
+        windage=windage,
         sensors=sensors,
         extrapolate=extrapolate,
-        tell=tell,
+        progress=progress,
     )
-    contest = contest_of(question, model, every, speed, most=most, tell=tell)
+    return answer(
+        system,
+        tolerance=tolerance,
+        held_out=held_out,
+        held_out_window=held_out_window,
+        most=most,
+        seed=seed,
+    )
+
+
+def answer(
+    system: FreeSystem,
+    given: Sequence[str] = (),
+    *,
+    tolerance: tuple[float, float] = TOLERANCE,
+    held_out: Sequence[FreeRecord] = (),
+    held_out_window: float | None = None,
+    most: int = 3,
+    seed: int = 0,
+) -> Diagnosis:
+    """The verdict on records and a base that has some of the candidates already.
+
+    Parameters
+    ----------
+    system : FreeSystem
+        Records, model and candidates.
+    given : sequence of str
+        Candidates of the base: fitted in all hypotheses, and not asked.
+    tolerance, held_out, held_out_window, most, seed
+        As for `diagnose_free`.
+    """
+    tell, records, speed = system.tell, system.records, system.speed
+    zero = having(system.place, given)
+    question = zero.question
+    every = tuple(item for item in system.every if item.name not in given)
+    model = system.model
+    for item in system.every:
+        if item.name in given:
+            model = item.added_to(model)
+    contest = contest_of(zero, model, every, speed, most=most, tell=tell)
     null, settled = contest.null, contest.settled
     best = settled[0] if settled else None
     seen = screen(null.known, question.numbers, null.spread)
@@ -204,17 +232,17 @@ def diagnose_free(
     if held_out:
         tell("Errors of the records held out")
         errors |= held_out_errors(
-            model,
+            system.model,
             refitted,
             made if told else None,
             held_out,
-            window=held_out_window or window or WINDOW * model.ship.L / speed,
+            window=held_out_window or system.window or WINDOW * model.ship.L / speed,
             corrections=corrections,
-            sensors=sensors,
-            extrapolate=extrapolate,
+            sensors=system.sensors,
+            extrapolate=system.extrapolate,
         )
     fewer = [
-        screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(given))
+        screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(records))
     ]
     covered = coverage_of(seen, fewer, every)
     return Diagnosis(
@@ -227,8 +255,9 @@ def diagnose_free(
         chance=chance,
         covered=covered,
         entries=contest.entries,
-        floor=floor,
+        floor=system.floor,
         base=MappingProxyType(_values(question, last)),
+        given=tuple(given),
         errors=MappingProxyType({name: MappingProxyType(row) for name, row in errors.items()}),
         model=made,
         refitted=refitted,

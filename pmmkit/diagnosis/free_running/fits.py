@@ -209,6 +209,17 @@ def first_place(question: Question) -> Place:
     return place_at(place.question, place.z)
 
 
+def having(place: Place, names: Sequence[str]) -> Place:
+    """The linear problem of a place, some candidates counted to the base."""
+    numbers, order = place.question.numbers.having(names)
+    return replace(
+        place,
+        question=replace(place.question, numbers=numbers),
+        z=place.z[order],
+        information=place.information.only(order),
+    )
+
+
 def _tried(question: Question, z: Array, columns: NDArray[np.intp] | None) -> Place | None:
     """The linear problem about some numbers; None where a little more leads to nowhere at all."""
     used = question.numbers.every if columns is None else columns

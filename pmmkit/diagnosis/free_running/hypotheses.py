@@ -45,7 +45,7 @@ class Numbers:
     @property
     def width(self) -> int:
         """Number of columns of the base."""
-        return len(self.base.names)
+        return len(self.base.known)
 
     def at(self, names: Sequence[str]) -> NDArray[np.intp]:
         """Columns of candidates."""
@@ -64,6 +64,15 @@ class Numbers:
             columns[name] = np.arange(begin, begin + count)
             begin += count
         return replace(self, T=self.T[:, self.used(names)], columns=columns)
+
+    def having(self, names: Sequence[str]) -> tuple[Numbers, NDArray[np.intp]]:
+        """Those of a base that has some of the candidates, and where each was."""
+        rest = [name for name in self.columns if name not in names]
+        order = self.used((*names, *rest))
+        moved = self.only((*names, *rest))
+        columns = {name: moved.columns[name] for name in rest}
+        base = self.base.having(len(self.at(names)))
+        return replace(moved, base=base, columns=columns), order
 
     def steps(self, columns: NDArray[np.intp]) -> dict[int, float]:
         """The values that some columns move, and by how much for a slope."""
@@ -208,5 +217,10 @@ def _whole(numbers: Numbers, names: Sequence[str], spread: float) -> Array:
 
 def unlikely(numbers: Numbers, names: Sequence[str], spread: float, z: Array) -> float:
     """Half the sum of squares of some numbers by what is known of them before."""
-    own = z[numbers.at(names)]
-    return 0.5 * float(own @ own) + numbers.base.unlikely(z[: numbers.width], spread)
+    total = float(z[numbers.at(names)] @ z[numbers.at(names)])
+    root = numbers.base.root(spread)
+    if root.shape[1]:
+        moves = root.any(axis=1)
+        own = np.linalg.solve(root[moves], z[: numbers.width][moves])
+        total += float(own @ own)
+    return 0.5 * total

@@ -84,13 +84,18 @@ def log_left_out(fit: Fit) -> Array:
     )
 
 
+def through_windows(question: Question, stretch: Stretch, z: Array) -> Array:
+    """What the channels (n, c) of a record show when a model sails through its windows."""
+    change = question.numbers.T @ z
+    states = np.nan_to_num(sailed(stretch.free, change), nan=LOST, posinf=LOST, neginf=-LOST)
+    return shown(stretch, np.clip(states, -LOST, LOST), change)
+
+
 def squares(question: Question, stretch: Stretch, z: Array) -> dict[str, float]:
     """Mean squares of the errors of a record over its windows, the sensors' noise taken off."""
-    change = question.numbers.T @ z
     record = stretch.record
     off = np.stack([record.measured[name] for name in stretch.channels], axis=1)
-    states = np.nan_to_num(sailed(stretch.free, change), nan=LOST, posinf=LOST, neginf=-LOST)
-    off = off - shown(stretch, np.clip(states, -LOST, LOST), change)
+    off = off - through_windows(question, stretch, z)
     found = {}
     for error, (channels, unit) in ERRORS.items():
         there = [name for name in channels if name in stretch.channels]
@@ -123,10 +128,21 @@ def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
     question = fit.place.question.followed(fit.z)
     found = []
     for item in left_out:
-        P = fit.known.without(item.records).total
-        z = probable(P, question.numbers, fit.names, fit.spread)[0]
-        found += missed(question, z, item.records)
+        found += missed(question, _of_others(fit, item.records), item.records)
     return found
+
+
+def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
+    """A record in its windows, and what its channels (n, c) show by what the others say."""
+    question = fit.place.question.followed(fit.z)
+    stretch = question.stretches[record]
+    return stretch, through_windows(question, stretch, _of_others(fit, (record,)))
+
+
+def _of_others(fit: Fit, records: Sequence[int]) -> Array:
+    """The numbers of a set fitted without some records."""
+    P = fit.known.without(records).total
+    return probable(P, fit.place.question.numbers, fit.names, fit.spread)[0]
 
 
 def missed(question: Question, z: Array, records: Sequence[int]) -> list[dict[str, float]]:

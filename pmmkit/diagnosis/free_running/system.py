@@ -1,0 +1,167 @@
+"""Records, a model and its candidates, with what is made of them once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.candidate import no_such_effect
+from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
+from pmmkit.diagnosis.free_running.contest import steady
+from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted
+from pmmkit.diagnosis.free_running.hypotheses import Names
+from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
+from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
+from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.effects.effect import Effect
+from pmmkit.identification.prior import Prior
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Model
+from pmmkit.models.vessel import Sailing
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeSystem:
+    """What free-running records are asked about a model.
+
+    Parameters
+    ----------
+    model : Model
+        Complete, without the candidates.
+    records : tuple of FreeRecord
+        At least two.
+    every : tuple of FreeCandidate
+        Who takes part.
+    base : Base
+        What is known of the values of the model.
+    floor, window, sensors, extrapolate
+        As for `diagnose_free`.
+    tell : callable
+        Is told what is being done.
+    """
+
+    model: Model
+    records: tuple[FreeRecord, ...]
+    every: tuple[FreeCandidate, ...]
+    base: Base
+    floor: float
+    window: float | None
+    sensors: Mapping[str, float] | None
+    extrapolate: bool
+    tell: Callable[[str], None]
+
+    @property
+    def speed(self) -> float:
+        """Speed of the approach [m/s]."""
+        return self.records[0].speed
+
+    @cached_property
+    def question(self) -> Question:
+        """The question, with starts and noise of the records."""
+        return question_of(
+            self.model,
+            self.records,
+            self.every,
+            self.base,
+            floor=self.floor,
+            window=self.window,
+            sensors=self.sensors,
+            extrapolate=self.extrapolate,
+            tell=self.tell,
+        )
+
+    @cached_property
+    def place(self) -> Place:
+        """The linear problem about the model as it is given, with the slopes of all."""
+        question = self.question
+        self.tell(f"Slopes of {len(question.numbers.values)} values")
+        return first_place(question)
+
+    @cached_property
+    def fit(self) -> Callable[[Names], Fit]:
+        """The base fitted together with a set of candidates, each set once."""
+
+        def made(names: Names) -> Fit:
+            place = self.place
+            self.tell(f"Fit with {' and '.join(names) or 'the base alone'}")
+            return steady(fitted(place, names))
+
+        return cache(made)
+
+    @cached_property
+    def errors(self) -> Callable[[Names], dict[str, float]]:
+        """Errors of records left out one after another, by a fit with a set of candidates."""
+        return cache(lambda names: pooled(predicted(self.fit(names), each(self.records))))
+
+
+def free_system(
+    model: Model,
+    records: Sequence[FreeRecord] | Campaign,
+    *,
+    prior: Prior | None = None,
+    spread: float = SPREAD,
+    floor: float = FLOOR,
+    window: float | None = None,
+    candidates: Sequence[FreeCandidate | Effect | str] | None = None,
+    own: Sequence[Effect] = (),
+    windage: tuple[float, float] | None = None,
+    sensors: Mapping[str, float] | None = None,
+    extrapolate: bool = False,
+    progress: Callable[[str], None] | None = None,
+    also: Sequence[str] = (),
+) -> FreeSystem:
+    """What records are asked about a model; nothing of it is worked out before it is needed.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    records : sequence of FreeRecord or Campaign
+        At least two.
+    prior, spread, floor, window, candidates, own, windage, sensors, extrapolate, progress
+        As for `diagnose_free`.
+    also : sequence of str
+        Names that take part beside the candidates, as far as such records can be asked for them.
+
+    Raises
+    ------
+    DataError
+        If there is no record.
+    UnknownNameError
+        If a candidate that is named has no place in the model or in such records.
+    """
+    given = tuple(records_of(records, model))
+    speed = given[0].speed
+    offered = {x.name: x for x in candidates_for(model, given, windage=windage, own=own)}
+    every: dict[str, FreeCandidate] = offered if candidates is None else {}
+    for item in candidates or ():
+        if isinstance(item, str) and item not in offered:
+            raise no_such_effect(item, list(offered))
+        if isinstance(item, str):
+            chosen = offered[item]
+        else:
+            chosen = (
+                item
+                if isinstance(item, FreeCandidate)
+                else candidate_of(item, Sailing(model, speed))
+            )
+        every[chosen.name] = chosen
+    beside = {name: offered[name] for name in also if name in offered}
+    return FreeSystem(
+        model=model,
+        records=given,
+        every=tuple((every | {n: x for n, x in beside.items() if n not in every}).values()),
+        base=(
+            base_of(model, speed, spread=spread, extrapolate=extrapolate)
+            if prior is None
+            else stated_base(prior)
+        ),
+        floor=floor,
+        window=window,
+        sensors=sensors,
+        extrapolate=extrapolate,
+        tell=progress or (lambda _: None),
+    )

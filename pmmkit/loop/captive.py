@@ -1,0 +1,191 @@
+"""Captive tests as the evidence of a session."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.held_out import held_out
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.effect import Effect
+from pmmkit.errors import ModelError
+from pmmkit.loop.error_fall import ErrorFall
+from pmmkit.loop.evidence import BASE
+from pmmkit.models import Model
+from pmmkit.models.changes import before_of
+from pmmkit.models.step import Step
+from pmmkit.presentation import counted
+from pmmkit.structures import Structure
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaptiveTests:
+    """Captive tests, a base, and what may be missing of it.
+
+    Parameters
+    ----------
+    source : Model, Structure, str or tuple of str
+        The base: a model, the name of a structure, or derivatives.
+    campaign : Campaign
+        Captive tests.
+    system : System
+        Runs, base and candidates.
+    floor : float
+        What is too small to matter, over the rms force of a channel.
+    begun : tuple of str
+        Effects that the base has from the beginning.
+    own : tuple of Effect
+        Effects of the user.
+    """
+
+    source: Model | str | tuple[str, ...] | Structure
+    campaign: Campaign
+    system: System
+    floor: float
+    begun: tuple[str, ...] = ()
+    own: tuple[Effect, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Of the tests."""
+        return self.campaign.title
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+        if isinstance(self.source, tuple):
+            return counted(len(self.source), "derivative")
+        return str(getattr(self.source, "name", self.source))
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+        return f"{counted(len(self.campaign), 'run')} of {self.campaign.title}"
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+        return {block.candidate.name: block.candidate.kind for block in self.system.blocks}
+
+    @cached_property
+    def blocks(self) -> Callable[[tuple[str, ...]], tuple[Block, ...]]:
+        """The effects of the base at the values of their nonlinear parameters, by their names."""
+        return cache(lambda given: refined(self.system, taken_as_given(self.system, given).blocks))
+
+    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
+        """What the base still lacks when it has some effects."""
+        return answer(self.system, tuple(given), floor=self.floor, seed=seed)
+
+    def fall(self, steps: Sequence[Step]) -> ErrorFall:
+        """Held-out errors of the base and after each step."""
+        blocks = self._with(steps)
+        first = len(self.begun)
+        names = (BASE, *(step.effect for step in steps))
+        return ErrorFall(
+            steps=names,
+            errors=tuple(
+                held_out(self.system, blocks[: first + number]) for number in range(len(names))
+            ),
+        )
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The model with base and effects fitted together, and with a step per effect.
+
+        Raises
+        ------
+        ModelError
+            If the base is a structure: it has no ship to sail with.
+        """
+        if not isinstance(self.source, Model):
+            raise ModelError(
+                f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
+                f"the campaign first, then take its model.toml."
+            )
+        blocks = self._with(steps)
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
+        return made.stepped(*self._fitted(steps, fit, blocks, self.source, made))
+
+    def _with(self, steps: Sequence[Step]) -> tuple[Block, ...]:
+        return self.blocks((*self.begun, *(step.effect for step in steps)))
+
+    def _fitted(
+        self, taken: Sequence[Step], fit: JointFit, blocks: Sequence[Block], old: Model, new: Model
+    ) -> tuple[Step, ...]:
+        """The steps with what the fit says of each."""
+        plain = Step(
+            action="fitted",
+            campaign=self.campaign.title or self.campaign.ship.name,
+            count=fit.std.size,
+            Fn=froude_numbers(self.campaign),
+            faults=tuple(x.candidate.name for x in blocks if x.candidate.kind == "fault"),
+        )
+        if not taken:
+            return (plain,)
+        errors = [item.share() for item in self.fall(taken).errors]
+        steps = []
+        brought: set[str] = set()
+        for number, step in enumerate(taken):
+            block = blocks[len(self.begun) + number]
+            c = block.candidate
+            kept = c.kind == "physics" and old.convention == new.convention
+            places = [x for x in places_of(block, new, self.own) if x not in brought]
+            brought.update(places)
+            values = dict(zip(c.coefficients, coefficients_of(block, fit)[0], strict=True))
+            steps.append(
+                replace(
+                    plain,
+                    action=step.action,
+                    effect=step.effect,
+                    coefficients={name: x for name, x in values.items() if math.isfinite(x)},
+                    system="prime" if c.kind == "physics" else "",
+                    parameter=c.parameter,
+                    value=block.value if c.parameter else None,
+                    log_odds=step.log_odds,
+                    note=step.note,
+                    error_before=_finite(errors[number]),
+                    error_after=_finite(errors[number + 1]),
+                    before=before_of(old, new, places) if kept else None,
+                )
+            )
+        return tuple(steps)
+
+
+def captive_tests(
+    model: Model | str | Path | Sequence[str] | Structure,
+    campaign: Campaign,
+    *,
+    floor: float | None,
+    candidates: Sequence[Candidate] | None,
+    noise: float | None,
+    own: Sequence[Effect],
+) -> CaptiveTests:
+    """The evidence of captive tests; arguments as for `begin`."""
+    base = derivatives_of(model)
+    system = captive_system(
+        campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
+    )
+    begun = system.taking_part(base.effects)
+    return CaptiveTests(
+        source=base.source,
+        campaign=campaign,
+        system=system.whole(begun),
+        floor=system.floor,
+        begun=begun,
+        own=tuple(own),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

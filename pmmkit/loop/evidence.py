@@ -1,0 +1,92 @@
+"""What a session is about: tests and a base, and what is asked of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.models import Model
+from pmmkit.models.step import Step
+from pmmkit.presentation import Grid
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+BASE: Final = "base"
+"""First line of an error fall: the model before any step."""
+FALLS: Final = 0.995
+"""A step whose held-out error is above this share of the one before does not lower it."""
+
+
+class Fall(Protocol):
+    """How the error of what is left out falls with each step."""
+
+    @property
+    def steps(self) -> tuple[str, ...]:
+        """``base``, then the effects in the order in which they were added."""
+
+    @property
+    def errors(self) -> tuple[Any, ...]:
+        """After each."""
+
+    @property
+    def useless(self) -> tuple[str, ...]:
+        """Steps that do not lower the error."""
+
+    @property
+    def how(self) -> str:
+        """What was left out, and what the numbers are, in a sentence."""
+
+    def table(self) -> Grid:
+        """A row per step."""
+
+    def remarks(self) -> list[str]:
+        """What is to be said of the steps."""
+
+    def plot(self) -> Figure:
+        """Errors after each step."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """The errors as data."""
+
+
+class Evidence(Protocol):
+    """Tests, a base, and all that may be missing of it.
+
+    What takes long is worked out once, when it is first needed.
+    """
+
+    @property
+    def title(self) -> str:
+        """Of the tests."""
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+
+    @property
+    def floor(self) -> float:
+        """What is too small to matter, over the rms force of a channel."""
+
+    @property
+    def begun(self) -> tuple[str, ...]:
+        """Effects that the base has from the beginning."""
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+
+    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
+        """What the base still lacks when it has some effects."""
+
+    def fall(self, steps: Sequence[Step]) -> Fall:
+        """Errors of what is left out, of the base and after each step."""
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """Base and effects fitted together, with a step per effect."""

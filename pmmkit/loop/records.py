@@ -1,0 +1,200 @@
+"""Free-running records as the evidence of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.diagnose import complete_model
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
+from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
+from pmmkit.diagnosis.free_running.refit import refitted
+from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
+from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.effects.effect import Effect
+from pmmkit.errors import DataError
+from pmmkit.identification.record import FreeRecord
+from pmmkit.loop.evidence import BASE
+from pmmkit.loop.record_fall import RecordError, RecordFall
+from pmmkit.models import Model
+from pmmkit.models.step import Step
+from pmmkit.plotting.records import Sailed
+from pmmkit.presentation import counted
+from pmmkit.structures import Structure
+
+DRAWN: Final = 3
+"""Records of which tracks are drawn."""
+BASE_FITTED: Final = "base fitted to the other records"
+WITH_EFFECTS: Final = "with the effects"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeRecords:
+    """Free-running records, a model, and what may be missing of it.
+
+    Parameters
+    ----------
+    title : str
+        Of the tests.
+    system : FreeSystem
+        Records, model and candidates.
+    begun : tuple of str
+        Faults of the records that the model's steps tell of.
+    tolerance, held_out, held_out_window, most
+        As for `diagnose_free`.
+    """
+
+    title: str
+    system: FreeSystem
+    begun: tuple[str, ...] = ()
+    tolerance: tuple[float, float] = TOLERANCE
+    held_out: tuple[FreeRecord, ...] = ()
+    held_out_window: float | None = None
+    most: int = 3
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+        return self.system.model.name
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+        records = counted(len(self.system.records), "record")
+        return f"{records} of {self.title}" if self.title else records
+
+    @property
+    def floor(self) -> float:
+        """What is too small to matter, over the rms force of a channel."""
+        return self.system.floor
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part: ``physics`` or ``fault`` by name."""
+        return {item.name: item.kind for item in self.system.every}
+
+    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
+        """What the base still lacks when it has some effects."""
+        return answer(
+            self.system,
+            given,
+            tolerance=self.tolerance,
+            held_out=self.held_out,
+            held_out_window=self.held_out_window,
+            most=self.most,
+            seed=seed,
+        )
+
+    def sets(self, steps: Sequence[Step]) -> tuple[tuple[str, ...], ...]:
+        """The effects of the base, and after each step."""
+        names = (*self.begun, *(step.effect for step in steps))
+        first = len(self.begun)
+        return tuple(names[: first + number] for number in range(len(steps) + 1))
+
+    def fall(self, steps: Sequence[Step]) -> RecordFall:
+        """Errors of records left out one after another, of the base and after each step."""
+        names = (BASE, *(step.effect for step in steps))
+        return RecordFall(
+            errors=tuple(
+                RecordError(step=name, **self.system.errors(own))
+                for name, own in zip(names, self.sets(steps), strict=True)
+            )
+        )
+
+    def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:
+        """The records that the base misses most, each left out, measured and sailed.
+
+        Parameters
+        ----------
+        steps : sequence of Step
+            What is added.
+        most : int
+            Records at most.
+        """
+        sets = self.sets(steps)
+        fits = {BASE_FITTED: self.system.fit(sets[0])}
+        if steps:
+            fits[WITH_EFFECTS] = self.system.fit(sets[-1])
+        missed = [
+            item["heading"] for item in predicted(fits[BASE_FITTED], each(self.system.records))
+        ]
+        worst = sorted(range(len(missed)), key=lambda j: -missed[j])[:most]
+        return [_sailed(fits, j) for j in sorted(worst)]
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The model with base and effects fitted together, and with a step per effect."""
+        return refitted(self.system, self.begun, steps)
+
+
+def _sailed(fits: Mapping[str, Fit], record: int) -> Sailed:
+    """A record left out, as fits to the others sail it."""
+    found = {name: left_out_windows(fit, record) for name, fit in fits.items()}
+    stretch = next(iter(found.values()))[0]
+    return Sailed(
+        name=stretch.record.name,
+        t=stretch.record.t,
+        begins=stretch.begins[:-1],
+        measured=stretch.record.measured,
+        simulated={
+            name: dict(zip(stretch.channels, shown.T, strict=True))
+            for name, (_, shown) in found.items()
+        },
+    )
+
+
+def free_running(
+    model: Model | str | Path | Sequence[str] | Structure,
+    records: Campaign | Sequence[FreeRecord],
+    *,
+    floor: float | None,
+    candidates: Sequence[Candidate | FreeCandidate | Effect | str] | None,
+    own: Sequence[Effect],
+    tolerance: tuple[float, float] = TOLERANCE,
+    held_out: Sequence[FreeRecord] = (),
+    held_out_window: float | None = None,
+    most: int = 3,
+    **settings: Any,
+) -> FreeRecords:
+    """The evidence of free-running records; arguments as for `diagnose_free`.
+
+    Raises
+    ------
+    DataError
+        If the model is not complete, or a candidate is one of captive tests.
+    """
+    complete = complete_model(model)
+    asked: list[FreeCandidate | Effect | str] | None = None if candidates is None else []
+    for item in candidates or ():
+        if isinstance(item, Candidate):
+            raise DataError(f"{item.name} is a candidate of captive tests: these records run free.")
+        if asked is not None:
+            asked.append(item)
+    faults = tuple(
+        dict.fromkeys(step.effect for step in complete.steps if step.action == "fault_corrected")
+    )
+    system = free_system(
+        complete,
+        records,
+        floor=FLOOR if floor is None else floor,
+        candidates=asked,
+        own=own,
+        also=faults,
+        **settings,
+    )
+    there = {item.name for item in system.every}
+    return FreeRecords(
+        title=records.title if isinstance(records, Campaign) else "",
+        system=system,
+        begun=tuple(name for name in faults if name in there),
+        tolerance=tolerance,
+        held_out=tuple(held_out),
+        held_out_window=held_out_window,
+        most=most,
+    )

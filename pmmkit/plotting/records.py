@@ -1,0 +1,194 @@
+"""Free-running records left out: how their errors fall, and how they were sailed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.errors import DataError
+from pmmkit.escaping import figure_text
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+DEGREES: Final = 180.0 / math.pi
+
+
+def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[float]]) -> Figure:
+    """Error of left-out records after each step, a panel for each kind of error.
+
+    Parameters
+    ----------
+    steps : sequence of str
+        The base, then what was added.
+    errors : mapping of (str, str) to sequence of float
+        After each step, by what it is an error of and its unit.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    DataError
+        If there is no step.
+    """
+    if not steps or not errors:
+        raise DataError("There is no step to draw.")
+    with style.styled():
+        figure = style.canvas(3.0)
+        axes = np.atleast_1d(figure.subplots(1, len(errors)))
+        for axis, ((name, unit), values) in zip(axes, errors.items(), strict=True):
+            axis.bar(
+                range(len(steps)),
+                values,
+                width=0.75,
+                color=[style.colour(number) for number in range(len(steps))],
+                label="error",
+            )
+            for number, value in enumerate(values):
+                axis.annotate(
+                    f"{value:.3g}",
+                    (number, value),
+                    (0.0, 2.0),
+                    textcoords="offset points",
+                    ha="center",
+                    fontsize="small",
+                )
+            axis.set_ylim(0.0, 1.15 * max(values) or 1.0)
+            axis.set_xlim(-0.7, len(steps) - 0.3)
+            axis.set_xticks(range(len(steps)), _ticks(steps))
+            axis.grid(visible=False, axis="x")
+            axis.set_title(name)
+            axis.set_ylabel(f"error [{unit}]")
+    return figure
+
+
+def _ticks(steps: Sequence[str]) -> list[str]:
+    """The steps in short lines."""
+    words = [figure_text(step).replace("_", "\n") for step in steps]
+    return [f"+ {word}" if number else word for number, word in enumerate(words)]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sailed:
+    """A record that was left out, as it was measured and as it was sailed.
+
+    Parameters
+    ----------
+    name : str
+        Of the record.
+    t : array (n,)
+        Time [s].
+    begins : array (w,) of int
+        First instants of the windows.
+    measured : mapping of str to array (n,)
+        Measured channels [m, rad, m/s, rad/s].
+    simulated : mapping of str to mapping of str to array (n,)
+        What a model shows of them through the windows, by its name in words.
+    """
+
+    name: str
+    t: Array
+    begins: NDArray[np.int64]
+    measured: Mapping[str, Array]
+    simulated: Mapping[str, Mapping[str, Array]]
+
+
+def before_and_after(records: Sequence[Sailed]) -> Figure:
+    """Tracks, headings and yaw rates of records, measured and as models sail them, and how far the
+    headings are off.
+
+    Parameters
+    ----------
+    records : sequence of Sailed
+        A column for each.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    DataError
+        If there is no record.
+    """
+    if not records:
+        raise DataError("There is no record to draw.")
+    track = all("x" in item.measured and "y" in item.measured for item in records)
+    turning = all("r" in item.measured for item in records)
+    with style.styled():
+        figure = style.canvas(2.6 * (2 + track + turning))
+        axes = figure.subplots(2 + track + turning, len(records), squeeze=False)
+        for column, item in enumerate(records):
+            own = list(axes[:, column])
+            own[0].set_title(figure_text(item.name))
+            if track:
+                _track(own.pop(0), item)
+            _over_time(own[0], item, "psi")
+            _off(own[1], item)
+            if turning:
+                _over_time(own[2], item, "r")
+            axes[-1, column].set_xlabel("time [s]")
+            if column == 0:
+                words = ["heading [deg]", "heading, simulated\nless measured [deg]"]
+                words += ["yaw rate [deg/s]"] if turning else []
+                for axis, word in zip(own, words, strict=True):
+                    axis.set_ylabel(word)
+        style.legend_below(figure, [axes[0, 0]])
+    return figure
+
+
+def _track(axis: Axes, item: Sailed) -> None:
+    """Seen from above, ahead to the right, so that starboard is below."""
+    x, y = item.measured["x"], item.measured["y"]
+    axis.plot(x, y, label="measured", **_MEASURED)
+    at = _whole(item)
+    for number, (label, shown) in enumerate(item.simulated.items()):
+        axis.plot(_cut(shown["x"], at), _cut(shown["y"], at), label=label, **_look(number))
+    axis.plot(
+        x[item.begins], y[item.begins], ls="", marker="|", color=style.INK, label="a window begins"
+    )
+    axis.set_aspect("equal", adjustable="datalim")
+    axis.yaxis.set_inverted(True)
+    axis.set_xlabel("x, ahead [m]")
+    axis.set_ylabel("y, to starboard [m]")
+
+
+def _over_time(axis: Axes, item: Sailed, channel: str) -> None:
+    axis.plot(item.t, DEGREES * item.measured[channel], **_MEASURED)
+    at = _whole(item)
+    for number, shown in enumerate(item.simulated.values()):
+        axis.plot(_cut(item.t, at), DEGREES * _cut(shown[channel], at), **_look(number))
+
+
+def _off(axis: Axes, item: Sailed) -> None:
+    at = _whole(item)
+    axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
+    for number, shown in enumerate(item.simulated.values()):
+        off = DEGREES * (shown["psi"] - item.measured["psi"])
+        axis.plot(_cut(item.t, at), _cut(off, at), **_look(number))
+
+
+_MEASURED: Final[dict[str, Any]] = {"color": style.REFERENCE, "lw": 2.5, "alpha": 0.6}
+
+
+def _look(number: int) -> dict[str, Any]:
+    return {"color": style.colour(2 - number), "ls": style.dash(number), "lw": 1.1}
+
+
+def _whole(item: Sailed) -> NDArray[np.int64]:
+    """Where lines break: before each window but the first."""
+    return item.begins[1:]
+
+
+def _cut(values: Array, at: NDArray[np.int64]) -> Array:
+    return np.insert(values, at, np.nan)

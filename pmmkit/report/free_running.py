@@ -1,0 +1,112 @@
+"""A diagnosis of free-running records as a page: verdict, errors, records before and after."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pmmkit.diagnosis.findings import UNITS, Diagnosis
+from pmmkit.errors import DataError
+from pmmkit.files import write_text
+from pmmkit.loop import Session
+from pmmkit.loop.records import FreeRecords
+from pmmkit.plotting.records import before_and_after
+from pmmkit.presentation import Grid, Group, Section, counted
+from pmmkit.report.drawn import drawn
+from pmmkit.report.loop import Loop, loop_sections
+from pmmkit.report.page import page
+from pmmkit.version import __version__
+
+
+def write_free_diagnosis(
+    found: Diagnosis, session: Session, path: str | Path, *, title: str = ""
+) -> Path:
+    """Write a diagnosis of free-running records as one HTML file, all or nothing.
+
+    Parameters
+    ----------
+    found : Diagnosis
+        What the session said.
+    session : Session
+        That was asked; what it worked out is used again.
+    path : path
+        File to write.
+    title : str
+        Of the tests; that of the campaign by default.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    DataError
+        If the session is one of captive tests.
+    """
+    evidence = session.evidence
+    if not isinstance(evidence, FreeRecords):
+        raise DataError("This session is one of captive tests: write_diagnosis writes its page.")
+    after = session
+    for item in found.findings:
+        after = after.add(item)
+    loop = Loop(base=evidence.base, diagnosis=found, fall=after.fall())
+    shown = sum(item.shown for item in found.covered)
+    ends = dict.fromkeys(
+        f"{item.heading:.2g}" for item in (loop.fall.errors[0], loop.fall.errors[-1])
+    )
+    tiles = [
+        {"value": str(len(evidence.system.records)), "label": "records"},
+        {"value": f"{shown} of {len(found.covered)}", "label": "effects these records can show"},
+        {"value": f"{' → '.join(ends)}°", "label": "heading of records left out, rms error"},
+        {"value": found.answer if found.best else found.verdict, "label": "answer"},
+    ]
+    missing, *rest = loop_sections(loop)
+    target = Path(path)
+    write_text(
+        target,
+        page(
+            title or evidence.title or "Free-running records",
+            f"What {loop.base} lacks, by pmmkit {__version__}.",
+            tiles,
+            [missing, *rest[:-1], _sailed(evidence, after), rest[-1], _errors(found)],
+        ),
+    )
+    return target
+
+
+def _sailed(evidence: FreeRecords, session: Session) -> Section:
+    """Records left out, measured and sailed before and after."""
+    records = evidence.sailed(session.steps)
+    return Section(
+        title="Records before and after",
+        paragraphs=[
+            f"{counted(len(records), 'record').capitalize()} that the base misses most, each left "
+            "out of the fit. The model sails with the measured inputs through windows, from a "
+            "start that the sensors tell for each window; lines break where a window begins."
+        ],
+        figures=[
+            drawn(
+                before_and_after(records),
+                "Track, heading, how far the heading is off, and yaw rate of records left out.",
+            )
+        ],
+    )
+
+
+def _errors(found: Diagnosis) -> Section:
+    """All errors over windows, and how they came about."""
+    names = list(
+        dict.fromkeys(name for row in found.errors.values() for name in row if name in UNITS)
+    )
+    rows = [
+        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
+        for what, row in found.errors.items()
+    ]
+    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
+    return Section(
+        title="Errors over windows with the measured rudder",
+        paragraphs=[
+            "Root mean square; the noise of the sensors is taken off where records are left out."
+        ],
+        tables=[Grid(head=["", *head], groups=[Group(rows=rows)])],
+        points=list(found.notes),
+    )

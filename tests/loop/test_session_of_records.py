@@ -1,0 +1,223 @@
+"""The loop on free-running records: diagnose, add, watch the error fall, undo, replay, a page."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import pmmkit as pk
+from pmmkit.diagnosis.captive.candidate import polynomial
+from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.fits import at_place, having
+from pmmkit.errors import DataError, ModelError, UnknownNameError
+from pmmkit.identification.prior import prior_of
+from pmmkit.loop import RecordError, RecordFall
+from pmmkit.loop.session import undone
+from pmmkit.plotting.records import before_and_after, waterfall
+from pmmkit.report import write_free_diagnosis
+from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
+
+FEW = ("asymmetry", "fault_rudder_zero", "modulus_yaw_drag")
+HOW = {"prior": prior_of(SHIP, KNOWN, SPEED, spread=0.02), "sensors": SENSORS, "most": 1}
+
+
+@pytest.fixture(scope="module")
+def records():
+    return sailed(ASYMMETRY, 5)
+
+
+@pytest.fixture(scope="module")
+def session(records):
+    return pk.begin(SHIP, records, candidates=FEW, **HOW)
+
+
+@pytest.fixture(scope="module")
+def found(session):
+    return session.diagnose()
+
+
+@pytest.fixture(scope="module")
+def added(session, found):
+    """With all that is named."""
+    for item in found.findings:
+        session = session.add(item, "seen in zigzags")
+    return session
+
+
+@pytest.mark.slow
+def test_the_loop_ends_where_nothing_is_missing(added):
+    assert added.given == ("asymmetry",)
+    again = added.diagnose()
+    assert again.verdict == "noise"
+    assert again.given == ("asymmetry",)
+    asked = {name for item in again.entries for name in item.names}
+    assert asked == {"fault_rudder_zero", "modulus_yaw_drag"}, "what is there is not asked again"
+
+
+@pytest.mark.slow
+def test_a_session_says_what_a_diagnosis_says(records, found):
+    """One way: the same evidence to the bit."""
+    alone = diagnose_free(SHIP, records, candidates=FEW, **HOW)
+    assert [(x.names, x.log_evidence) for x in alone.entries] == [
+        (x.names, x.log_evidence) for x in found.entries
+    ]
+
+
+@pytest.mark.slow
+def test_the_error_falls_in_all_that_is_measured(added, found):
+    fall = added.fall()
+    base, after = fall.errors
+    assert fall.steps == ("base", "asymmetry")
+    assert fall.useless == ()
+    assert after.heading < 0.7 * base.heading
+    assert after.yaw_rate < 0.6 * base.yaw_rate
+    assert all(after.of(name) < base.of(name) for name in fall.measured)
+    assert base.heading == found.errors["left out, base refitted"]["heading"]
+    assert list(fall.to_pandas().columns) == ["step", "position", "heading", "speed", "yaw_rate"]
+    assert f"heading {base.heading:.3g}° to {after.heading:.3g}°" in str(fall)
+
+
+@pytest.mark.slow
+def test_the_model_has_the_effect_and_tells_how(added, found, session):
+    made = added.model()
+    assert made.values("hull_polynomial")["Y0"] == pytest.approx(0.0022, rel=0.3)
+    step = made.steps[-1]
+    assert (step.action, step.effect) == ("effect_added", "asymmetry")
+    assert step.log_odds == found.findings[0].log_odds
+    assert "Seen in zigzags" in made.history[-1]
+    back, name = undone(made)
+    assert name == "asymmetry"
+    assert "Y0" not in back.values("hull_polynomial")
+    bare = session.model()
+    assert "Y0" not in bare.values("hull_polynomial")
+    assert [item.action for item in bare.steps] == ["fitted"]
+
+
+@pytest.mark.slow
+def test_a_fault_corrects_the_records_and_is_known_in_the_next_session():
+    """A rudder zero of 1.5°: fitted, in no model, and part of the base of what follows."""
+    records = sailed(SHIP, 0, zero=math.radians(1.5))
+    made = pk.begin(SHIP, records, candidates=FEW, **HOW).add("fault_rudder_zero").model()
+    (step,) = made.steps[-1:]
+    assert (step.action, step.effect) == ("fault_corrected", "fault_rudder_zero")
+    assert step.coefficients["angle"] == pytest.approx(1.5, rel=0.1)
+    assert made.values("hull_polynomial").keys() == SHIP.values("hull_polynomial").keys()
+    later = pk.begin(made, records, candidates=("asymmetry",), **HOW)
+    assert later.given == ("fault_rudder_zero",)
+    again = later.diagnose()
+    assert again.verdict == "noise"
+    assert again.corrections["rudder_zero"] == pytest.approx(math.radians(1.5), rel=0.1)
+
+
+@pytest.mark.slow
+def test_steps_are_undone_saved_and_replayed(session, added, records, tmp_path):
+    assert added.undo().steps == session.steps == ()
+    with pytest.raises(ModelError, match="no step"):
+        session.undo()
+    added.save(tmp_path / "steps.toml")
+    again = pk.replay(tmp_path / "steps.toml", SHIP, records, candidates=FEW, **HOW)
+    assert again.steps == added.steps
+    assert str(again) == str(added)
+    assert again.fall().errors == added.fall().errors
+
+
+def test_what_cannot_be_asked_or_added_is_said(session, records):
+    with pytest.raises(UnknownNameError, match="did you mean 'asymmetry'"):
+        session.add("asymetry")
+    with pytest.raises(ModelError, match="already"):
+        session.add("asymmetry").add("asymmetry")
+    with pytest.raises(UnknownNameError, match="did you mean 'asymmetry'"):
+        pk.begin(SHIP, records, candidates=["asymetry"])
+    with pytest.raises(DataError, match="sensors"):
+        pk.begin(SHIP, records, noise=0.01)
+    with pytest.raises(DataError, match="complete model"):
+        pk.begin("cubic", records)
+    with pytest.raises(DataError, match="captive"):
+        pk.begin(SHIP, records, candidates=[polynomial("twist", "hull", "A twist.", {"Yvv": 1e-3})])
+
+
+@pytest.mark.slow
+def test_a_candidate_of_the_base_is_weighed_as_one_that_is_added(session):
+    """ln p(y | base has a) is that of the set {a}: it was only counted elsewhere."""
+    place = session.evidence.system.place
+    inside = having(place, ("asymmetry",))
+    for rest in ((), ("modulus_yaw_drag",)):
+        one = at_place(place, ("asymmetry", *rest))
+        other = at_place(inside, rest)
+        assert other.log_probability == pytest.approx(one.log_probability, abs=1e-3)
+    assert set(inside.question.numbers.columns) == {"fault_rudder_zero", "modulus_yaw_drag"}
+
+
+@pytest.mark.slow
+def test_the_page_tells_the_errors_before_and_after(session, added, found, tmp_path):
+    path = write_free_diagnosis(found, session, tmp_path / "report.html", title="Zigzags, 7 m")
+    text = path.read_text()
+    for words in (
+        "What is missing",
+        "How the error falls",
+        "Records before and after",
+        "What these runs could show",
+        "Errors over windows",
+        "zigzag 1",
+    ):
+        assert words in text
+    base, after = added.fall().errors
+    assert f"{base.heading:.2g} → {after.heading:.2g}°" in text
+    assert re.search(r"\+ asymmetry</td>\s*<td[^>]*>" + f"{after.position:.3g}", text)
+    assert text.count("<svg") == 4
+
+
+@pytest.mark.slow
+def test_records_are_drawn_as_they_were_measured_and_sailed(added, records):
+    """The lines of the figure are the records, and break where a window begins."""
+    drawn = added.evidence.sailed(added.steps, most=2)
+    assert len(drawn) == 2
+    figure = before_and_after(drawn)
+    axes = np.array(figure.axes).reshape(4, 2)
+    for axis, item in zip(axes[1], drawn, strict=True):
+        measured, *models = axis.lines
+        own = next(x for x in records if x.name == item.name)
+        np.testing.assert_array_equal(measured.get_ydata(), np.degrees(own.measured["psi"]))
+        assert len(models) == 2
+        for line in models:
+            assert np.isnan(line.get_ydata()).sum() == len(item.begins) - 1
+    assert {axis.get_ylabel() for axis in axes[:, 0]} >= {"heading [deg]", "yaw rate [deg/s]"}
+
+
+def test_a_step_that_lowers_nothing_is_said_so():
+    """Numbers by hand: the second step makes everything worse by a tenth."""
+    rows = [(0.3, 2.0, 0.01, 0.2), (0.2, 1.0, 0.01, 0.1), (0.22, 1.1, 0.011, 0.11)]
+    names = ("position", "heading", "speed", "yaw_rate")
+    fall = RecordFall(
+        errors=tuple(
+            RecordError(step=step, **dict(zip(names, row, strict=True)))
+            for step, row in zip(("base", "asymmetry", "wake"), rows, strict=True)
+        )
+    )
+    assert fall.useless == ("wake",)
+    assert fall.remarks() == [
+        "asymmetry: position -33 %, heading -50 %, speed +0 %, yaw rate -50 %.",
+        "wake: position +10 %, heading +10 %, speed +10 %, yaw rate +10 %.",
+        "wake lowers no error of left-out records.",
+    ]
+    figure = fall.plot()
+    assert [axis.get_ylabel() for axis in figure.axes] == [
+        f"error [{unit}]" for unit in ("m", "deg", "m/s", "deg/s")
+    ]
+    assert [bar.get_height() for bar in figure.axes[1].patches] == [2.0, 1.0, 1.1]
+
+
+def test_what_was_not_measured_is_not_told():
+    fall = RecordFall(errors=(RecordError(step="base", heading=1.0),))
+    assert fall.measured == ("heading",)
+    assert len(fall.plot().axes) == 1
+
+
+def test_nothing_to_draw_is_refused():
+    with pytest.raises(DataError, match="no step"):
+        waterfall((), {})
+    with pytest.raises(DataError, match="no record"):
+        before_and_after([])
