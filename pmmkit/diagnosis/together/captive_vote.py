@@ -19,7 +19,15 @@ from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.together.belongs import Measured
-from pmmkit.diagnosis.together.vote import Ballot, Kind, Names, Sized, asked_in, fault_sets
+from pmmkit.diagnosis.together.vote import (
+    Ballot,
+    Kind,
+    Names,
+    Sized,
+    asked_in,
+    fault_sets,
+    faults_beside,
+)
 from pmmkit.models import Model
 
 FAULTS: Final = 3
@@ -76,7 +84,9 @@ class CaptiveVote:
             return Ballot(log_evidence=0.0)
         paid = price(self.sets.system) * len(mine)
         alone = max(self._evidence(faults) for faults in self.faults)
-        value, faults = max((self._evidence((*mine, *beside)), beside) for beside in self.faults)
+        value, faults = max(
+            (self._evidence((*mine, *beside)), beside) for beside in self._beside(mine)
+        )
         return Ballot(log_evidence=value + paid - alone, faults=faults)
 
     def weighed(self, names: Names) -> Ballot:
@@ -109,6 +119,11 @@ class CaptiveVote:
         """The model with a set, its derivatives and effects fitted together."""
         blocks, fit = self._fitted(names, faults)
         return refitted(self.model, fit, blocks, self.system.base, self.campaign).model
+
+    def _beside(self, names: Names) -> list[Names]:
+        """Sets of faults that may stand beside effects: the best alone, and the best with them."""
+        found = faults_beside(self.diagnosis.entries, names)
+        return [*self.faults, *([found] if found not in self.faults else [])]
 
     def _evidence(self, names: Names) -> float:
         return self.sets.entry(names).log_evidence if names else 0.0

@@ -21,7 +21,7 @@ from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import question_of
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.together.belongs import Measured
-from pmmkit.diagnosis.together.vote import Ballot, Kind, Names, Sized, asked_in, fault_sets
+from pmmkit.diagnosis.together.vote import Ballot, Kind, Names, Sized, asked_in, fault_sets, of_ship
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.identification.record import FreeRecord
@@ -93,7 +93,9 @@ class RecordsVote:
             return Ballot(log_evidence=0.0)
         found = {frozenset(item.names): item.log_evidence for item in self.diagnosis.entries}
         whole = [
-            found[key] for faults in self._beside() if (key := frozenset((*mine, *faults))) in found
+            found[key]
+            for faults in self._beside(mine)
+            if (key := frozenset((*mine, *faults))) in found
         ]
         if whole:
             return Ballot(log_evidence=max(whole) + self.price * len(mine) - self.ground)
@@ -106,7 +108,7 @@ class RecordsVote:
         if not mine:
             return Ballot(log_evidence=0.0)
         found = []
-        for faults in self._beside():
+        for faults in self._beside(mine):
             fit = self.fit((*mine, *faults))
             if fit is not None:
                 gain = fit.log_probability - self.null.log_probability
@@ -160,8 +162,15 @@ class RecordsVote:
     def _asked(self, names: Names) -> Names:
         return tuple(name for name in names if name in self.asked)
 
-    def _beside(self) -> list[Names]:
-        return [(), self.faults] if self.faults else [()]
+    def _beside(self, names: Names) -> list[Names]:
+        """Sets of faults that may stand beside effects: none, the best alone, and those of a set
+        that these records alone name."""
+        named = [
+            tuple(name for name in item if name not in names)
+            for item, _ in self.diagnosis.group
+            if set(of_ship(item)) == set(names)
+        ]
+        return list(dict.fromkeys([(), self.faults, *named]))
 
     def _has(self, item: FreeCandidate) -> bool:
         """Whether an effect comes to values that the model has."""

@@ -89,7 +89,7 @@ class Belonging:
 
     def rows(self) -> list[list[Cell]]:
         """Coefficient, each laboratory, the next one at three scales of their differences."""
-        found = []
+        found: list[list[Cell]] = []
         for i, name in enumerate(self.coefficients):
             own = [
                 _interval(item.values[i], math.sqrt(item.covariance[i, i]))
@@ -196,7 +196,7 @@ class Together(Described):
         return tuple(item for item in self.entries if len(item.names) == 1)
 
     def to_pandas(self) -> pd.DataFrame:
-        """Every single effect: ln evidence of each campaign (NaN where it was not asked), of all."""
+        """Every single effect: ln evidence of each campaign (NaN if not asked for it), of all."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -254,7 +254,8 @@ class Together(Described):
         )
 
     def _headline(self) -> str:
-        return f"{self.verdict.replace('_', ' ')} by {counted(len(self.names), 'campaign')}: {self.answer}"
+        by = counted(len(self.names), "campaign")
+        return f"{self.verdict.replace('_', ' ')} by {by}: {self.answer}"
 
     def _sections(self) -> Sequence[Section]:
         alone = [f"{name}: {item.verdict}: {item.answer}" for name, item in self.diagnoses.items()]
@@ -271,11 +272,10 @@ class Together(Described):
             *(
                 Section(
                     title=item.sentence,
-                    tables=[Grid(head=item.head(), groups=[Group(rows=item.rows())])]
-                    if item.measured
-                    else [],
+                    tables=[Grid(head=item.head(), groups=[Group(rows=item.rows())])],
                 )
                 for item in self.belongs
+                if item.measured
             ),
             Section(title="Refused, since what is left out gets worse by it", points=refused),
             Section(title="Notes", points=self.notes),
@@ -286,14 +286,7 @@ class Together(Described):
         first = Section(
             paragraphs=[f"Verdict: {VERDICTS[self.verdict]}", *self.flags], points=effects
         )
-        return [
-            first,
-            *(
-                item
-                for item in told
-                if item.points or item.tables or item.title in {x.sentence for x in self.belongs}
-            ),
-        ]
+        return [first, *(item for item in told if item.points or item.tables)]
 
     def _table(self) -> Grid:
         """Sets by campaign: the group, then single effects."""

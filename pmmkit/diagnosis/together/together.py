@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -22,7 +23,7 @@ from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
 from pmmkit.diagnosis.together.result import Belonging, JointEntry, Together
 from pmmkit.diagnosis.together.vote import Ballot, Names, Sized, Vote, of_ship
 from pmmkit.errors import DataError
-from pmmkit.identification.from_run import free_records
+from pmmkit.identification.chosen import chosen_records
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, scaled
 
@@ -32,6 +33,8 @@ TRIED: Final = 15
 """Sets that are tried for that at most: a promise of the linear problem may not be kept."""
 SAME: Final = 1e-3
 """Share by which two lengths of one ship may differ without carrying the model over."""
+CHOSEN: Final = ("runs", "channels", "shortest")
+"""Settings of `chosen_records`."""
 Tests = Campaign | Sequence[FreeRecord]
 
 
@@ -57,7 +60,8 @@ def together(
         ``floor``, ``noise`` and ``seed`` as for `diagnose_captive`.
     free : mapping of str to object
         ``candidates`` (effects), ``most``, ``floor``, ``spread``, ``window``, ``sensors``,
-        ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`.
+        ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`; ``runs``, ``channels`` and
+        ``shortest``, which records of campaigns take part, as for `chosen_records`.
     progress : callable, optional
         Is told what is being done.
 
@@ -96,24 +100,27 @@ def together(
     if not named:
         raise DataError("There is no campaign: give captive tests or free-running records.")
     notes: list[str] = []
-    tests = {name: x for name, x in named.items() if _is_captive(x)}
+    tests = {
+        name: x for name, x in named.items() if isinstance(x, Campaign) and x.kind != "free-running"
+    }
     votes: list[Vote] = []
-    for name, item in tests.items():
+    for name, tested in tests.items():
         tell(f"{name}: captive tests")
-        assert isinstance(item, Campaign)
-        votes.append(captive_vote(name, model, item, **captive))
+        votes.append(captive_vote(name, model, tested, **captive))
     known = _known_from(model, votes, notes)
     for name, item in named.items():
         if name in tests:
             continue
         own = _carried(known, name, item, notes)
-        records = _records(item, own)
-        votes.append(
-            records_vote(
-                name, own, records, progress=lambda word, x=name: tell(f"{x}: {word}"), **free
-            )
-        )
+        said = partial(_tell, tell, name)
+        records = _records(item, own, free)
+        settings = {key: x for key, x in free.items() if key not in CHOSEN}
+        votes.append(records_vote(name, own, records, progress=said, **settings))
     return _answered(sorted(votes, key=lambda x: list(named).index(x.name)), notes, tell)
+
+
+def _tell(tell: Callable[[str], None], name: str, word: str) -> None:
+    tell(f"{name}: {word}")
 
 
 def _by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
@@ -125,17 +132,13 @@ def _by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
     return found
 
 
-def _is_captive(item: Tests) -> bool:
-    return isinstance(item, Campaign) and item.kind != "free-running"
-
-
-def _records(item: Tests, model: Model) -> Sequence[FreeRecord]:
+def _records(item: Tests, model: Model, chosen: Mapping[str, Any]) -> Sequence[FreeRecord]:
+    """Records as they are given, or those of a campaign that are chosen."""
     if not isinstance(item, Campaign):
         return item
-    found = [x for run in item.runs for x in free_records(run, model)]
-    if not found:
-        raise DataError(f"{item.title} holds no record: give runs that have a usable segment.")
-    return found
+    wanted = {name: chosen.get(name) for name in CHOSEN}
+    used, _ = chosen_records(item, model, test_runs=None, rudder="auto", wind=True, **wanted)
+    return used.records
 
 
 def _carried(model: Model, name: str, item: Tests, notes: list[str]) -> Model:
@@ -262,13 +265,11 @@ def _weigh(
     for name in every:
         _entry(votes, (name,), price, weighed, tell)
     pool = {of_ship(entry.names) for item in votes for entry in item.diagnosis.entries}
-    several = sorted(
-        (names for names in pool if len(names) > 1),
-        key=lambda names: (-_promise(votes, names, price), names),
-    )
+    promised = {names: _promise(votes, names, price) for names in sorted(pool) if len(names) > 1}
     tried = kept = 0
-    for names in several:
-        if kept == SETS or tried == TRIED:
+    for names in sorted(promised, key=lambda names: -promised[names]):
+        front = max((item.log_evidence for item in weighed.entries.values()), default=0.0)
+        if kept == SETS or tried == TRIED or promised[names] < front - RIVALS:
             break
         if any(set(names) >= set(bad) for bad in weighed.refused):
             continue

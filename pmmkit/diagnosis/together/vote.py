@@ -88,3 +88,12 @@ def fault_sets(entries: Sequence[Entry], most: int) -> list[Names]:
     """The best sets of faults alone that are worth their price."""
     found = [item for item in entries if not of_ship(item.names) and item.log_evidence > 0.0]
     return [item.names for item in sorted(found, key=lambda item: -item.log_evidence)[:most]]
+
+
+def faults_beside(entries: Sequence[Entry], names: Names) -> Names:
+    """The faults of the best set that has just these effects of the ship; none if there is none."""
+    same = [item for item in entries if set(of_ship(item.names)) == set(names)]
+    if not same:
+        return ()
+    best = max(same, key=lambda item: item.log_evidence)
+    return tuple(name for name in best.names if is_fault(name))
