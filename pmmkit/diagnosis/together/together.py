@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import Any, Final
 
-import numpy as np
-
 from pmmkit.campaigns.run import Campaign
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST
-from pmmkit.diagnosis.captive.system import WIDER
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.findings import Verdict
-from pmmkit.diagnosis.together.belongs import SCATTER, Measured, log_shared, owner, third
+from pmmkit.diagnosis.together.belongings import belongings
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote, captive_vote
 from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
 from pmmkit.diagnosis.together.result import Belonging, JointEntry, Together
-from pmmkit.diagnosis.together.vote import Ballot, Names, Sized, Vote, of_ship
+from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
+from pmmkit.diagnosis.together.weighing import weigh
 from pmmkit.errors import DataError
 from pmmkit.identification.chosen import chosen_records
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, scaled
 
-SETS: Final = 5
-"""Sets of several effects that are fitted to all campaigns, beside all single effects."""
-TRIED: Final = 15
-"""Sets that are tried for that at most: a promise of the linear problem may not be kept."""
 SAME: Final = 1e-3
 """Share by which two lengths of one ship may differ without carrying the model over."""
 CHOSEN: Final = ("runs", "channels", "shortest")
@@ -176,19 +169,11 @@ def _is_bare(vote: CaptiveVote) -> bool:
     return "XT" not in names and not any(parse_derivative(name).count("d") for name in names)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Weighed:
-    """Sets that all campaigns were asked for, and those that one refuses."""
-
-    entries: dict[Names, JointEntry]
-    refused: dict[Names, str]
-
-
 def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], None]) -> Together:
     every = sorted(set().union(*(item.asked for item in votes)))
     price = math.log(2.0 * max(len(every), 1))
-    weighed = _weigh(votes, every, price, tell)
-    entries = sorted(weighed.entries.values(), key=lambda item: -item.log_evidence)
+    weighed = weigh(votes, every, price, tell)
+    entries = weighed.entries
     best = entries[0] if entries else None
     told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
     group = _group(entries) if told else ()
@@ -196,20 +181,21 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
     belongs: tuple[Belonging, ...] = ()
     made = None
     if told and best is not None:
+        known = {item.names: item.log_evidence for item in entries}
         for name in best.names:
-            less = weighed.entries.get(tuple(x for x in best.names if x != name))
-            added[name] = best.log_evidence - (less.log_evidence if less else 0.0)
-        belongs = _belongings(votes, best)
+            rest = tuple(x for x in best.names if x != name)
+            added[name] = best.log_evidence - known.get(rest, 0.0)
+        belongs = belongings(votes, best)
         made = _model(votes, best)
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
         group=group,
-        entries=tuple(entries),
+        entries=entries,
         diagnoses=MappingProxyType({item.name: item.diagnosis for item in votes}),
         belongs=belongs,
         added=MappingProxyType(added),
-        refused=tuple((who, names) for names, who in weighed.refused.items()),
+        refused=weighed.refused,
         price=price,
         flags=_flags(votes),
         notes=(
@@ -254,128 +240,6 @@ def _group(entries: Sequence[JointEntry]) -> tuple[tuple[Names, float], ...]:
         (item.names, math.exp(item.log_evidence - best.log_evidence))
         for item in entries
         if len(item.names) <= len(best.names) and best.log_evidence - item.log_evidence < RIVALS
-    )
-
-
-def _weigh(
-    votes: Sequence[Vote], every: Sequence[str], price: float, tell: Callable[[str], None]
-) -> _Weighed:
-    """All single effects, and the sets of several that promise most."""
-    weighed = _Weighed(entries={}, refused={})
-    for name in every:
-        _entry(votes, (name,), price, weighed, tell)
-    pool = {of_ship(entry.names) for item in votes for entry in item.diagnosis.entries}
-    promised = {names: _promise(votes, names, price) for names in sorted(pool) if len(names) > 1}
-    tried = kept = 0
-    for names in sorted(promised, key=lambda names: -promised[names]):
-        front = max((item.log_evidence for item in weighed.entries.values()), default=0.0)
-        if kept == SETS or tried == TRIED or promised[names] < front - RIVALS:
-            break
-        if any(set(names) >= set(bad) for bad in weighed.refused):
-            continue
-        tried += 1
-        kept += _entry(votes, names, price, weighed, tell) is not None
-    _with_parts(votes, price, weighed, tell)
-    return weighed
-
-
-def _with_parts(
-    votes: Sequence[Vote], price: float, weighed: _Weighed, tell: Callable[[str], None]
-) -> None:
-    """The best set without each of its effects, until none of these is better."""
-    best: JointEntry | None = None
-    while weighed.entries:
-        first = max(weighed.entries.values(), key=lambda item: item.log_evidence)
-        if first is best:
-            return
-        best = first
-        for rest in _parts(best.names):
-            _entry(votes, rest, price, weighed, tell)
-
-
-def _parts(names: Names) -> list[Names]:
-    """A set without each of its effects; none of a single one."""
-    found = [tuple(x for x in names if x != name) for name in names]
-    return [rest for rest in found if rest]
-
-
-def _promise(votes: Sequence[Vote], names: Names, price: float) -> float:
-    return sum(item.promised(names).log_evidence for item in votes) - price * len(names)
-
-
-def _entry(
-    votes: Sequence[Vote],
-    names: Names,
-    price: float,
-    weighed: _Weighed,
-    tell: Callable[[str], None],
-) -> JointEntry | None:
-    """A set with the evidence of all campaigns; None if one refuses it. Kept for the next time."""
-    if names in weighed.entries:
-        return weighed.entries[names]
-    tell(f"All campaigns with {' and '.join(names)}")
-    ballots = {}
-    for item in votes:
-        if not item.asked.intersection(names):
-            continue
-        ballot = item.weighed(names)
-        if ballot is None:
-            weighed.refused[names] = item.name
-            return None
-        ballots[item.name] = ballot
-    total = sum(item.log_evidence for item in ballots.values()) - price * len(names)
-    weighed.entries[names] = JointEntry(
-        names=names, log_evidence=total, ballots=MappingProxyType(ballots)
-    )
-    return weighed.entries[names]
-
-
-def _belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]:
-    """Whose each effect of the best set is."""
-    sizes = [
-        item.sizes(best.names, best.ballots[item.name].faults)
-        for item in votes
-        if item.name in best.ballots
-    ]
-    return tuple(
-        _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
-    )
-
-
-def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
-    """Whose an effect is, by the coefficients that all have."""
-    common = (
-        [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
-        if (found)
-        else []
-    )
-    measured = tuple(_only(own, common) for own in found)
-    typical = dict(zip(found[0].coefficients, found[0].typical, strict=True)) if found else {}
-    usual = np.array([abs(typical[x]) for x in common])
-    asked = len(found) > 1 and bool(common)
-    prior = np.diag((WIDER * usual) ** 2)
-    ratio = log_shared(measured, prior) if asked else math.nan
-    return Belonging(
-        effect=name,
-        owner=owner(ratio) if asked else "cannot tell",
-        log_odds=ratio,
-        coefficients=tuple(common),
-        usual=tuple(usual.tolist()),
-        measured=measured,
-        thirds=tuple(
-            third(measured, prior, usual, scale=x) for x in (SCATTER, SCATTER / 2, SCATTER * 2)
-        )
-        if common
-        else (),
-    )
-
-
-def _only(own: Sized, names: Sequence[str]) -> Measured:
-    at = [own.coefficients.index(name) for name in names]
-    return Measured(
-        laboratory=own.measured.laboratory,
-        values=own.measured.values[at],
-        covariance=own.measured.covariance[np.ix_(at, at)],
     )
 
 
