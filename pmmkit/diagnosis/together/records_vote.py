@@ -179,6 +179,13 @@ class RecordsVote:
         return bool(there.intersection(name.rpartition(".")[2] for name in item.values))
 
 
+def _held(place: Place) -> Place:
+    """The linear problem with a base that does not move."""
+    question = place.question
+    numbers = replace(question.numbers, base=question.numbers.base.held)
+    return replace(place, question=replace(question, numbers=numbers))
+
+
 def _missed(fit: Fit) -> float:
     """Sum of ln of the errors of records that are left out one after another."""
     records = [item.record for item in fit.place.question.stretches]
@@ -245,7 +252,10 @@ def records_vote(
     )
     base = base_of(model, speed, spread=spread, extrapolate=extrapolate)
     zero = first_place(question_of(model, records, every, base, tell=tell, **shared))
-    null = fitted(zero, (), whole=True)
+    null = steady(fitted(zero, (), whole=True))
+    if not null.spread:
+        # A base whose move makes records left out worse is not moved beside an effect either.
+        zero = _held(zero)
     vote = RecordsVote(
         name=name,
         model=model,
@@ -254,7 +264,7 @@ def records_vote(
         speed=speed,
         zero=zero,
         null=null,
-        missed=_missed(steady(null)),
+        missed=_missed(null),
     )
     for faults in fault_sets(diagnosis.entries, FAULTS):
         tell(f"Fit with {' and '.join(faults)}")
