@@ -15,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+import pmmkit.diagnosis
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.models import Part
 from pmmkit.models.step import Step
@@ -138,6 +139,11 @@ MADE = {
     "Session": added,
     "ErrorFall": cache(lambda: added().fall()),
     "Diagnosis": diagnosis,
+    "Together": cache(
+        lambda: pmmkit.diagnosis.together(
+            pk.load_model("s175-3dof"), {"tank <1>": session().campaign}
+        )
+    ),
     "Finding": cache(lambda: diagnosis().findings[0]),
     "Track": track,
     "Ensemble": ensemble,
@@ -165,6 +171,7 @@ SAID = {
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
+    "Together": ("Verdict: ", "tank <1>", "price off", "ln 2K"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
     "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
     "Track": ("35.0°", "601.9", "3.439 L", "mind the gap", "rad/s", "self-propulsion"),
