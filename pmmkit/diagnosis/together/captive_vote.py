@@ -28,6 +28,7 @@ from pmmkit.diagnosis.together.vote import (
     fault_sets,
     faults_beside,
 )
+from pmmkit.errors import ModelError, TableError
 from pmmkit.models import Model
 
 FAULTS: Final = 3
@@ -115,10 +116,13 @@ class CaptiveVote:
             )
         return found
 
-    def model_with(self, names: Names, faults: Names) -> Model:
-        """The model with a set, its derivatives and effects fitted together."""
+    def model_with(self, names: Names, faults: Names) -> Model | None:
+        """The model with a set, all fitted together; None if these tests excite too little."""
         blocks, fit = self._fitted(names, faults)
-        return refitted(self.model, fit, blocks, self.system.base, self.campaign).model
+        try:
+            return refitted(self.model, fit, blocks, self.system.base, self.campaign).model
+        except (TableError, ModelError):
+            return None
 
     def _beside(self, names: Names) -> list[Names]:
         """Sets of faults that may stand beside effects: the best alone, and the best with them."""

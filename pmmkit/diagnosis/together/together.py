@@ -152,13 +152,13 @@ def _known_from(model: Model, votes: Sequence[Vote], notes: list[str]) -> Model:
         notes.append("the base is known as the covariance of the model says")
         return model
     for item in tests:
-        if _is_bare(item):
+        if _is_bare(item) and (fitted := item.model_with((), ())) is not None:
             notes.append(f"the base is known as {item.name} tells it: its derivatives are fitted")
-            return item.model_with((), ())
+            return fitted
     if tests:
         notes.append(
-            "the base stays as the model has it: rudder or propeller took part in the captive "
-            "tests, whose forces are not those of the hull; reduce them for a model with covariance"
+            "the base stays as the model has it: in the captive tests rudder or propeller took "
+            "part, or too little is excited; reduce them for a model with covariance"
         )
     return model
 
