@@ -301,3 +301,51 @@ def test_an_effect_is_fitted_to_records_and_taken_out_again(tmp_path, capsys):
     back = load_model(tmp_path / "back.toml")
     assert "Y0" not in back.values("hull_polynomial")
     assert all(step.effect != "asymmetry" for step in back.steps)
+
+
+@pytest.mark.slow
+def test_several_campaigns_vote_together(folder, capsys):
+    other = hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=8)
+    save_campaign(other, folder / "other.h5")
+    out = folder / "together"
+    status, said, _ = run(
+        capsys,
+        "diagnose",
+        folder / "model.toml",
+        folder / "hidden.h5",
+        folder / "other.h5",
+        "--out",
+        out,
+    )
+    assert status == 0
+    assert "Together missing effect by 2 campaigns: yaw_sway_coupling" in said
+    content = json.loads((out / "diagnosis.json").read_text())
+    assert content["group"][0] == {"effects": ["yaw_sway_coupling"], "odds": 1.0}
+    assert [item["owner"] for item in content["belongs"]] == ["the ship's"]
+    assert {file.name for file in out.iterdir()} == {
+        "diagnosis.json",
+        "effects.csv",
+        "evidence.svg",
+        "model.toml",
+    }
+    head, *rows = (out / "effects.csv").read_text().splitlines()
+    first, second = content["campaigns"]
+    assert head.startswith("effect,family,")
+    assert first in head
+    assert second in head
+    assert rows[0].startswith("yaw_sway_coupling,")
+    assert "Yvvr" in load_model(out / "model.toml").parts["hull_polynomial"].values
+
+
+def test_what_one_campaign_alone_can_take_is_refused_for_several(folder, capsys):
+    status, _, error = run(
+        capsys, "diagnose", folder / "model.toml", *2 * [folder / "quiet.h5"], "--given", "memory"
+    )
+    assert status != 0
+    assert "belong to the diagnosis of one campaign" in error
+
+
+def test_a_structure_cannot_be_asked_by_several_campaigns(folder, capsys):
+    status, _, error = run(capsys, "diagnose", "cubic", *2 * [folder / "quiet.h5"])
+    assert status != 0
+    assert "Give a model file" in error

@@ -15,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import pmmkit as pk
+import pmmkit.diagnosis
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.loop import RecordError, RecordFall
 from pmmkit.models import Part
@@ -148,6 +149,11 @@ MADE = {
     "ErrorFall": cache(lambda: added().fall()),
     "RecordFall": record_fall,
     "Diagnosis": diagnosis,
+    "Together": cache(
+        lambda: pmmkit.diagnosis.together(
+            pk.load_model("s175-3dof"), {"tank <1>": session().campaign}
+        )
+    ),
     "Finding": cache(lambda: diagnosis().findings[0]),
     "Track": track,
     "Ensemble": ensemble,
@@ -176,6 +182,7 @@ SAID = {
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
     "RecordFall": ("base", "+ ", "heading [deg]", "yaw rate [deg/s]", "-50 %"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
+    "Together": ("Verdict: ", "tank <1>", "price off", "ln 2K"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
     "Finding": ("Evidence", "±", "usual size", "Error of what was left out"),
     "Track": ("35.0°", "601.9", "3.439 L", "mind the gap", "rad/s", "self-propulsion"),

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from pmmkit.cli.options import (
-    Campaign,
     Data,
     DrawFigures,
     Floor,
@@ -39,13 +38,20 @@ EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 Base = Annotated[
     str, typer.Argument(help="Model file, library ship, or a structure such as cubic.")
 ]
+Campaigns = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="CAMPAIGN",
+        help="Folder with campaign.toml, such a file, or .h5; several, captive and free running, "
+        "vote together.",
+    ),
+]
 WINDOW: Final = 60.0
-LARGE: Final = 3.0
 
 
 def diagnose(
     model: Base,
-    campaign: Campaign,
+    campaigns: Campaigns,
     floor: Floor = None,
     noise: Noise = None,
     given: Given = None,
@@ -122,7 +128,28 @@ def diagnose(
         "windage": _areas(windage),
         "judged": judged,
     }
-    folder = results_folder(out, f"{stem(campaign)}-diagnosed", read=[model], force=force)
+    campaign = campaigns[0]
+    name = "-".join(map(stem, campaigns))
+    folder = results_folder(out, f"{name}-diagnosed", read=[model], force=force)
+    if len(campaigns) > 1:
+        if words(given) or own is not None or free["test_runs"] or window != WINDOW:
+            raise DataError(
+                "--given, --own, --test-runs and --window belong to the diagnosis of one campaign."
+            )
+        from pmmkit.cli.together import together_outcome
+
+        return together_outcome(
+            model,
+            campaigns,
+            folder,
+            data=data,
+            captive={"floor": floor, "noise": noise},
+            free={
+                "window": free["judged"],
+                **{key: x for key, x in free.items() if key not in ("judged", "test_runs")},
+            },
+            drawn=figures,
+        )
     opened, checked = sound_campaign(campaign, data)
     if opened.kind == "free-running":
         if words(given) or noise is not None or own is not None:

@@ -108,7 +108,7 @@ def contest_of(
     price = price_of(question)
     settled: dict[Names, Named] = {}
     ahead = Named(names=(), gain=0.0, fit=null)
-    place, missed, first = null.place, _missed(null), null.weighed()
+    place, missed, first = null.place, left_out_error(null), null.weighed()
     for count in range(min(most, len(names))):
         tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
         found = []
@@ -116,7 +116,7 @@ def contest_of(
             tell(f"Fit with {' and '.join(chosen)}")
             fit = fitted(place, chosen, forces)
             # The linear problem may promise what the equations, far from there, do not keep.
-            if not _can_be(model, every, fit, speed) or _missed(fit) > missed:
+            if not _can_be(model, every, fit, speed) or left_out_error(fit) > missed:
                 continue
             gain = fit.log_probability - null.log_probability - price * len(chosen)
             found.append(Named(names=chosen, gain=gain, fit=fit))
@@ -124,7 +124,7 @@ def contest_of(
         best = max(found, key=lambda item: item.gain, default=ahead)
         if best.gain <= ahead.gain:
             break
-        ahead, missed = best, _missed(best.fit)
+        ahead, missed = best, left_out_error(best.fit)
         place = place_at(best.fit.place.question, best.fit.z)
     order = sorted(settled.values(), key=lambda item: -item.gain)
     gains = {
@@ -165,7 +165,7 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
     missed shows by these, what removes a little by the others.
     """
     own = ahead.weighed() if ahead.place is place else at_place(place, ahead.names).weighed()
-    held = _within(place, 1)
+    held = within(place, 1)
     still = at_place(held, ahead.names, ahead.forces, fine=True)
     views = (own, still.weighed())
     found: dict[Names, Forces] = {}
@@ -188,15 +188,18 @@ def _base_alone(zero: Place) -> tuple[Place, Fit]:
     linear problem, what they do not explain.
     """
     count = len(zero.question.numbers.base.spreads)
-    place = _within(zero, 1)
+    place = within(zero, 1)
     null = fitted(place, (), whole=True)
-    missed = _missed(null)
+    missed = left_out_error(null)
     for number in range(2, count + 1):
-        wider = _within(zero, number)
+        wider = within(zero, number)
         other = fitted(wider, (), whole=True)
-        if other.spread < wider.question.numbers.base.spreads[-1] or _missed(other) >= missed:
+        if (
+            other.spread < wider.question.numbers.base.spreads[-1]
+            or left_out_error(other) >= missed
+        ):
             break
-        place, null, missed = wider, other, _missed(other)
+        place, null, missed = wider, other, left_out_error(other)
     return place, null
 
 
@@ -204,18 +207,18 @@ def steady(fit: Fit) -> Fit:
     """A fit, or that of its set with a base that does not move, if records left out say so."""
     if not fit.spread:
         return fit
-    held = fitted(_within(fit.place, 1), fit.names, fit.forces)
-    return held if _missed(held) < _missed(fit) else fit
+    held = fitted(within(fit.place, 1), fit.names, fit.forces)
+    return held if left_out_error(held) < left_out_error(fit) else fit
 
 
-def _within(place: Place, count: int) -> Place:
+def within(place: Place, count: int) -> Place:
     """The linear problem with a base that moves by the smallest spreads alone."""
     question = place.question
     numbers = replace(question.numbers, base=question.numbers.base.within(count))
     return replace(place, question=replace(question, numbers=numbers))
 
 
-def _missed(fit: Fit) -> float:
+def left_out_error(fit: Fit) -> float:
     """Sum of ln of the errors of records that are left out one after another."""
     records = [item.record for item in fit.place.question.stretches]
     return sum(math.log(x + TINY) for x in pooled(predicted(fit, each(records))).values())

@@ -1,0 +1,81 @@
+"""``pmmkit diagnose`` with several campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.cli.options import sound_campaign, stated, stem
+from pmmkit.cli.output import Outcome, say, warned
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+
+
+def together_outcome(
+    name: str,
+    paths: Sequence[Path],
+    folder: Path,
+    *,
+    data: Path | None,
+    captive: dict[str, Any],
+    free: dict[str, Any],
+    drawn: bool,
+) -> Outcome:
+    """The answer of several campaigns, printed and written.
+
+    Parameters
+    ----------
+    name : str
+        Model file or library ship.
+    paths : sequence of Path
+        The campaigns.
+    folder : Path
+        For the results.
+    data : Path, optional
+        Folder of measurements, of all campaigns.
+    captive, free : dict
+        Settings of captive tests and of free-running records, as for `together`.
+    drawn : bool
+        Whether to draw figures.
+    """
+    from pmmkit.diagnosis.together.together import together
+    from pmmkit.errors import DataError
+    from pmmkit.files import write_results
+    from pmmkit.models import load_model, save_model
+    from pmmkit.plotting.style import save
+    from pmmkit.structures import structures
+
+    if name in structures():
+        raise DataError(
+            f"{name} is a structure: several campaigns are asked about a model. Give a model file "
+            f"or a library ship; pmmkit reduce writes a model from captive tests."
+        )
+    model = load_model(name)
+    asked: dict[str, Campaign] = {}
+    head, warnings, checks = [], [], {}
+    for path in paths:
+        campaign, checked = sound_campaign(path, data)
+        title = campaign.title or stem(path)
+        title = f"{title} ({len(asked) + 1})" if title in asked else title
+        asked[title] = campaign
+        head.append(f"{title}: {len(campaign.runs)} runs, {campaign.kind}")
+        warnings += warned(checked)
+        checks[title] = [item.to_dict() for item in checked]
+    found = together(model, asked, captive=stated(**captive), free=stated(**free), progress=say)
+    content = {**found.to_dict(), "model": model.name, "checks": checks}
+    results: list[tuple[str, Any]] = [
+        ("diagnosis.json", content),
+        ("effects.csv", found.to_pandas()),
+    ]
+    if found.model is not None:
+        results.append(("model.toml", partial(save_model, found.model)))
+    if drawn:
+        results.append(("evidence.svg", partial(save, found.plot())))
+    files = write_results(folder, results)
+    return Outcome(
+        content={"out": str(folder), "files": files, **content},
+        lines=[*head, *warnings, str(found), "", f"Results: {folder}"],
+    )

@@ -1,0 +1,1 @@
+"""Evidence of several campaigns of one ship at once, captive and free running."""

@@ -1,0 +1,62 @@
+"""Whose the effects of a set are, by the coefficients that each campaign measures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.system import WIDER
+from pmmkit.diagnosis.together.belongs import SCATTER, Measured, log_shared, owner, third
+from pmmkit.diagnosis.together.result import Belonging, JointEntry
+from pmmkit.diagnosis.together.vote import Sized, Vote
+
+
+def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]:
+    """Whose each effect of the best set is."""
+    sizes = [
+        item.sizes(best.names, best.ballots[item.name].faults)
+        for item in votes
+        if item.name in best.ballots
+    ]
+    return tuple(
+        _belonging(name, [own[name] for own in sizes if name in own]) for name in best.names
+    )
+
+
+def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
+    """Whose an effect is, by the coefficients that all have."""
+    common = (
+        [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
+        if (found)
+        else []
+    )
+    measured = tuple(_only(own, common) for own in found)
+    typical = dict(zip(found[0].coefficients, found[0].typical, strict=True)) if found else {}
+    usual = np.array([abs(typical[x]) for x in common])
+    asked = len(found) > 1 and bool(common)
+    prior = np.diag((WIDER * usual) ** 2)
+    ratio = log_shared(measured, prior) if asked else math.nan
+    return Belonging(
+        effect=name,
+        owner=owner(ratio) if asked else "cannot tell",
+        log_odds=ratio,
+        coefficients=tuple(common),
+        usual=tuple(usual.tolist()),
+        measured=measured,
+        thirds=tuple(
+            third(measured, prior, usual, scale=x) for x in (SCATTER, SCATTER / 2, SCATTER * 2)
+        )
+        if common
+        else (),
+    )
+
+
+def _only(own: Sized, names: Sequence[str]) -> Measured:
+    at = [own.coefficients.index(name) for name in names]
+    return Measured(
+        laboratory=own.measured.laboratory,
+        values=own.measured.values[at],
+        covariance=own.measured.covariance[np.ix_(at, at)],
+    )

@@ -1,0 +1,174 @@
+"""Does an effect belong to the ship or to the laboratory? What a third laboratory would find."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+
+from pmmkit.numerics import Array
+
+Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
+DECIDED: Final = 1.0
+"""ln of the odds from which it is said whose an effect is."""
+SCATTER: Final = 0.5
+"""Scale of the half-normal prior of what laboratories differ by, over the usual size."""
+GRID: Final = 60
+"""Points of the integral over what laboratories differ by."""
+FURTHEST: Final = 4.0
+"""End of that integral, over the scale of the prior."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measured:
+    """Coefficients of an effect as one laboratory found them.
+
+    Parameters
+    ----------
+    laboratory : str
+        Who.
+    values : array (n,)
+        Coefficients.
+    covariance : array (n, n)
+        Of them.
+    """
+
+    laboratory: str
+    values: Array
+    covariance: Array
+
+
+def log_shared(found: Sequence[Measured], prior: Array, centre: Array | None = None) -> float:
+    """ln of how much more probable one set of coefficients for all is than one for each.
+
+    Parameters
+    ----------
+    found : sequence of Measured
+        At least two laboratories.
+    prior : array (n, n)
+        Covariance P of the coefficients before any test.
+    centre : array (n,), optional
+        Their mean c₀ before; zero by default.
+
+    Returns
+    -------
+    float
+        ``ln N([c_A; c_B]; c₀, [[S_A + P, P], [P, S_B + P]])`` less
+        ``ln N(c_A; c₀, S_A + P) + ln N(c_B; c₀, S_B + P)``, and so on for more of them.
+
+    Examples
+    --------
+    >>> one = lambda x: Measured(
+    ...     laboratory="", values=np.array([x]), covariance=np.array([[0.01]])
+    ... )
+    >>> prior = np.array([[2.25]])
+    >>> round(log_shared([one(1.0), one(1.1)], prior), 2)
+    2.36
+    >>> round(log_shared([one(1.0), one(-1.0)], prior), 2)
+    -97.12
+    """
+    c0 = np.zeros(len(prior)) if centre is None else centre
+    together = _log_normal(_stacked(found, c0), _scattered(found, prior, np.zeros_like(prior)))
+    alone = sum(_log_normal(item.values - c0, item.covariance + prior) for item in found)
+    return together - alone
+
+
+def owner(log_odds: float) -> Owner:
+    """Whose an effect is, from `log_shared`."""
+    if log_odds > DECIDED:
+        return "the ship's"
+    return "the laboratory's" if log_odds < -DECIDED else "cannot tell"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Third:
+    """What a laboratory that has not tested yet would find.
+
+    Parameters
+    ----------
+    values, std : array (n,)
+        Mean and standard deviation: of the shared coefficients, and of what laboratories differ by.
+    scale : float
+        Of the half-normal prior of what they differ by, over the usual sizes.
+    """
+
+    values: Array
+    std: Array
+    scale: float
+
+
+def third(
+    found: Sequence[Measured], prior: Array, usual: Array, *, scale: float = SCATTER
+) -> Third:
+    """The shared coefficients, with the interval of a laboratory that has not tested yet.
+
+    Parameters
+    ----------
+    found : sequence of Measured
+        One laboratory or more.
+    prior : array (n, n)
+        Covariance of the coefficients before any test, about zero.
+    usual : array (n,)
+        Usual sizes; laboratories differ by τ times these.
+    scale : float
+        Of the half-normal prior of τ, over which is integrated. Two laboratories hardly determine
+        τ: look at what other scales give.
+
+    Returns
+    -------
+    Third
+
+    Examples
+    --------
+    >>> one = Measured(laboratory="", values=np.array([1.0]), covariance=np.array([[0.01]]))
+    >>> [
+    ...     round(float(third([one, one], np.eye(1), np.ones(1), scale=x).std[0]), 2)
+    ...     for x in (0.25, 0.5, 1.0)
+    ... ]
+    [0.23, 0.39, 0.64]
+    """
+    spread = np.diag(np.square(usual))
+    # Midpoints: none of the probability stands at the ends.
+    taus = scale * FURTHEST * (np.arange(GRID) + 0.5) / GRID
+    weight, mean, square = [], [], []
+    for tau in taus.tolist():
+        between = tau**2 * spread
+        whole = _scattered(found, prior, between)
+        across = np.tile(prior, (1, len(found)))
+        c = np.concatenate([item.values for item in found])
+        value = across @ np.linalg.solve(whole, c)
+        left = prior - across @ np.linalg.solve(whole, across.T) + between
+        weight.append(_log_normal(c, whole) - 0.5 * (tau / scale) ** 2)
+        mean.append(value)
+        square.append(np.diagonal(left) + value**2)
+    share = np.exp(np.array(weight) - max(weight))
+    share = share / share.sum()
+    values = share @ np.stack(mean)
+    variance = share @ np.stack(square) - values**2
+    return Third(values=values, std=np.sqrt(variance), scale=scale)
+
+
+def _stacked(found: Sequence[Measured], centre: Array) -> Array:
+    return np.concatenate([item.values - centre for item in found])
+
+
+def _scattered(found: Sequence[Measured], prior: Array, between: Array) -> Array:
+    """Covariance of what laboratories find: what they share, by which they differ, and noise."""
+    n = len(prior)
+    whole = np.tile(prior, (len(found), len(found)))
+    for i, item in enumerate(found):
+        own = slice(i * n, (i + 1) * n)
+        whole[own, own] += item.covariance + between
+    return whole
+
+
+def _log_normal(away: Array, covariance: Array) -> float:
+    # Coefficients differ by orders of magnitude: correlations are factorised.
+    size = np.sqrt(np.diagonal(covariance))
+    lower = np.linalg.cholesky(covariance / np.outer(size, size))
+    white = np.linalg.solve(lower, away / size)
+    volume = float(np.sum(np.log(np.diagonal(lower))) + np.sum(np.log(size)))
+    return -0.5 * float(white @ white) - volume - 0.5 * len(away) * math.log(2.0 * math.pi)

@@ -1,0 +1,184 @@
+"""Captive tests as one voice among several campaigns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.captive.adequacy import blocks_of
+from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
+from pmmkit.diagnosis.captive.evidence import Sets, price, sets_of
+from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
+from pmmkit.diagnosis.captive.least_squares import labels
+from pmmkit.diagnosis.captive.refit import refitted
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.together.belongs import Measured
+from pmmkit.diagnosis.together.vote import (
+    Ballot,
+    Kind,
+    Names,
+    Sized,
+    asked_in,
+    fault_sets,
+    faults_beside,
+)
+from pmmkit.errors import ModelError, TableError
+from pmmkit.models import Model
+
+FAULTS: Final = 3
+"""Sets of faults that may stand beside an effect, or instead of it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CaptiveVote:
+    """Captive tests that have been diagnosed.
+
+    Parameters
+    ----------
+    name : str
+        Of the campaign.
+    campaign : Campaign
+        The tests.
+    model : Model
+        Whose derivatives are the base.
+    diagnosis : Diagnosis
+        Of these tests alone.
+    system : System
+        Runs, base and candidates.
+    known : Given
+        The system beside the effects that the model has.
+    sets : Sets
+        Its sets of effects.
+    faults : list of tuple of str
+        None, and the best sets of faults.
+    """
+
+    name: str
+    campaign: Campaign
+    model: Model
+    diagnosis: Diagnosis
+    system: System
+    known: Given
+    sets: Sets
+    faults: list[Names]
+
+    @property
+    def kind(self) -> Kind:
+        """How the ship was tested."""
+        return "captive"
+
+    @property
+    def asked(self) -> frozenset[str]:
+        """Effects of the ship that these tests were asked for."""
+        return asked_in(self.diagnosis.entries)
+
+    def promised(self, names: Names) -> Ballot:
+        """A set of effects: all sets are one linear problem."""
+        mine = tuple(name for name in names if name in self.sets.by_name)
+        if not mine:
+            return Ballot(log_evidence=0.0)
+        paid = price(self.sets.system) * len(mine)
+        alone = max(self._evidence(faults) for faults in self.faults)
+        value, faults = max(
+            (self._evidence((*mine, *beside)), beside) for beside in self._beside(mine)
+        )
+        return Ballot(log_evidence=value + paid - alone, faults=faults)
+
+    def weighed(self, names: Names) -> Ballot:
+        """The same."""
+        return self.promised(names)
+
+    def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
+        """The effects of a set, fitted together with the base."""
+        blocks, fit = self._fitted(names, faults)
+        found = {}
+        for block in blocks:
+            c = block.candidate
+            if c.name not in names or c.each_run:
+                continue
+            at = [fit.names.index(label) for label in labels(c)]
+            if not np.all(np.isfinite(fit.values[at])):
+                continue
+            found[c.name] = Sized(
+                coefficients=c.coefficients,
+                typical=c.typical,
+                measured=Measured(
+                    laboratory=self.name,
+                    values=fit.values[at],
+                    covariance=fit.covariance[np.ix_(at, at)],
+                ),
+            )
+        return found
+
+    def model_with(self, names: Names, faults: Names) -> Model | None:
+        """The model with a set, all fitted together; None if these tests excite too little."""
+        blocks, fit = self._fitted(names, faults)
+        try:
+            return refitted(self.model, fit, blocks, self.system.base, self.campaign).model
+        except (TableError, ModelError):
+            return None
+
+    def _beside(self, names: Names) -> list[Names]:
+        """Sets of faults that may stand beside effects: the best alone, and the best with them."""
+        found = faults_beside(self.diagnosis.entries, names)
+        return [*self.faults, *([found] if found not in self.faults else [])]
+
+    def _evidence(self, names: Names) -> float:
+        return self.sets.entry(names).log_evidence if names else 0.0
+
+    def _fitted(self, names: Names, faults: Names) -> tuple[tuple[Block, ...], JointFit]:
+        mine = [name for name in (*names, *faults) if name in self.sets.by_name]
+        blocks = blocks_of(self.known.system, self.sets.entry(mine)) if mine else []
+        together = refined(self.system, [*self.known.blocks, *blocks])
+        return together, joint_fit(self.system, together, floor=self.system.floor)
+
+
+def captive_vote(
+    name: str,
+    model: Model,
+    campaign: Campaign,
+    *,
+    floor: float | None = None,
+    noise: float | None = None,
+    seed: int = 0,
+) -> CaptiveVote:
+    """Diagnose captive tests and keep what more sets need.
+
+    Parameters
+    ----------
+    name : str
+        Of the campaign.
+    model : Model
+        Whose derivatives are the base.
+    campaign : Campaign
+        Captive tests.
+    floor, noise, seed
+        As for `diagnose_captive`.
+
+    Raises
+    ------
+    DataError
+        If no run has a known noise.
+    """
+    base = derivatives_of(model)
+    system = captive_system(campaign, base.structure, floor=floor, noise=noise)
+    given = system.taking_part(base.effects)
+    system = system.whole(given)
+    diagnosis = answer(system, given, floor=system.floor, seed=seed)
+    known = taken_as_given(system, given)
+    return CaptiveVote(
+        name=name,
+        campaign=campaign,
+        model=model,
+        diagnosis=diagnosis,
+        system=system,
+        known=known,
+        sets=sets_of(known.system),
+        faults=[(), *fault_sets(diagnosis.entries, FAULTS)],
+    )

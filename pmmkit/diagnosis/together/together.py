@@ -1,0 +1,254 @@
+"""Several campaigns of one ship, captive and free running, asked the same question at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Final
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.conventions import parse_derivative
+from pmmkit.diagnosis.captive.adequacy import LEAST
+from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
+from pmmkit.diagnosis.findings import Verdict
+from pmmkit.diagnosis.together.belongings import belongings
+from pmmkit.diagnosis.together.captive_vote import CaptiveVote, captive_vote
+from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
+from pmmkit.diagnosis.together.result import Belonging, JointEntry, Together
+from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
+from pmmkit.diagnosis.together.weighing import weigh
+from pmmkit.errors import DataError
+from pmmkit.identification.chosen import chosen_records
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Model, scaled
+
+SAME: Final = 1e-3
+"""Share by which two lengths of one ship may differ without carrying the model over."""
+CHOSEN: Final = ("runs", "channels", "shortest")
+"""Settings of `chosen_records`."""
+Tests = Campaign | Sequence[FreeRecord]
+
+
+def together(
+    model: Model,
+    campaigns: Sequence[Campaign] | Mapping[str, Tests],
+    *,
+    captive: Mapping[str, Any] = MappingProxyType({}),
+    free: Mapping[str, Any] = MappingProxyType({}),
+    progress: Callable[[str], None] | None = None,
+) -> Together:
+    """Name what a model lacks that several campaigns of one ship show together.
+
+    Parameters
+    ----------
+    model : Model
+        Complete where there are free-running records. Its derivatives of hull and added mass are
+        the base of captive tests.
+    campaigns : sequence of Campaign, or mapping of str to Campaign or sequence of FreeRecord
+        Captive tests and free-running records, by name if a mapping. The model is carried to the
+        length of a free-running campaign's ship by Froude's law (`scaled`).
+    captive : mapping of str to object
+        ``floor``, ``noise`` and ``seed`` as for `diagnose_captive`.
+    free : mapping of str to object
+        ``candidates`` (effects), ``most``, ``floor``, ``spread``, ``window``, ``sensors``,
+        ``windage``, ``extrapolate`` and ``seed`` as for `diagnose_free`; ``runs``, ``channels`` and
+        ``shortest``, which records of campaigns take part, as for `chosen_records`.
+    progress : callable, optional
+        Is told what is being done.
+
+    Returns
+    -------
+    Together
+
+    Raises
+    ------
+    DataError
+        If there is no campaign, or one cannot be asked.
+
+    Notes
+    -----
+    Each campaign is diagnosed alone, with its own noise and its own faults. Then, for a set S of
+    effects of the ship, ln odds are ``Σ_i [ln p_i(S, F_i(S)) − ln p_i(F_i)] − |S| ln 2K``, where
+    F_i are the faults that make campaign i most probable, without S or with it, each at its price;
+    an effect of the ship is paid for once, by the number K of effects that any campaign was asked
+    for. A campaign that was not asked for an effect does not vote on it.
+
+    Each campaign averages over coefficients of its own, by the prior of usual sizes: that S acts
+    is what they vote for, not that it has one size; whether it has is asked afterwards of each
+    effect (`log_shared`). The values of the base as captive tests know them are the prior for
+    the records: the covariance of the model, or where it has none and the tests are of the bare
+    hull, that of its derivatives fitted to these tests. Base and effects are taken as independent
+    there, so that what both kinds of tests know of the base in common is used once.
+
+    Sets are fitted to records through the equations before they count, single effects first: a set
+    that makes records left out one after another worse, or that holds an effect which alone does
+    so, is refused. A set is named if its odds are above e after the price and chance gives such
+    evidence in less than 1 % of ships without any effect: by Markov's inequality that is less than
+    one over the odds.
+    """
+    tell = progress or (lambda _: None)
+    named = campaigns if isinstance(campaigns, Mapping) else _by_title(campaigns)
+    if not named:
+        raise DataError("There is no campaign: give captive tests or free-running records.")
+    notes: list[str] = []
+    tests = {
+        name: x for name, x in named.items() if isinstance(x, Campaign) and x.kind != "free-running"
+    }
+    votes: list[Vote] = []
+    for name, tested in tests.items():
+        tell(f"{name}: captive tests")
+        votes.append(captive_vote(name, model, tested, **captive))
+    known = _known_from(model, votes, notes)
+    for name, item in named.items():
+        if name in tests:
+            continue
+        own = _carried(known, name, item, notes)
+        said = partial(_tell, tell, name)
+        records = _records(item, own, free)
+        settings = {key: x for key, x in free.items() if key not in CHOSEN}
+        votes.append(records_vote(name, own, records, progress=said, **settings))
+    return _answered(sorted(votes, key=lambda x: list(named).index(x.name)), notes, tell)
+
+
+def _tell(tell: Callable[[str], None], name: str, word: str) -> None:
+    tell(f"{name}: {word}")
+
+
+def _by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
+    """Campaigns by their titles, numbered where two have the same."""
+    found: dict[str, Campaign] = {}
+    for number, item in enumerate(campaigns, 1):
+        name = item.title or item.ship.name
+        found[f"{name} ({number})" if name in found else name] = item
+    return found
+
+
+def _records(item: Tests, model: Model, chosen: Mapping[str, Any]) -> Sequence[FreeRecord]:
+    """Records as they are given, or those of a campaign that are chosen."""
+    if not isinstance(item, Campaign):
+        return item
+    wanted = {name: chosen.get(name) for name in CHOSEN}
+    used, _ = chosen_records(item, model, test_runs=None, rudder="auto", wind=True, **wanted)
+    return used.records
+
+
+def _carried(model: Model, name: str, item: Tests, notes: list[str]) -> Model:
+    """The model at the length of the ship that was tested."""
+    if not isinstance(item, Campaign) or abs(item.ship.L / model.ship.L - 1.0) < SAME:
+        return model
+    notes.append(
+        f"{name}: the model is carried from L = {model.ship.L:g} m to {item.ship.L:g} m by "
+        f"Froude's law, without correction of friction or wake; its propulsion point stays"
+    )
+    return scaled(model, item.ship.L)
+
+
+def _known_from(model: Model, votes: Sequence[Vote], notes: list[str]) -> Model:
+    """The model with what captive tests know of its base."""
+    tests = [item for item in votes if isinstance(item, CaptiveVote)]
+    if model.covariance is not None:
+        notes.append("the base is known as the covariance of the model says")
+        return model
+    for item in tests:
+        if _is_bare(item) and (fitted := item.model_with((), ())) is not None:
+            notes.append(f"the base is known as {item.name} tells it: its derivatives are fitted")
+            return fitted
+    if tests:
+        notes.append(
+            "the base stays as the model has it: in the captive tests rudder or propeller took "
+            "part, or too little is excited; reduce them for a model with covariance"
+        )
+    return model
+
+
+def _is_bare(vote: CaptiveVote) -> bool:
+    """Whether tests show the forces of the hull alone."""
+    names = [name for own in vote.system.base.names.values() for name in own]
+    return "XT" not in names and not any(parse_derivative(name).count("d") for name in names)
+
+
+def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], None]) -> Together:
+    every = sorted(set().union(*(item.asked for item in votes)))
+    price = math.log(2.0 * max(len(every), 1))
+    weighed = weigh(votes, every, price, tell)
+    entries = weighed.entries
+    best = entries[0] if entries else None
+    told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
+    group = _group(entries) if told else ()
+    added: dict[str, float] = {}
+    belongs: tuple[Belonging, ...] = ()
+    made = None
+    if told and best is not None:
+        known = {item.names: item.log_evidence for item in entries}
+        for name in best.names:
+            rest = tuple(x for x in best.names if x != name)
+            added[name] = best.log_evidence - known.get(rest, 0.0)
+        belongs = belongings(votes, best)
+        made = _model(votes, best)
+    verdict: Verdict = "missing_effect" if told else _unnamed(votes)
+    return Together(
+        verdict=verdict,
+        group=group,
+        entries=entries,
+        diagnoses=MappingProxyType({item.name: item.diagnosis for item in votes}),
+        belongs=belongs,
+        added=MappingProxyType(added),
+        refused=weighed.refused,
+        price=price,
+        flags=_flags(votes),
+        notes=(
+            *notes,
+            f"each effect pays ln 2K = {price:.2f} once, K = {len(every)}",
+            *(
+                f"{vote.name}: own faults {' and '.join(faults)}"
+                for vote in votes
+                if best is not None and (faults := best.ballots.get(vote.name, _NONE).faults)
+            ),
+        ),
+        model=made,
+    )
+
+
+_NONE: Final = Ballot(log_evidence=0.0)
+
+
+def _unnamed(votes: Sequence[Vote]) -> Verdict:
+    """The verdict where nothing is named: what the campaigns alone say."""
+    said = {item.diagnosis.verdict for item in votes}
+    if said & {"unexplained", "missing_effect"}:
+        return "unexplained"
+    return "suspected" if "suspected" in said else "noise"
+
+
+def _flags(votes: Sequence[Vote]) -> tuple[str, ...]:
+    """Campaigns that hold more than is explained."""
+    found = []
+    for item in votes:
+        if item.diagnosis.verdict == "unexplained":
+            found.append(f"{item.name} alone holds something that nothing explains.")
+        elif item.diagnosis.flags:
+            found.append(f"{item.name} alone: what it names is not the whole story.")
+    return tuple(found)
+
+
+def _group(entries: Sequence[JointEntry]) -> tuple[tuple[Names, float], ...]:
+    """Sets of no greater size within `RIVALS` of the best."""
+    best = entries[0]
+    return tuple(
+        (item.names, math.exp(item.log_evidence - best.log_evidence))
+        for item in entries
+        if len(item.names) <= len(best.names) and best.log_evidence - item.log_evidence < RIVALS
+    )
+
+
+def _model(votes: Sequence[Vote], best: JointEntry) -> Model | None:
+    """With the best set: fitted to the first records, else to the first captive tests."""
+    for kind in (RecordsVote, CaptiveVote):
+        for item in votes:
+            if isinstance(item, kind):
+                made = item.model_with(best.names, best.ballots.get(item.name, _NONE).faults)
+                if made is not None:
+                    return made
+    return None

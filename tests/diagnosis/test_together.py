@@ -1,0 +1,211 @@
+"""Several campaigns at once: whose an effect is, and what campaigns say together."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hidden_effects import hidden_campaign
+from small_campaign import write_campaign
+
+import pmmkit as pk
+from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
+from pmmkit.diagnosis.together.together import together
+from pmmkit.effects.catalogue import effect_of, is_fault
+from pmmkit.errors import DataError
+from pmmkit.models.edit import without_effect
+from tests.support.zigzags import SENSORS, SHIP, sailed
+
+
+def normal(x, mean, variance):
+    return np.exp(-0.5 * (x - mean) ** 2 / variance) / np.sqrt(2 * math.pi * variance)
+
+
+def measured(values, covariance):
+    return Measured(
+        laboratory="", values=np.atleast_1d(values), covariance=np.atleast_2d(covariance)
+    )
+
+
+@pytest.mark.parametrize(
+    ("values", "variances"),
+    [
+        ((1.0, 1.2), (0.1, 0.3)),
+        ((1.0, -1.5), (0.1, 0.3)),
+        ((0.2, 0.1), (4.0, 0.5)),
+        ((1.0, 1.4, 0.9), (0.2, 0.1, 0.3)),
+    ],
+)
+def test_the_odds_are_those_of_integrating_over_the_coefficient(values, variances):
+    """∫ Π N(c_i; c, S_i) N(c; 0, P) dc over Π ∫ N(c_i; c, S_i) N(c; 0, P) dc."""
+    P = 2.25
+    c = np.linspace(-15.0, 15.0, 60001)
+    each = [normal(x, c, v) for x, v in zip(values, variances, strict=True)]
+    prior = normal(c, 0.0, P)
+    shared = np.trapezoid(np.prod(each, axis=0) * prior, c)
+    alone = [np.trapezoid(item * prior, c) for item in each]
+    expected = math.log(shared) - sum(map(math.log, alone))
+    found = [measured(x, v) for x, v in zip(values, variances, strict=True)]
+    assert log_shared(found, np.array([[P]])) == pytest.approx(expected, abs=1e-8)
+
+
+def test_the_odds_of_two_correlated_coefficients_are_those_of_integration():
+    a, b = np.array([1.0, -0.4]), np.array([0.7, -0.6])
+    A, B = np.array([[0.3, 0.1], [0.1, 0.2]]), np.array([[0.2, -0.1], [-0.1, 0.4]])
+    P, centre = np.diag([2.25, 0.5]), np.array([0.2, 0.1])
+    x = np.linspace(-9.0, 9.0, 901)
+    grid = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1)
+
+    def density(mean, covariance):
+        away = grid - mean
+        square = np.einsum("...i,ij,...j", away, np.linalg.inv(covariance), away)
+        return np.exp(-0.5 * square) / (2 * math.pi * math.sqrt(np.linalg.det(covariance)))
+
+    def total(y):
+        return math.log(np.trapezoid(np.trapezoid(y, x), x))
+
+    of_a, of_b, prior = density(a, A), density(b, B), density(centre, P)
+    expected = total(of_a * of_b * prior) - total(of_a * prior) - total(of_b * prior)
+    found = log_shared([measured(a, A), measured(b, B)], P, centre)
+    assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_whose_an_effect_is():
+    assert owner(1.1) == "the ship's"
+    assert owner(-1.1) == "the laboratory's"
+    assert owner(0.9) == owner(-0.9) == "cannot tell"
+
+
+def test_another_laboratory_without_scatter_finds_the_weighted_mean():
+    """Closed form: precisions add, those of the prior among them."""
+    found = [measured(1.0, 0.1), measured(1.4, 0.3)]
+    precision = 1 / 0.1 + 1 / 0.3 + 1 / 2.25
+    got = third(found, np.array([[2.25]]), np.ones(1), scale=1e-6)
+    assert got.values[0] == pytest.approx((1.0 / 0.1 + 1.4 / 0.3) / precision)
+    assert got.std[0] == pytest.approx(precision**-0.5)
+
+
+def test_another_laboratory_by_drawing_ships_and_laboratories():
+    """The mean and spread of draws of (shared, τ, third) weighted by how probable the two are."""
+    rng = np.random.default_rng(3)
+    n, scale = 400_000, 0.5
+    tau = np.abs(rng.normal(0.0, scale, n))
+    shared = rng.normal(0.0, 1.5, n)
+    weight = normal(0.9, shared, 0.05 + tau**2) * normal(0.4, shared, 0.02 + tau**2)
+    other = rng.normal(shared, tau)
+    mean = np.average(other, weights=weight)
+    std = math.sqrt(np.average((other - mean) ** 2, weights=weight))
+    got = third([measured(0.9, 0.05), measured(0.4, 0.02)], np.array([[2.25]]), np.ones(1))
+    assert got.values[0] == pytest.approx(mean, abs=0.01)
+    assert got.std[0] == pytest.approx(std, rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def base():
+    return without_effect(pk.load_model("s175-3dof"), "yaw_sway_coupling")
+
+
+@pytest.fixture(scope="module")
+def captive(base):
+    """Two tanks test a ship with a coupling; in one the model is turned on the carriage."""
+    hidden = {"yaw_sway_coupling": 1.0}
+    one = hidden_campaign("middle", {**hidden, "fault_misalignment": 1.0}, seed=3)
+    other = hidden_campaign("middle", hidden, seed=4)
+    return together(base, {"turned": one, "straight": other})
+
+
+@pytest.mark.slow
+def test_the_effect_is_the_ships_and_the_fault_stays_with_its_campaign(captive):
+    assert captive.verdict == "missing_effect"
+    assert captive.best == ("yaw_sway_coupling",)
+    ballots = captive.entries[0].ballots
+    assert "fault_misalignment" in ballots["turned"].faults
+    assert "fault_misalignment" not in ballots["straight"].faults
+    (belongs,) = captive.belongs
+    assert belongs.owner == "the ship's"
+    spreads = [float(item.std[0]) for item in belongs.thirds]
+    assert spreads[1] < spreads[0] < spreads[2]
+
+
+@pytest.mark.slow
+def test_campaigns_add_and_the_price_is_paid_once(captive):
+    for item in captive.entries:
+        total = sum(ballot.log_evidence for ballot in item.ballots.values())
+        assert item.log_evidence == pytest.approx(total - captive.price * len(item.names))
+    # A campaign counts what a set adds to its own faults, and takes its own price off these alone.
+    entries = captive.diagnoses["straight"].entries
+    own = {item.names: item.log_evidence for item in entries}
+    price = math.log(2.0 * sum(len(names) == 1 for names in own))
+    faults = max(x for names, x in own.items() if all(map(is_fault, names)))
+    expected = own[("yaw_sway_coupling",)] + price - faults
+    assert captive.entries[0].ballots["straight"].log_evidence == pytest.approx(expected)
+
+
+@pytest.mark.slow
+def test_the_answer_prints_and_is_plain_data(captive):
+    text = str(captive)
+    assert "turned: missing_effect" in text
+    assert "yaw_sway_coupling: the ship's" in text
+    assert json.loads(json.dumps(captive.to_dict()))["group"][0]["odds"] == 1.0
+    table = captive.to_pandas()
+    assert list(table.columns) == ["effect", "family", "turned", "straight", "together", "named"]
+    assert table.effect[table.named].tolist() == ["yaw_sway_coupling"]
+    assert "Yvvr" in captive.model.parts["hull_polynomial"].values
+
+
+@pytest.mark.slow
+def test_an_effect_of_another_size_in_each_is_the_laboratorys(base):
+    found = together(
+        base,
+        {
+            "large": hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=4),
+            "small": hidden_campaign("middle", {"yaw_sway_coupling": 0.3}, seed=5),
+        },
+    )
+    assert [item.owner for item in found.belongs] == ["the laboratory's"]
+
+
+@pytest.mark.slow
+def test_nothing_hidden_is_named_by_none(base):
+    campaigns = {str(seed): hidden_campaign("small", {}, seed=seed) for seed in (1, 2)}
+    found = together(pk.load_model("s175-3dof"), campaigns)
+    assert found.verdict == "noise"
+    assert found.best == ()
+
+
+@pytest.mark.slow
+def test_tests_of_the_bare_hull_tell_the_base(tmp_path):
+    campaign = pk.open_campaign(write_campaign(tmp_path))
+    found = together(pk.load_model("s175-3dof"), [campaign])
+    assert any("its derivatives are fitted" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_records_of_two_basins_vote_together():
+    """An asymmetry, sailed twice with other noise: evidence adds, and one size holds for both."""
+    ship = SHIP.with_values("hull_polynomial", Y0=0.0022, N0=-0.001)
+    found = together(
+        SHIP,
+        {"one": sailed(ship, 0), "two": sailed(ship, 5)},
+        free={
+            "candidates": [effect_of("asymmetry"), effect_of("fault_rudder_zero")],
+            "most": 1,
+            "sensors": SENSORS,
+            "spread": 0.03,
+        },
+    )
+    assert found.best == ("asymmetry",)
+    assert found.belongs[0].owner == "the ship's"
+    ballots = found.entries[0].ballots
+    assert min(item.log_evidence for item in ballots.values()) > 10.0
+    assert found.entries[0].log_evidence > max(x.log_evidence for x in ballots.values())
+    ratio = SHIP.ship.d / SHIP.ship.L
+    shared = found.belongs[0].thirds[0]
+    assert shared.values == pytest.approx([0.0022 * ratio, -0.001 * ratio], rel=0.15)
+
+
+def test_no_campaign_is_refused():
+    with pytest.raises(DataError, match="no campaign"):
+        together(SHIP, {})
