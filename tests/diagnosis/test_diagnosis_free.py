@@ -15,7 +15,7 @@ from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.fits import place_at
 from pmmkit.diagnosis.free_running.hypotheses import Numbers, weighed
 from pmmkit.diagnosis.free_running.information import Forces, Known
-from pmmkit.diagnosis.free_running.question import question_of
+from pmmkit.diagnosis.free_running.question import PACE, paced, question_of
 from pmmkit.diagnosis.free_running.slopes import sheets_of
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError
@@ -165,6 +165,16 @@ def test_an_outlier_is_left_out():
     question = asked_of([spoiled, *records[1:]])
     assert question.outliers == 1
     assert np.isnan(question.stretches[0].record.measured["psi"][60])
+
+
+@pytest.mark.parametrize("step", [0.01, 0.02, 0.05, 0.09, 0.2])
+def test_an_average_stands_at_its_instant(step):
+    """However finely a straight line is sampled, its averages lie on it."""
+    t = np.arange(0.0, 20.0, step)
+    record = FreeRecord(name="line", t=t, delta=t, turns=t, measured={"psi": 0.1 * t}, speed=SPEED)
+    thin = paced(record, SHIP.ship.L)
+    assert thin.measured["psi"] == pytest.approx(0.1 * thin.t)
+    assert np.median(np.diff(thin.t)) <= max(2.0 * PACE * SHIP.ship.L / SPEED, step)
 
 
 def test_slopes_are_those_of_a_small_step():

@@ -179,7 +179,7 @@ def diagnose(
         "",
         *answer.tail,
         f"Results: {folder}",
-        *(_next(model, campaign, found) if opened.kind != "free-running" else []),
+        *_next(model, campaign, found),
     ]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
@@ -239,14 +239,15 @@ def _of_records(
     judged: float | None,
     **chosen: Any,
 ) -> _Answer:
-    from pmmkit.diagnosis.free_running.diagnose import diagnose_free
     from pmmkit.identification.chosen import chosen_records
+    from pmmkit.loop.session import begin
     from pmmkit.models import load_model
+    from pmmkit.report import write_free_diagnosis
 
     model = load_model(name)
     settings = stated(floor=floor, spread=spread)
     used, kept = chosen_records(campaign, model, rudder="auto", wind=True, **chosen)
-    found = diagnose_free(
+    session = begin(
         model,
         used.records,
         windage=windage,
@@ -257,6 +258,8 @@ def _of_records(
         progress=say,
         **settings,
     )
+    found = session.diagnose()
+    page = partial(write_free_diagnosis, found, session, title=campaign.title)
     errors = {name: dict(row) for name, row in found.errors.items()}
     return _Answer(
         found=found,
@@ -266,7 +269,7 @@ def _of_records(
             "used": used.content(),
             "held_out": kept.content() if kept else None,
         },
-        files=list(_record_files(found, drawn)),
+        files=[*_record_files(found, drawn), *([("report.html", page)] if drawn else [])],
         head=[
             f"{campaign.title}: {len(used.records)} records against {model.name}",
             *used.words("Used"),

@@ -155,7 +155,8 @@ def paced(record: FreeRecord, L: float) -> FreeRecord:
         Ship length [m].
     """
     step = float(np.median(np.diff(record.t)))
-    every = max(round(PACE * L / record.speed / step), 1)
+    # An odd number: an average over an even one lies between two instants.
+    every = max(2 * round((PACE * L / record.speed / step - 1.0) / 2.0) + 1, 1)
     if every == 1:
         return record
     kernel = np.ones(every)
