@@ -304,7 +304,8 @@ def _with_moved(model: Model, asked: Asked) -> Model:
             f"{asked.name} moves values of {asked.effect.frees}, which model {model.name!r} does "
             f"not have."
         )
-    if asked.known and not any(moves.keys() & {x for x, y in asked.coefficients.items() if y}):
+    moved = {label for label, size in asked.coefficients.items() if size}
+    if moved and asked.known and not moves.keys() & moved:
         raise ModelError(
             f"{asked.name} moves {', '.join(moves)} of model {model.name!r}, and was found as "
             f"{', '.join(asked.coefficients)} of another one: diagnose with this model."

@@ -151,7 +151,7 @@ MADE = {
     "Diagnosis": diagnosis,
     "Together": cache(
         lambda: pmmkit.diagnosis.together(
-            pk.load_model("s175-3dof"), {"tank <1>": session().campaign}
+            pk.load_model("s175-3dof"), {"tank <1>": session().evidence.campaign}
         )
     ),
     "Finding": cache(lambda: diagnosis().findings[0]),

@@ -68,7 +68,7 @@ def log_shared(found: Sequence[Measured], prior: Array, centre: Array | None = N
     >>> round(log_shared([one(1.0), one(1.1)], prior), 2)
     2.36
     >>> round(log_shared([one(1.0), one(-1.0)], prior), 2)
-    -97.12
+    -97.19
     """
     c0 = np.zeros(len(prior)) if centre is None else centre
     together = _log_normal(_stacked(found, c0), _scattered(found, prior, np.zeros_like(prior)))
