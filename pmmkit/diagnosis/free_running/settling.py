@@ -85,7 +85,9 @@ def settled(
             [smoothed(sheet, _sigma(item, sensors), agile(item)) for sheet in own]
             for item, own in zip(stretches, sheets, strict=True)
         ]
-        stretches = tuple(_moved(item, own) for item, own in zip(stretches, fits, strict=True))
+        stretches = tuple(
+            _kept_on_its_way(item, own) for item, own in zip(stretches, fits, strict=True)
+        )
         if number == 0:
             continue
         cleaned, count = _without_outliers(stretches, sheets, fits)
@@ -140,6 +142,13 @@ def moved_along(
     """
     sigma = _sigma(stretch, sensors)
     return _moved(stretch, [smoothed(sheet, sigma, forces, change) for sheet in sheets])
+
+
+def _kept_on_its_way(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
+    """A stretch from the starts of its windows' fits; as it was where the motion is lost there."""
+    made = _moved(stretch, fits)
+    still = np.zeros(len(stretch.names))
+    return made if np.all(np.isfinite(sailed(made, still))) else stretch
 
 
 def _moved(stretch: Stretch, fits: Sequence[Smooth]) -> Stretch:
