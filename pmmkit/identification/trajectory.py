@@ -22,6 +22,7 @@ from pmmkit.identification.filters import STEP, first_state, kind_of
 from pmmkit.identification.lack import Lack, Piece, lack_of
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord, sensors_of
+from pmmkit.identification.starts import first_states
 from pmmkit.models import Model
 from pmmkit.numerics import Array
 from pmmkit.progress import Progress
@@ -352,45 +353,14 @@ def _first_states(
     states = problem.binding.structure.states
     known = sensors_of(records, sensors)
     default = [first_state(record, states, known, L)[0] for record in records]
-    owner = np.cumsum([0, *(len(record) for record in records)])
-    first = np.zeros((problem.windows, len(states)))
-    for w, begin in enumerate(problem.begins[:-1].tolist()):
-        number = int(np.searchsorted(owner, begin, side="right") - 1)
-        record = records[number]
-        at = begin - int(owner[number])
-        stop = int(np.searchsorted(record.t, record.t[at] + 0.5 * L / record.speed))
-        rows = slice(at, max(stop, min(at + 3, len(record))))
-        lines = {
-            name: line
-            for name, x in record.measured.items()
-            if (line := _line(record.t[rows] - record.t[at], x[rows])) is not None
-        }
-        first[w] = _start(lines, states, default[number])
-    return first
-
-
-def _line(t: Array, values: Array) -> Array | None:
-    """Slope and start of a straight line; None where nothing is measured."""
-    there = np.isfinite(values)
-    if there.sum() >= 2:
-        return np.polyfit(t[there], values[there], 1)
-    return np.array([0.0, values[there][0]]) if there.any() else None
-
-
-def _start(lines: Mapping[str, Array], states: Sequence[str], default: Array) -> Array:
-    """States from slopes and starts of the channels."""
-    found = default.copy()
-    place = {name: i for i, name in enumerate(states)}
-    for name, i in place.items():
-        if name in lines:
-            found[i] = lines[name][1]
-    if "psi" in lines and "r" not in lines:
-        found[place["r"]] = lines["psi"][0]
-    if {"x", "y", "psi"} <= set(lines) and "u" not in lines:
-        psi, north, east = lines["psi"][1], lines["x"][0], lines["y"][0]
-        found[place["u"]] = north * math.cos(psi) + east * math.sin(psi)
-        found[place["v"]] = east * math.cos(psi) - north * math.sin(psi)
-    return found
+    found, begun = [], 0
+    for number, record in enumerate(records):
+        own = problem.begins[:-1][problem.owners == number] - begun
+        begins = np.append(own, len(record))
+        length = 0.5 * L / record.speed
+        found.append(first_states(record, begins, states, default[number], length))
+        begun += len(record)
+    return np.concatenate(found)
 
 
 def _lack(

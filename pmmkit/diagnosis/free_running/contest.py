@@ -104,19 +104,22 @@ def contest_of(
     names = [item.name for item in every]
     question = zero.question
     tell("The base alone")
-    zero, null = _base_alone(zero)
+    zero, null, missed = _base_alone(zero)
     price = price_of(question)
     settled: dict[Names, Named] = {}
     ahead = Named(names=(), gain=0.0, fit=null)
-    place, missed, first = null.place, left_out_error(null), null.weighed()
+    place, first = null.place, null.weighed()
     for count in range(min(most, len(names))):
         tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
-        found = []
+        found, errors = [], {}
         for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
             tell(f"Fit with {' and '.join(chosen)}")
             fit = fitted(place, chosen, forces)
             # The linear problem may promise what the equations, far from there, do not keep.
-            if not _can_be(model, every, fit, speed) or left_out_error(fit) > missed:
+            if not can_be(model, every, fit, speed):
+                continue
+            errors[chosen] = left_out_error(fit)
+            if errors[chosen] > missed:
                 continue
             gain = fit.log_probability - null.log_probability - price * len(chosen)
             found.append(Named(names=chosen, gain=gain, fit=fit))
@@ -124,7 +127,7 @@ def contest_of(
         best = max(found, key=lambda item: item.gain, default=ahead)
         if best.gain <= ahead.gain:
             break
-        ahead, missed = best, left_out_error(best.fit)
+        ahead, missed = best, errors[best.names]
         place = place_at(best.fit.place.question, best.fit.z)
     order = sorted(settled.values(), key=lambda item: -item.gain)
     gains = {
@@ -141,7 +144,7 @@ def contest_of(
     )
 
 
-def _can_be(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> bool:
+def can_be(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> bool:
     """Whether a model can have the values of a fit."""
     try:
         model_of(model, every, fit, speed)
@@ -181,8 +184,8 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
     return list(found.items())
 
 
-def _base_alone(zero: Place) -> tuple[Place, Fit]:
-    """The base as far as it may move for the good of records left out one after another.
+def _base_alone(zero: Place) -> tuple[Place, Fit, float]:
+    """The base as far as it may move for the good of records left out, and their error.
 
     A spread that makes these worse is none for any set: with it the values take over, by the
     linear problem, what they do not explain.
@@ -194,13 +197,13 @@ def _base_alone(zero: Place) -> tuple[Place, Fit]:
     for number in range(2, count + 1):
         wider = within(zero, number)
         other = fitted(wider, (), whole=True)
-        if (
-            other.spread < wider.question.numbers.base.spreads[-1]
-            or left_out_error(other) >= missed
-        ):
+        if other.spread < wider.question.numbers.base.spreads[-1]:
             break
-        place, null, missed = wider, other, left_out_error(other)
-    return place, null
+        error = left_out_error(other)
+        if error >= missed:
+            break
+        place, null, missed = wider, other, error
+    return place, null, missed
 
 
 def steady(fit: Fit) -> Fit:

@@ -18,7 +18,7 @@ from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.chance import chance_of
-from pmmkit.diagnosis.free_running.contest import Contest, contest_of, steady
+from pmmkit.diagnosis.free_running.contest import Contest, can_be, contest_of, steady
 from pmmkit.diagnosis.free_running.findings import (
     Named,
     coverage_of,
@@ -43,7 +43,6 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
-from pmmkit.errors import ModelError
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -269,11 +268,7 @@ def answer(
 def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:
     """The steady form of a fit, if there can be such a ship, else the fit."""
     found = steady(fit)
-    try:
-        model_of(model, every, found, speed)
-    except ModelError:
-        return fit
-    return found
+    return found if can_be(model, every, found, speed) else fit
 
 
 def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:

@@ -103,7 +103,10 @@ class Fit:
 def place_at(question: Question, z: Array, columns: NDArray[np.intp] | None = None) -> Place:
     """The linear problem about some numbers, with the slopes of some columns or of all."""
     used = question.numbers.every if columns is None else columns
-    sheets = question.sheets(z, used)
+    return _placed(question, z, question.sheets(z, used))
+
+
+def _placed(question: Question, z: Array, sheets: list[list[Sheet]]) -> Place:
     return Place(question=question, z=z, sheets=sheets, information=question.information(sheets, z))
 
 
@@ -126,7 +129,7 @@ def fitted(
     Notes
     -----
     Starts and unknown forces are told from each window anew in each step. A step that makes the
-    records less probable, by unknown forces of the best size there, is halved.
+    records less probable, by unknown forces of the best size there, is damped.
     """
     numbers = place.question.numbers
     used = numbers.used(names)
@@ -226,9 +229,7 @@ def _tried(question: Question, z: Array, columns: NDArray[np.intp] | None) -> Pl
     with np.errstate(all="ignore"):
         sheets = question.sheets(z, used)
         largest = max(float(np.max(np.abs(x.forces))) for own in sheets for x in own)
-    if not largest < WILD:
-        return None
-    return Place(question=question, z=z, sheets=sheets, information=question.information(sheets, z))
+    return _placed(question, z, sheets) if largest < WILD else None
 
 
 def at_place(
