@@ -225,9 +225,9 @@ RUDDER_MMG: Final = Effect(
         ),
         Parameter(
             name="stall_loss",
-            text="share of the normal force lost 10 degrees beyond that angle",
+            text="share of the normal force lost 10 degrees beyond that angle; below 0 gained",
             form=_STALL,
-            low=0.0,
+            low=-1.0,
             high=1.0,
         ),
         Parameter(name="rate_deg_s", text="rate of the steering gear", unit="deg/s", low=1e-6),

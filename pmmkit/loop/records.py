@@ -12,6 +12,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.diagnose import complete_model
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.free_running.contest import MOST
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
@@ -57,7 +58,7 @@ class FreeRecords:
     tolerance: tuple[float, float] = TOLERANCE
     held_out: tuple[FreeRecord, ...] = ()
     held_out_window: float | None = None
-    most: int = 3
+    most: int = MOST
 
     @property
     def base(self) -> str:
@@ -159,7 +160,7 @@ def free_running(
     tolerance: tuple[float, float] = TOLERANCE,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
-    most: int = 3,
+    most: int = MOST,
     **settings: Any,
 ) -> FreeRecords:
     """The evidence of free-running records; arguments as for `diagnose_free`.

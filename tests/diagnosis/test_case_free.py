@@ -71,22 +71,22 @@ def test_the_answer_does_not_hang_on_the_last_digit(outdoors, found):
 
 
 @pytest.mark.slow
-def test_hsvas_zigzags_ask_for_an_asymmetry_and_another_rudder(shared_data):
-    """Every second zigzag, against one rival (the study asks all); a prototype came to 3.9° of
-    heading over windows of 80 s."""
+def test_hsvas_asymmetry_is_found_by_what_it_does_to_records_left_out(shared_data):
+    """Every second zigzag, against two rivals (the study asks all). Another flow straightening has
+    more evidence over windows and predicts headings worse: 7.9° over 80 s."""
     captive = as_at_hsva(captive_model(shared_data)[0], shared_data)
     campaign = pk.open_campaign(ROOT / "datasets" / "kvlcc2_hsva", data=shared_data)
     runs = sorted(campaign.runs, key=lambda run: run.id)
     used, kept = (
         [x for run in half for x in free_records(run, captive)] for half in (runs[::2], runs[1::2])
     )
-    few = ("asymmetry", "rudder_stall", "rudder_cross_terms", "rudder_slipstream")
+    few = ("asymmetry", "rudder_stall", "flow_straightening")
     some = [x for x in candidates_for(captive, used) if x.name in few]
     found = diagnose_free(captive, used, candidates=some, held_out=kept, held_out_window=80.0)
-    assert set(found.best) == {"asymmetry", "rudder_slipstream", "rudder_cross_terms"}
+    assert set(found.best) == {"asymmetry", "rudder_stall"}
     heading = [
         found.errors[f"held out, {x}"]["heading"]
         for x in ("model as given", "base refitted", "with the effects")
     ]
     assert heading[0] > 20.0
-    assert heading[2] < 3.9 < heading[1]
+    assert heading[2] < 4.2 < heading[1]

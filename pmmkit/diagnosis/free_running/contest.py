@@ -14,7 +14,7 @@ from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
-from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
+from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
@@ -26,8 +26,13 @@ REFITTED: Final = 2
 """Of those, sets that are fitted through the equations."""
 LIKELY: Final = 1
 """Sets in front that are fitted anyway."""
-TINY: Final = 1e-9
-"""Added to errors before their logarithm: some vanish once the noise is taken off."""
+MOST: Final = 6
+"""Effects in a set; the search ends before where one more is not worth its price."""
+FALL: Final = 0.1
+"""Mean fall of ln of the errors of records left out from which it stands above the evidence."""
+BLIND: Final = 10.0
+"""ln by which the evidence may speak against an effect that makes them fall so: a slow push hides
+behind unknown forces that are quick."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,32 +109,31 @@ def contest_of(
     names = [item.name for item in every]
     question = zero.question
     tell("The base alone")
-    zero, null, missed = _base_alone(zero)
+    zero, null = _base_alone(zero)
     price = price_of(question)
-    settled: dict[Names, Named] = {}
+    settled: list[Named] = []
     ahead = Named(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
     for count in range(min(most, len(names))):
         tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
-        found, errors = [], {}
+        found = []
         for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
             tell(f"Fit with {' and '.join(chosen)}")
             fit = fitted(place, chosen, forces)
-            # The linear problem may promise what the equations, far from there, do not keep.
-            if not can_be(model, every, fit, speed):
-                continue
-            errors[chosen] = left_out_error(fit)
-            if errors[chosen] > missed:
-                continue
             gain = fit.log_probability - null.log_probability - price * len(chosen)
-            found.append(Named(names=chosen, gain=gain, fit=fit))
-        settled |= {item.names: item for item in found}
-        best = max(found, key=lambda item: item.gain, default=ahead)
-        if best.gain <= ahead.gain:
+            item = Named(names=chosen, gain=gain, fit=fit)
+            # The linear problem may promise what the equations, far from there, do not keep.
+            if can_be(model, every, fit, speed) and item.error <= ahead.error:
+                found.append(item)
+        settled += found
+        best = _next(found, ahead)
+        if best is None:
             break
-        ahead, missed = best, errors[best.names]
+        ahead = best
         place = place_at(best.fit.place.question, best.fit.z)
-    order = sorted(settled.values(), key=lambda item: -item.gain)
+    order = sorted(
+        (item for item in settled if item.error < ahead.error + FALL), key=lambda item: -item.gain
+    )
     gains = {
         chosen: first(chosen) - first(()) - price * len(chosen)
         for chosen in (*combinations(names, 1), *combinations(names, min(most, 2)))
@@ -142,6 +146,17 @@ def contest_of(
         settled=order,
         entries=tuple(Entry(names=n, log_evidence=gain, values=()) for n, gain in entries),
     )
+
+
+def _next(found: Sequence[Named], ahead: Named) -> Named | None:
+    """The set of most evidence, unless another one clearly makes the errors of records left out
+    fall further; None where none is better than the set that is ahead."""
+    better = [item for item in found if item.gain > ahead.gain]
+    best = max(better, key=lambda item: item.gain, default=None)
+    goal = (ahead if best is None else best).error - FALL
+    least = ahead.fit.log_probability - BLIND
+    lower = [item for item in found if item.error < goal and item.fit.log_probability > least]
+    return min(lower, key=lambda item: item.error, default=best)
 
 
 def can_be(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> bool:
@@ -165,27 +180,33 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
 
     They are looked at by the unknown forces of the set that is ahead, with a base that moves and
     one that does not, and by those that each set needs itself: what removes nearly all that is
-    missed shows by these, what removes a little by the others.
+    missed shows by these, what removes a little by the others. What pushes slowly shows by the
+    errors of records left out.
     """
-    own = ahead.weighed() if ahead.place is place else at_place(place, ahead.names).weighed()
+    here = ahead if ahead.place is place else at_place(place, ahead.names)
     held = within(place, 1)
     still = at_place(held, ahead.names, ahead.forces, fine=True)
-    views = (own, still.weighed())
     found: dict[Names, Forces] = {}
-    for view in views:
-        order = sorted(sets, key=view, reverse=True)
+    for fit, by in ((here, place), (still, held)):
+        order = sorted(sets, key=fit.weighed(), reverse=True)
         found |= dict.fromkeys(order[:LIKELY], ahead.forces)
         paid = []
         for names in order[:PAID]:
-            fit = at_place(held if view is views[1] else place, names, still.forces, fine=True)
-            paid.append((fit.log_probability, names, fit.forces))
+            own = at_place(by, names, still.forces, fine=True)
+            paid.append((own.log_probability, names, own.forces))
         paid.sort(key=lambda item: -item[0])
         found |= {names: forces for _, names, forces in paid[:REFITTED]}
-    return list(found.items())
+    windows = judged(place.question.followed(here.z))
+
+    def left_out(names: Names) -> float:
+        return left_out_error(replace(here, names=names), windows)
+
+    foreseen = sorted(sets, key=left_out)[:REFITTED]
+    return list((dict.fromkeys(foreseen, ahead.forces) | found).items())
 
 
-def _base_alone(zero: Place) -> tuple[Place, Fit, float]:
-    """The base as far as it may move for the good of records left out, and their error.
+def _base_alone(zero: Place) -> tuple[Place, Fit]:
+    """The base as far as it may move for the good of records left out.
 
     A spread that makes these worse is none for any set: with it the values take over, by the
     linear problem, what they do not explain.
@@ -203,7 +224,7 @@ def _base_alone(zero: Place) -> tuple[Place, Fit, float]:
         if error >= missed:
             break
         place, null, missed = wider, other, error
-    return place, null, missed
+    return place, null
 
 
 def steady(fit: Fit) -> Fit:
@@ -219,9 +240,3 @@ def within(place: Place, count: int) -> Place:
     question = place.question
     numbers = replace(question.numbers, base=question.numbers.base.within(count))
     return replace(place, question=replace(question, numbers=numbers))
-
-
-def left_out_error(fit: Fit) -> float:
-    """Sum of ln of the errors of records that are left out one after another."""
-    records = [item.record for item in fit.place.question.stretches]
-    return sum(math.log(x + TINY) for x in pooled(predicted(fit, each(records))).values())

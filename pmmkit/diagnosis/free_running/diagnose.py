@@ -18,7 +18,7 @@ from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.chance import chance_of
-from pmmkit.diagnosis.free_running.contest import Contest, can_be, contest_of, steady
+from pmmkit.diagnosis.free_running.contest import MOST, Contest, can_be, contest_of, steady
 from pmmkit.diagnosis.free_running.findings import (
     Named,
     coverage_of,
@@ -70,7 +70,7 @@ def diagnose_free(
     own: Sequence[Effect] = (),
     windage: tuple[float, float] | None = None,
     sensors: Mapping[str, float] | None = None,
-    most: int = 4,
+    most: int = MOST,
     extrapolate: bool = False,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
@@ -178,7 +178,7 @@ def answer(
     tolerance: tuple[float, float] = TOLERANCE,
     held_out: Sequence[FreeRecord] = (),
     held_out_window: float | None = None,
-    most: int = 3,
+    most: int = MOST,
     seed: int = 0,
 ) -> Diagnosis:
     """The verdict on records and a base that has some of the candidates already.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -14,6 +15,7 @@ from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
+from pmmkit.diagnosis.free_running.left_out import left_out_error
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
@@ -29,11 +31,26 @@ BEYOND: Final = 2.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Named:
-    """A set after its fit through the equations, with ln of its odds against none."""
+    """A set after its fit through the equations.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The set.
+    gain : float
+        ln of its odds against none.
+    fit : Fit
+        Its fit.
+    """
 
     names: Names
     gain: float
     fit: Fit
+
+    @cached_property
+    def error(self) -> float:
+        """Mean of ln of the errors of records that are left out."""
+        return left_out_error(self.fit)
 
 
 def moved(fit: Fit) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import probable, weighed
 from pmmkit.diagnosis.free_running.question import Question
-from pmmkit.diagnosis.free_running.windows import Stretch, sailed, shown
+from pmmkit.diagnosis.free_running.windows import Stretch, joined, sailed, shown
 from pmmkit.identification.record import FreeRecord
 from pmmkit.numerics import Array
 
@@ -25,6 +25,14 @@ ERRORS: Final[Mapping[str, tuple[tuple[str, ...], float]]] = {
 """The channels that each error is told by, and its unit in theirs: m, deg, m/s, deg/s."""
 LOST: Final = 1e6
 """A lost motion counts as an error so large."""
+LONG: Final = 3
+"""Windows that are sailed through in one for the slow growth of what is missed."""
+NEAR: Final = 0.01
+"""Error of position over the ship length that does not matter."""
+AIMED: Final = 0.5
+"""Error of heading that does not matter [deg], and of yaw rate, in a time of L/U."""
+SLOW: Final = 0.005
+"""Error of speed over the approach that does not matter."""
 TURNS: Final = 0.8
 """Share of its rudder to one side from which a record is a turn."""
 
@@ -125,11 +133,53 @@ def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
     left_out : sequence of Kept
         What is left out together.
     """
-    question = fit.place.question.followed(fit.z)
+    return _predicted(fit, left_out, fit.place.question.followed(fit.z))
+
+
+def _predicted(fit: Fit, left_out: Sequence[Kept], question: Question) -> list[dict[str, float]]:
     found = []
     for item in left_out:
         found += missed(question, _of_others(fit, item.records), item.records)
     return found
+
+
+def judged(question: Question) -> tuple[Question, Question]:
+    """Windows, and so long ones that what pushes slowly shows.
+
+    In a short window it hides behind the start, above all where the drift is not measured.
+    """
+    longer = tuple(joined(item, LONG) for item in question.stretches)
+    return question, replace(question, stretches=longer)
+
+
+def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float:
+    """Mean of ln of the errors of records that are left out one after another.
+
+    Each beside what does not matter of it: below that no set is better than another.
+
+    Parameters
+    ----------
+    fit : Fit
+        Whose set is fitted to the others.
+    windows : sequence of Question, optional
+        From whose starts; by default `judged`, such as follow the sensors.
+    """
+    question = fit.place.question
+    asked = judged(question.followed(fit.z)) if windows is None else windows
+    record, L = question.stretches[0].record, question.model.ship.L
+    small = {
+        "position": NEAR * L,
+        "heading": AIMED,
+        "speed": SLOW * record.speed,
+        "yaw_rate": AIMED * record.speed / L,
+    }
+    left_out = each([item.record for item in question.stretches])
+    found = [
+        0.5 * math.log(x**2 + small[name] ** 2)
+        for item in asked
+        for name, x in pooled(_predicted(fit, left_out, item)).items()
+    ]
+    return sum(found) / len(found)
 
 
 def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:

@@ -11,11 +11,12 @@ import numpy as np
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.base import SPREAD, base_of
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
-from pmmkit.diagnosis.free_running.contest import left_out_error, price_of, steady, within
+from pmmkit.diagnosis.free_running.contest import MOST, price_of, steady, within
 from pmmkit.diagnosis.free_running.diagnose import diagnose_free
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
+from pmmkit.diagnosis.free_running.left_out import left_out_error
 from pmmkit.diagnosis.free_running.question import question_of
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.together.belongs import Measured
@@ -183,7 +184,7 @@ def records_vote(
     records: Sequence[FreeRecord],
     *,
     candidates: Sequence[Effect] | None = None,
-    most: int = 3,
+    most: int = MOST,
     floor: float = FLOOR,
     spread: float = SPREAD,
     window: float | None = None,
