@@ -64,8 +64,13 @@ def most_likely(
                         break
                     made, known = other, found
         for memory in MEMORIES:
-            if memory != made.memory:
-                other = Forces(shares=made.shares, memory=memory)
+            if memory == made.memory:
+                continue
+            # Size and memory trade with each other: varied one by one they get stuck.
+            root = math.sqrt(made.memory / memory)
+            for scale in (1.0, root, 1.0 / root):
+                shares = np.clip(scale * made.shares, least, MOST)
+                other = Forces(shares=shares, memory=memory)
                 found = value(information.under(other))
                 if found > known:
                     made, known = other, found
