@@ -13,10 +13,12 @@ from threadpoolctl import threadpool_limits
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.verdict import answer
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.identification.record import FreeRecord
 from pmmkit.models.step import odds
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.test_planning.advice import Advice, NextRun
 from pmmkit.test_planning.ground import Asked, ground_of
+from pmmkit.test_planning.manoeuvres import next_manoeuvres
 from pmmkit.test_planning.offer import CaptiveOffer
 from pmmkit.test_planning.options import Limits, Option, limits_of, timed
 from pmmkit.test_planning.ranking import apart, apart_at_usual_size, checks_of, resolved, shown
@@ -28,14 +30,14 @@ NOTHING: Final = "nothing"
 
 def next_runs(
     model: Asked,
-    campaign: Campaign,
+    campaign: Campaign | Sequence[FreeRecord],
     found: Diagnosis | None = None,
     *,
     effects: Sequence[str] = (),
     limits: Limits | None = None,
     options: Sequence[Option] | None = None,
     most: int = 10,
-    floor: float = FLOOR,
+    floor: float | None = None,
     **settings: Any,
 ) -> Advice:
     """Which run, or which check, to make next.
@@ -44,8 +46,8 @@ def next_runs(
     ----------
     model : Model, str, path, sequence of str or Structure
         The base, as for `diagnose`.
-    campaign : Campaign
-        The tests that are made.
+    campaign : Campaign or sequence of FreeRecord
+        The tests that are made, captive or free running.
     found : Diagnosis, optional
         Of that model and campaign; made if absent.
     effects : sequence of str
@@ -53,15 +55,18 @@ def next_runs(
         visible. By default the rivals of the diagnosis; where it has none, the run that alone
         decides what is suspected, and else what its runs cannot show.
     limits : Limits, optional
-        What tank and rig allow; what the campaign has done by default.
+        What tank and rig allow; what the campaign has done by default. Of manoeuvres speeds,
+        rudder and wait count.
     options : sequence of Option, optional
-        Runs that could be made; all within the limits by default.
+        Captive runs that could be made; all within the limits by default.
     most : int
         Runs that are listed.
-    floor : float
-        What is too small to matter, over the rms force of a channel.
+    floor : float, optional
+        What is too small to matter, over the rms force of a channel; as for the diagnosis if
+        absent.
     **settings
-        ``candidates``, ``given`` and ``noise``, as for `diagnose_captive`.
+        ``candidates``, ``given`` and ``noise``, as for `diagnose_captive`; of free-running records
+        those of `next_manoeuvres`.
 
     Returns
     -------
@@ -70,7 +75,7 @@ def next_runs(
     Raises
     ------
     DataError
-        If the campaign is free-running, or no run is possible.
+        If no run is possible, or an argument does not fit the tests.
     UnknownNameError
         If an effect is not known.
 
@@ -83,6 +88,20 @@ def next_runs(
     root of twice its size. At a speed at which nothing is made yet one run would decide alone, and
     may be wrong: two are asked for.
     """
+    if not isinstance(campaign, Campaign) or campaign.kind == "free-running":
+        own = {} if floor is None else {"floor": floor}
+        return next_manoeuvres(
+            model,
+            campaign,
+            found,
+            effects=effects,
+            limits=limits,
+            options=options,
+            most=most,
+            **own,
+            **settings,
+        )
+    floor = FLOOR if floor is None else floor
     with threadpool_limits(1):
         ground = ground_of(model, campaign, limits=limits, options=options, floor=floor, **settings)
         ground.check(effects)

@@ -33,7 +33,7 @@ class Offer(Protocol):
     def check(self, name: str) -> str:
         """What settles an effect at the bench or on the rig; empty if nothing does."""
 
-    def least(self, option: Option) -> int:
+    def least(self, option: Option, /) -> int:
         """How often a run is to be made at least."""
 
     def likely(self, names: Sequence[str]) -> tuple[Likely, ...]:
@@ -83,7 +83,7 @@ class CaptiveOffer:
         """What settles an effect at the bench or on the rig."""
         return self.ground.candidates[name].check
 
-    def least(self, option: Option) -> int:
+    def least(self, option: Option, /) -> int:
         """Twice at a new speed: one run would decide alone there, and may be wrong."""
         return TWICE if self.ground.is_new_speed(option.settings.speed) else 1
 

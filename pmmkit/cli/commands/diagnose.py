@@ -18,7 +18,7 @@ from pmmkit.cli.options import (
     Given,
     Noise,
     Own,
-    numbers,
+    areas,
     patterns,
     sensors_of,
     sound_campaign,
@@ -125,7 +125,7 @@ def diagnose(
         "sensors": sensors_of(sensors),
         "spread": spread,
         "shortest": shortest,
-        "windage": _areas(windage),
+        "windage": areas(windage),
         "judged": judged,
     }
     campaign = campaigns[0]
@@ -294,15 +294,6 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
     if drawn:
         yield "evidence.svg", partial(save, found.plot())
         yield "coverage.svg", partial(save, found.plot_coverage())
-
-
-def _areas(text: str | None) -> tuple[float, float] | None:
-    found = numbers(text)
-    if found is None:
-        return None
-    if len(found) != 2 or min(found) <= 0.0:
-        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
-    return found[0], found[1]
 
 
 def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:

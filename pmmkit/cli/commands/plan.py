@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, Given, stem, words
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.options import Data, Given, areas, sensors_of, stated, stem, words
+from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import TypedSpeed, typed_list
+from pmmkit.errors import DataError
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.test_planning.next_run import Advice
+    from pmmkit.test_planning.advice import Advice
     from pmmkit.test_planning.options import Limits, Option
     from pmmkit.test_planning.programme import Plan
 
@@ -64,28 +65,56 @@ def plan(
         float, typer.Option(help="Before any test: noise of a record over the rms force.")
     ] = 0.015,
     floor: Annotated[
-        float, typer.Option(help="What is too small to matter, over the rms force.")
-    ] = 0.005,
+        float | None,
+        typer.Option(
+            help="What is too small to matter, over the rms force; 0.005 if absent, of "
+            "free-running records 0.001."
+        ),
+    ] = None,
     given: Given = None,
+    channels: Annotated[
+        str | None, typer.Option(help="Channels of free-running records, as for diagnose.")
+    ] = None,
+    sensors: Annotated[
+        str | None, typer.Option(help="Standard deviations of these channels, as for diagnose.")
+    ] = None,
+    windage: Annotated[
+        str | None, typer.Option(help="Areas above water of a ship that sails, as for diagnose.")
+    ] = None,
     before: Annotated[
         bool, typer.Option("--before", help="As if no test of the campaign were made.")
     ] = False,
     data: Data = None,
     out: Out = None,
 ) -> Outcome:
-    """The run to make next, or a whole programme, before any test is made as well."""
+    """The run or manoeuvre to make next, or a whole programme, before any test is made as well."""
     from pmmkit.test_planning import programme
     from pmmkit.test_planning.next_run import next_runs
 
     listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
+    of_records = {"channels": channels, "sensors": sensors, "windage": windage}
+    if opened is not None and opened.kind == "free-running":
+        _refuse_captive(runs=runs, hours=hours, noise=noise, given=words(given) or None)
+        advice = _next_manoeuvre(
+            model,
+            opened,
+            file=limits,
+            speeds=listed,
+            effects=words(effects),
+            floor=floor,
+            **of_records,
+        )
+        return _written(advice, _advice_lines(advice), folder)
+    if stated(**of_records):
+        raise DataError("Options of free-running records are of no use for captive tests.")
     allowed, options = _limits(opened, model, limits, listed)
     asked: dict[str, Any] = {
         "effects": tuple(words(effects)),
         "limits": allowed,
         "options": options,
-        "floor": floor,
+        **stated(floor=floor),
         "given": words(given),
         "noise": noise,
     }
@@ -94,6 +123,59 @@ def plan(
         return _written(advice, _advice_lines(advice), folder)
     made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
     return _written(made, _plan_lines(made), folder)
+
+
+def _refuse_captive(**captive: object) -> None:
+    """What the planning of captive tests alone takes."""
+    given = [f"--{name}" for name in stated(**captive)]
+    if given:
+        raise DataError(
+            f"{', '.join(given)} {'belongs' if len(given) == 1 else 'belong'} to captive tests. Of "
+            "free-running records plan names the manoeuvre to make next: leave it out."
+        )
+
+
+def _next_manoeuvre(
+    model: str,
+    campaign: Campaign,
+    *,
+    file: Path | None,
+    speeds: Sequence[TypedSpeed] | None,
+    channels: str | None,
+    sensors: str | None,
+    windage: str | None,
+    effects: Sequence[str],
+    floor: float | None,
+) -> Advice:
+    from pmmkit.identification.chosen import chosen_records
+    from pmmkit.models import load_model
+    from pmmkit.test_planning.manoeuvres import limits_of_records, next_manoeuvres
+    from pmmkit.test_planning.plan_file import read_plan_file
+
+    loaded = load_model(model)
+    used = chosen_records(
+        campaign,
+        loaded,
+        runs=None,
+        test_runs=None,
+        channels=None if channels is None else words(channels),
+        rudder="auto",
+        wind=True,
+    )[0]
+    limits, options = limits_of_records(loaded, used.records), None
+    if file is not None:
+        limits, options = read_plan_file(file, campaign.ship, limits)
+    if speeds is not None:
+        limits = limits.with_(speeds=tuple(x.of(campaign.ship, campaign.water) for x in speeds))
+    return next_manoeuvres(
+        loaded,
+        used.records,
+        effects=tuple(effects),
+        limits=limits,
+        options=options,
+        progress=say,
+        **stated(floor=floor, sensors=sensors_of(sensors), windage=areas(windage)),
+    )
 
 
 def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
@@ -113,7 +195,6 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 def _limits(
     campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[TypedSpeed] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
-    from pmmkit.errors import DataError
     from pmmkit.models import load_model
     from pmmkit.test_planning.options import Limits, limits_of
     from pmmkit.test_planning.plan_file import read_plan_file
@@ -148,12 +229,13 @@ def _advice_lines(advice: Advice) -> list[str]:
     if advice.runs and advice.rivals:
         lines.append(
             aligned(
-                ["run", "repeats", "gain in ln odds", "resolves", "hours"],
+                ["run", "repeats", "gain in ln odds", "ln odds then", "resolves", "hours"],
                 [
                     [
                         item.option.words,
                         f"{item.repeats}",
                         f"{item.gain:.1f}",
+                        f"{item.after:.1f}",
                         f"{100 * item.resolves:.0f} %",
                         f"{item.hours:.2f}",
                     ]
@@ -171,6 +253,8 @@ def _advice_lines(advice: Advice) -> list[str]:
                 ],
             )
         )
+    if advice.captive is not None:
+        lines += _plan_lines(advice.captive)
     return lines
 
 
