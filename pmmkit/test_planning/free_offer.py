@@ -31,7 +31,9 @@ from pmmkit.test_planning.separation import Likely, Usual
 
 IMPOSSIBLE: Final = 1e-12
 """Share of a spread of the base that even a large surprise would not bring back."""
-TOLD: Final = 10
+SAME: Final = 0.02
+"""Share of what a manoeuvre tells by which it must differ on another course to be offered there."""
+TOLD: Final = 20
 """Manoeuvres between two lines of progress."""
 
 
@@ -193,15 +195,26 @@ def free_offer(
             "The ship can make none of these manoeuvres: give speeds that the model's values cover."
         )
     tell(f"What {counted(len(offered), 'manoeuvre')} would tell")
-    products = dict(
-        zip(records, _products(system, fit, list(records.values()), columns), strict=True)
-    )
+    told = _products(system, fit, list(records.values()), columns)
+    products = _unlike(dict(zip(records, told, strict=True)), options)
     return FreeOffer(
         system=system,
         given=tuple(given),
-        options=MappingProxyType(offered),
+        options=MappingProxyType({name: offered[name] for name in products}),
         products=MappingProxyType(products),
     )
+
+
+def _unlike(products: Mapping[str, Array], options: Sequence[FreeOption]) -> dict[str, Array]:
+    """Without the manoeuvres that tell the same as on the course of the records."""
+    plain = {option.id: replace(option, course=0.0).id for option in options}
+    found = {}
+    for name, own in products.items():
+        other = products.get(plain[name], own)
+        apart = float(np.linalg.norm(own - other))
+        if plain[name] == name or apart > SAME * float(np.linalg.norm(other)):
+            found[name] = own
+    return found
 
 
 def _products(

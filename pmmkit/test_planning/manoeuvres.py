@@ -14,7 +14,7 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.diagnose import answer
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.effects.catalogue import catalogue
-from pmmkit.effects.seen import OUTSIDE
+from pmmkit.effects.seen import CURRENT
 from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -182,12 +182,12 @@ def limits_of_records(model: Model, records: Sequence[FreeRecord]) -> Limits:
 
 
 def _courses(system: FreeSystem, names: Sequence[str]) -> Sequence[float]:
-    """Courses on which what is asked may show differently."""
-    moves = {
-        value for item in system.every if not names or item.name in names for value in item.values
-    }
+    """Courses on which what is asked may show differently: in wind, or where a current may be."""
+    flows = any(
+        name in CURRENT for item in system.every if item.name in names for name in item.values
+    )
     windy = any(item.wind_speed is not None for item in system.records)
-    return COURSES if windy or moves & set(OUTSIDE) else COURSES[:1]
+    return COURSES if windy or flows else COURSES[:1]
 
 
 def _with_captive_tests(advice: Advice, model: Model, limits: Limits) -> Advice:
