@@ -82,7 +82,9 @@ class Advice:
 
     @property
     def options(self) -> tuple[Option, ...]:
-        """The best run, as often as it is to be made."""
+        """The best run, as often as it is to be made; captive tests where no run is worth it."""
+        if self.captive is not None:
+            return self.captive.options
         return tuple(item.option for item in self.runs[:1] for _ in range(item.repeats))
 
     def to_dict(self) -> dict[str, Any]:

@@ -19,11 +19,12 @@ from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from pmmkit.models.scale import scaled
+from pmmkit.presentation import counted
 from pmmkit.simulation.simulate import steering
 from pmmkit.test_planning.advice import Advice
 from pmmkit.test_planning.free_offer import FreeOffer, free_offer
 from pmmkit.test_planning.free_options import COURSES, free_options
-from pmmkit.test_planning.ground import Asked
+from pmmkit.test_planning.ground import Asked, ground_of
 from pmmkit.test_planning.options import Limits, Option
 from pmmkit.test_planning.programme import Plan, plan
 from pmmkit.test_planning.ranking import apart, apart_at_usual_size, shown
@@ -207,8 +208,8 @@ def _with_captive_tests(advice: Advice, model: Model, limits: Limits) -> Advice:
     if made is None:
         return advice
     words = (
-        f"{advice.words} Or {len(made.steps)} captive tests of {made.hours:.1f} h: "
-        f"{'; '.join(dict.fromkeys(step.option.words for step in made.steps))}."
+        f"{advice.words} Or captive tests that show {' and '.join(asked)}: "
+        f"{counted(len(made.steps), 'run')} in {made.hours:.1f} h."
     )
     return replace(advice, captive=made, words=words)
 
@@ -234,5 +235,9 @@ def captive_tests(model: Model, effects: Sequence[str], limits: Limits) -> Plan 
     towed = scaled(model, model.ship.L / ratio) if ratio > 1.0 else model
     speeds = tuple(speed / math.sqrt(ratio) for speed in limits.speeds)
     rig = Limits(speeds=speeds, rudder=limits.rudder, wait=limits.wait)
-    made = plan(towed, limits=rig, effects=effects, runs=CAPTIVE_RUNS)
+    there = ground_of(towed, limits=rig).candidates
+    asked = [name for name in effects if name in there]
+    if not asked:
+        return None
+    made = plan(towed, limits=rig, effects=asked, runs=CAPTIVE_RUNS)
     return made if made.steps else None
