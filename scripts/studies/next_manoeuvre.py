@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,11 +22,12 @@ from pmmkit.diagnosis.free_running.diagnose import answer
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
+from pmmkit.numerics import Array
 from pmmkit.presentation import aligned
 from pmmkit.test_planning.advice import Advice, NextRun
 from pmmkit.test_planning.next_run import next_runs
 from tests.support.free_tank.campaigns import SHIPS, Setup, hidden_in, programme
-from tests.support.free_tank.cases import CASES, FLEETS
+from tests.support.free_tank.cases import CASES
 from tests.support.free_tank.sailing import Order, Sailed, sail
 from tests.support.free_tank.sensors import recorded
 
@@ -81,7 +82,7 @@ def made(setup: Setup, orders: Sequence[Order], seed: int) -> list[FreeRecord]:
 
 
 def _record(name: str, run: Sailed, columns: dict[str, np.ndarray]) -> FreeRecord:
-    seen = {key: columns[key] for key in ("x", "y", "psi", "u", "v", "r") if key in columns}
+    seen: dict[str, Array] = {key: columns[key] for key in ("x", "y", "psi", "u", "v", "r")}
     return FreeRecord(
         name=name,
         t=columns["t"],
@@ -151,22 +152,25 @@ def main() -> None:
     parser.add_argument("--ship", default="kvlcc2-l7", choices=SHIPS)
     parser.add_argument("--samples", type=int, default=150)
     asked = parser.parse_args()
-    rows = []
+    loops = []
     for case in asked.cases:
         for size in asked.sizes:
             for seed in range(asked.first, asked.first + asked.seeds):
                 setup = Setup(case=case, size=size, runs=3, seed=seed, ship=asked.ship)
-                found = looped(setup, asked.samples)
-                rows += _rows(found)
-                print("  ".join(rows[-1]), flush=True)
+                loops.append(looped(setup, asked.samples))
+                print("  ".join(_rows(loops[-1])[0]), flush=True)
     head = ["case", "size", "seed", "group", "manoeuvre", "expected", "came", "group then"]
-    print(aligned(head, rows))
-    pairs = np.array([[float(row[5]), float(row[6])] for row in rows if row[5] != "-"])
-    if len(pairs) > 2:
-        best, last = pairs[0::2], pairs[1::2]
-        print(f"Gain in ln odds: expected, came: median {np.median(pairs, axis=0)}, of the best "
-              f"{np.median(best, axis=0)}, of the last {np.median(last, axis=0)}; correlation "
-              f"{np.corrcoef(pairs.T)[0, 1]:.2f}")  # fmt: skip
+    print(aligned(head, [row for loop in loops for row in _rows(loop)]))
+    asked_for = [loop for loop in loops if len(loop.trials) > 1]
+    for word, place in (("best", 0), ("last", -1)):
+        trials = [loop.trials[place] for loop in asked_for]
+        pairs = np.array([[trial.run.gain, trial.came] for trial in trials]).reshape(-1, 2)
+        alone = sum(len(trial.after.group) == 1 for trial in trials)
+        expected = sum(trial.run.resolves for trial in trials)
+        print(
+            f"{word}: {len(trials)} manoeuvres, median gain in ln odds {np.median(pairs, axis=0)} "
+            f"(expected, came), one set alone then {alone} ({expected:.1f} expected)"
+        )
 
 
 if __name__ == "__main__":
