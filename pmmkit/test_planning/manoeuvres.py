@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+import numpy as np
+
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.diagnose import complete_model
@@ -33,8 +35,10 @@ RUDDER: Final = 35.0
 """Largest rudder angle of a ship that states none [deg]."""
 SPEEDS: Final = 3
 """Speeds that are offered of records with more."""
+SLOWEST: Final = 0.5
+"""Speeds below this share of the median are not those of an approach."""
 SLOWER: Final = 2.0 / 3.0
-"""The speed that is offered beside that of records of one speed, over it."""
+"""What is offered beside the one speed of records, over it."""
 TOWED: Final = 6.0
 """Length of the model that captive tests are planned for, of a ship that is longer [m]."""
 CAPTIVE_RUNS: Final = 8
@@ -171,7 +175,9 @@ def limits_of_records(model: Model, records: Sequence[FreeRecord]) -> Limits:
     Limits
         Three speeds of many; of one, two thirds of it as well, if the model has values there.
     """
-    speeds = sorted({round(item.speed, 6) for item in records})
+    usual = float(np.median([item.speed for item in records]))
+    # A record that begins next to rest says nothing of a speed at which to begin.
+    speeds = sorted({round(x.speed, 6) for x in records if x.speed > SLOWEST * usual})
     if len(speeds) > SPEEDS:
         speeds = [speeds[0], speeds[len(speeds) // 2], speeds[-1]]
     slow = round(SLOWER * speeds[0], 3)

@@ -93,17 +93,20 @@ def _record(name: str, run: Sailed, columns: dict[str, np.ndarray]) -> FreeRecor
     )
 
 
-def looped(setup: Setup, samples: int) -> Loop:
-    """Diagnose, make the advised manoeuvre and the one that is thought least of, diagnose again."""
+def looped(setup: Setup, samples: int, candidates: Sequence[str] | None = None) -> Loop:
+    """Diagnose, make the advised manoeuvre and the one that is thought least of, diagnose again.
+
+    The whole catalogue takes part unless candidates are given.
+    """
     model = load_model(setup.known.start or setup.fleet.model)
     records = made(setup, ordered(setup, samples), 0)
-    system = free_system(model, records)
+    system = free_system(model, records, candidates=candidates)
     before = answer(system)
     expected = {name for names in setup.known.expect for name in names[:1]}
     truth = next((names for names, _ in before.group if expected & set(names)), None)
     if len(before.group) < 2 or truth is None:
         return Loop(setup=setup, before=before)
-    advice = next_runs(model, records, before, most=1000)
+    advice = next_runs(model, records, before, most=1000, candidates=candidates)
     runs = [item for item in advice.runs if item.option.test in TANK]
     trials = tuple(_tried(setup, system, before, truth, run) for run in (*runs[:1], *runs[1:][-1:]))
     return Loop(setup=setup, before=before, advice=advice, trials=trials)
@@ -120,7 +123,8 @@ def _tried(
         seconds=round(run.option.record / interval) * interval,
     )
     more = made(setup, [order] * run.repeats, 1)
-    again = free_system(system.model, [*system.records, *more])
+    everyone = tuple(item.name for item in system.every)
+    again = free_system(system.model, [*system.records, *more], candidates=everyone)
 
     def ahead(asked: FreeSystem) -> float:
         mine = asked.fit(truth).log_probability

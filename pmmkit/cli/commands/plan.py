@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, Given, areas, sensors_of, stated, stem, words
+from pmmkit.cli.options import Data, Given, areas, patterns, sensors_of, stated, stem, words
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import TypedSpeed, typed_list
@@ -72,6 +72,10 @@ def plan(
         ),
     ] = None,
     given: Given = None,
+    records: Annotated[
+        list[str] | None,
+        typer.Option(help="Free-running runs that count, such as 'turn_*'; may be repeated."),
+    ] = None,
     channels: Annotated[
         str | None, typer.Option(help="Channels of free-running records, as for diagnose.")
     ] = None,
@@ -80,6 +84,10 @@ def plan(
     ] = None,
     windage: Annotated[
         str | None, typer.Option(help="Areas above water of a ship that sails, as for diagnose.")
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="How far values of the model may be off, as for diagnose."),
     ] = None,
     before: Annotated[
         bool, typer.Option("--before", help="As if no test of the campaign were made.")
@@ -94,7 +102,13 @@ def plan(
     listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
-    of_records = {"channels": channels, "sensors": sensors, "windage": windage}
+    of_records: dict[str, Any] = {
+        "records": patterns(records),
+        "channels": None if channels is None else words(channels),
+        "sensors": sensors_of(sensors),
+        "windage": areas(windage),
+        "spread": spread,
+    }
     if opened is not None and opened.kind == "free-running":
         _refuse_captive(runs=runs, hours=hours, noise=noise, given=words(given) or None)
         advice = _next_manoeuvre(
@@ -141,11 +155,10 @@ def _next_manoeuvre(
     *,
     file: Path | None,
     speeds: Sequence[TypedSpeed] | None,
-    channels: str | None,
-    sensors: str | None,
-    windage: str | None,
     effects: Sequence[str],
-    floor: float | None,
+    records: Sequence[str] | None,
+    channels: Sequence[str] | None,
+    **settings: Any,
 ) -> Advice:
     from pmmkit.identification.chosen import chosen_records
     from pmmkit.models import load_model
@@ -154,13 +167,7 @@ def _next_manoeuvre(
 
     loaded = load_model(model)
     used = chosen_records(
-        campaign,
-        loaded,
-        runs=None,
-        test_runs=None,
-        channels=None if channels is None else words(channels),
-        rudder="auto",
-        wind=True,
+        campaign, loaded, runs=records, test_runs=None, channels=channels, rudder="auto", wind=True
     )[0]
     limits, options = limits_of_records(loaded, used.records), None
     if file is not None:
@@ -174,7 +181,7 @@ def _next_manoeuvre(
         limits=limits,
         options=options,
         progress=say,
-        **stated(floor=floor, sensors=sensors_of(sensors), windage=areas(windage)),
+        **stated(**settings),
     )
 
 
