@@ -303,6 +303,8 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
 
     if not found.findings:
         return [f"Next: pmmkit plan {model} {campaign}"] if found.suspected else []
+    rivals = len(found.group) > 1
+    told_apart = [f"Or, to tell the rivals apart: pmmkit plan {model} {campaign}"] if rivals else []
     names = " ".join(item.effect for item in found.findings)
     better = first_free(Path(f"model{number}.toml") for number in count(2))
     if model in structures():
@@ -310,8 +312,9 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
         return [
             f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
             f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o {better}",
+            *told_apart,
         ]
-    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}"]
+    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}", *told_apart]
 
 
 def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:
