@@ -107,6 +107,11 @@ def next_manoeuvres(
         )
     complete = complete_model(model)
     system = free_system(complete, records, **settings)
+    if len(system.records) < 2:
+        raise DataError(
+            "What one record leaves open cannot be told: make a second manoeuvre, to the other "
+            "side if the first is a turn, and plan with at least two."
+        )
     begun = tuple(
         dict.fromkeys(
             step.effect

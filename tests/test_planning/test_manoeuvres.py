@@ -6,6 +6,7 @@ import json
 import math
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ from tests.support.free_tank.campaigns import Setup, write
 SETUP = Setup(case="sway_drag", size=0.3, runs=3, seed=2, ship="kvlcc2-l7")
 """Three records of two ship lengths that leave two rivals."""
 SAMPLES = 150
+S175 = Path(__file__).parents[2] / "datasets" / "s175"
 FEW = ("modulus_sway_drag", "crossflow_drag", "asymmetry", "current")
 LIMITS = Limits(speeds=(1.1,), rudder=math.radians(20.0))
 
@@ -253,6 +255,8 @@ def test_the_command_names_manoeuvres_of_records(folder, tmp_path, capsys):
 
 def test_the_command_refuses_what_belongs_to_the_other_kind_of_tests(folder, capsys):
     assert main(["plan", "kvlcc2-l7", str(folder), "--runs", "4"]) == 1
-    assert "--runs belongs to captive tests" in capsys.readouterr().err
-    assert main(["plan", "cubic", "datasets/s175", "--channels", "x,y"]) == 1
+    assert "Leave out --runs" in capsys.readouterr().err
+    assert main(["plan", "cubic", str(folder)]) == 1
+    assert "complete model" in capsys.readouterr().err
+    assert main(["plan", "cubic", str(S175), "--channels", "x,y"]) == 1
     assert "no use for captive tests" in capsys.readouterr().err

@@ -110,7 +110,9 @@ def plan(
         "spread": spread,
     }
     if opened is not None and opened.kind == "free-running":
-        _refuse_captive(runs=runs, hours=hours, noise=noise, given=words(given) or None)
+        _refuse_captive(
+            runs=runs, hours=hours, noise=noise, given=words(given) or None, before=before or None
+        )
         advice = _next_manoeuvre(
             model,
             opened,
@@ -144,8 +146,8 @@ def _refuse_captive(**captive: object) -> None:
     given = [f"--{name}" for name in stated(**captive)]
     if given:
         raise DataError(
-            f"{', '.join(given)} {'belongs' if len(given) == 1 else 'belong'} to captive tests. Of "
-            "free-running records plan names the manoeuvre to make next: leave it out."
+            f"Of free-running records plan names the manoeuvre to make next. Leave out "
+            f"{' and '.join(given)}: for captive tests."
         )
 
 
@@ -160,12 +162,12 @@ def _next_manoeuvre(
     channels: Sequence[str] | None,
     **settings: Any,
 ) -> Advice:
+    from pmmkit.diagnosis.diagnose import complete_model
     from pmmkit.identification.chosen import chosen_records
-    from pmmkit.models import load_model
     from pmmkit.test_planning.manoeuvres import limits_of_records, next_manoeuvres
     from pmmkit.test_planning.plan_file import read_plan_file
 
-    loaded = load_model(model)
+    loaded = complete_model(model)
     used = chosen_records(
         campaign, loaded, runs=records, test_runs=None, channels=channels, rudder="auto", wind=True
     )[0]
