@@ -71,6 +71,8 @@ class Advice:
         The advice.
     captive : Plan, optional
         Where no manoeuvre tells rivals apart: captive tests that do.
+    notes : tuple of str
+        What is taken for granted: how time is counted, the weather.
     """
 
     rivals: tuple[str, ...]
@@ -79,6 +81,7 @@ class Advice:
     checks: Mapping[str, str]
     words: str
     captive: Plan | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def options(self) -> tuple[Option, ...]:
@@ -107,6 +110,7 @@ class Advice:
                 for item in self.runs
             ],
             "checks": self.checks,
+            "notes": self.notes,
             **({} if self.captive is None else {"captive": self.captive.to_dict()}),
         }
 

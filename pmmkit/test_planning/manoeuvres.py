@@ -25,10 +25,10 @@ from pmmkit.presentation import counted
 from pmmkit.simulation.simulate import steering
 from pmmkit.test_planning.advice import Advice
 from pmmkit.test_planning.free_offer import FreeOffer, free_offer
-from pmmkit.test_planning.free_options import COURSES, free_options
+from pmmkit.test_planning.free_options import COURSES, RUN_UP, free_options
 from pmmkit.test_planning.ground import Asked, ground_of
 from pmmkit.test_planning.options import Limits, Option
-from pmmkit.test_planning.programme import Plan, plan
+from pmmkit.test_planning.programme import Plan, plan, sights
 from pmmkit.test_planning.ranking import apart, apart_at_usual_size, shown
 
 RUDDER: Final = 35.0
@@ -144,7 +144,18 @@ def next_manoeuvres(
         wait=allowed.wait,
         tell=system.tell,
     )
-    return _with_captive_tests(_asked(offer, effects, group, most), complete, allowed)
+    advice = replace(_asked(offer, effects, group, most), notes=_taken_for_granted(system, allowed))
+    return _with_captive_tests(advice, complete, allowed)
+
+
+def _taken_for_granted(system: FreeSystem, limits: Limits) -> tuple[str, ...]:
+    """How time is counted, and the weather."""
+    time = (
+        f"Hours are those of the record, of a run-up of {RUN_UP:g} ship lengths, and "
+        f"{limits.wait / 60.0:g} min to the next run."
+    )
+    windy = any(item.wind_speed is not None for item in system.records)
+    return (time, "The wind is that of the last record of like speed.") if windy else (time,)
 
 
 def _asked(
@@ -218,15 +229,20 @@ def _with_captive_tests(advice: Advice, model: Model, limits: Limits) -> Advice:
     made = captive_tests(model, asked, limits)
     if made is None:
         return advice
+    seen = {item.name for item in made.sights}
+    settled = " and ".join(name for name in asked if name in seen)
     words = (
-        f"{advice.words} Or captive tests that show {' and '.join(asked)}: "
+        f"{advice.words} Or captive tests that settle {settled}: "
         f"{counted(len(made.steps), 'run')} in {made.hours:.1f} h."
     )
-    return replace(advice, captive=made, words=words)
+    towed = f"Captive tests are those of a model of {min(model.ship.L, TOWED):g} m."
+    return replace(advice, captive=made, words=words, notes=(*advice.notes, towed))
 
 
 def captive_tests(model: Model, effects: Sequence[str], limits: Limits) -> Plan | None:
-    """Captive tests of a ship, or of a model of her, that show effects and tell them apart.
+    """The first captive tests of a plan that show effects and tell them apart.
+
+    They are those of the ship, or of a model of her.
 
     Parameters
     ----------
@@ -240,15 +256,20 @@ def captive_tests(model: Model, effects: Sequence[str], limits: Limits) -> Plan 
     Returns
     -------
     Plan or None
-        None where no captive test tells more of them.
+        None where captive tests cannot be asked for them, or eight do not tell them apart.
     """
     ratio = max(model.ship.L / TOWED, 1.0)
     towed = scaled(model, model.ship.L / ratio) if ratio > 1.0 else model
     speeds = tuple(speed / math.sqrt(ratio) for speed in limits.speeds)
     rig = Limits(speeds=speeds, rudder=limits.rudder, wait=limits.wait)
-    there = ground_of(towed, limits=rig).candidates
-    asked = [name for name in effects if name in there]
+    ground = ground_of(towed, limits=rig)
+    asked = {name for name in effects if name in ground.candidates}
     if not asked:
         return None
-    made = plan(towed, limits=rig, effects=asked, runs=CAPTIVE_RUNS)
-    return made if made.steps else None
+    made = plan(towed, limits=rig, effects=sorted(asked), runs=CAPTIVE_RUNS)
+    runs = [step.option.run().id for step in made.steps]
+    for count in range(1, len(runs) + 1):
+        known = [item for item in sights(ground, runs[:count]) if item.name in asked]
+        if all(item.shown and not asked & set(item.twins) - {item.name} for item in known):
+            return replace(made, steps=made.steps[:count])
+    return None

@@ -196,7 +196,8 @@ def test_where_no_manoeuvre_tells_rivals_apart_captive_tests_are_planned(records
     assert found.runs == ()
     assert found.captive is not None
     assert found.options == found.captive.options
-    assert "captive tests that show modulus_sway_drag and crossflow_drag" in found.words
+    assert found.notes[-1] == "Captive tests are those of a model of 6 m."
+    assert "captive tests that settle modulus_sway_drag and crossflow_drag" in found.words
 
 
 @pytest.mark.slow
@@ -248,6 +249,9 @@ def test_the_command_names_manoeuvres_of_records(folder, tmp_path, capsys):
     assert status == 0
     assert found["rivals"] == ["current", "asymmetry"]
     assert "What" in said.err
+    assert found["notes"] == [
+        "Hours are those of the record, of a run-up of 10 ship lengths, and 12 min to the next run."
+    ]
     assert all(run["hours"] > 0.2 for run in found["runs"])
     entries = tomllib.loads((tmp_path / "out" / "plan.toml").read_text())["runs"]
     assert entries[0]["id"] == found["runs"][0]["id"]

@@ -262,8 +262,17 @@ def _advice_lines(advice: Advice) -> list[str]:
                 ],
             )
         )
+    lines += advice.notes
     if advice.captive is not None:
-        lines += _plan_lines(advice.captive)
+        lines.append(
+            aligned(
+                ["captive test", "min", "hours"],
+                [
+                    [step.option.words, f"{60 * step.option.hours:.0f}", f"{step.hours:.2f}"]
+                    for step in advice.captive.steps
+                ],
+            )
+        )
     return lines
 
 
