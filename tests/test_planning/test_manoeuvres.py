@@ -15,6 +15,7 @@ from pmmkit.campaigns.file.schema import RunEntry
 from pmmkit.cli import main
 from pmmkit.diagnosis.free_running.system import free_system
 from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
 from pmmkit.test_planning.free_offer import free_offer
@@ -27,7 +28,9 @@ from pmmkit.test_planning.planned_records import planned_record, sea_of
 from pmmkit.test_planning.separation import Likely, expected_odds
 from scripts.studies.next_manoeuvre import looped, made, ordered
 from tests.support.free_tank import cases
-from tests.support.free_tank.campaigns import Setup, write
+from tests.support.free_tank.campaigns import Setup, hidden_in, write
+from tests.support.free_tank.sailing import Order, sail
+from tests.support.free_tank.sensors import recorded
 
 SETUP = Setup(case="sway_drag", size=0.3, runs=3, seed=2, ship="kvlcc2-l7")
 """Three records of two ship lengths that leave two rivals."""
@@ -72,6 +75,58 @@ def test_the_advised_manoeuvre_gains_about_what_it_promises_and_more_than_the_la
     assert best.came > last.came
     assert best.run.resolves > 0.95
     assert [names for names, _ in best.after.group] == [("modulus_sway_drag",)]
+
+
+FLOWING = Setup(case="current", size=0.02, runs=3, seed=1, ship="kvlcc2-l7")
+
+
+def on_course(course):
+    """A zigzag of the tank on another course: the current turned against it, then the record."""
+    ahead, aside = math.cos(course), math.sin(course)
+    fleet, hidden = FLOWING.fleet, hidden_in(FLOWING)
+    north, east = hidden.current
+    seen = replace(hidden, current=(north * ahead + east * aside, east * ahead - north * aside))
+    angle = math.radians(20.0)
+    order = Order(rudder=angle, switch=angle, speed=1.1, seconds=80.0)
+    (run,) = sail(fleet.build(seen), [order], fleet.step)
+    every = round(fleet.interval / fleet.step)
+    found = recorded(run, seen, fleet.noise, every, np.random.default_rng(4))
+    x, y = found["x"], found["y"]
+    turned = {"x": x * ahead - y * aside, "y": x * aside + y * ahead, "psi": found["psi"] + course}
+    return FreeRecord(
+        name="turned", t=found["t"], delta=found["delta"], turns=found["n"], speed=1.1,
+        measured=turned | {name: found[name] for name in ("u", "v", "r")},
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_opposite_course_tells_a_current_from_a_crooked_hull_better():
+    """As it promises; on the course of the records a zigzag gains less."""
+    rivals = [("current",), ("asymmetry",)]
+    records = made(FLOWING, ordered(FLOWING, SAMPLES), 0)
+    model = load_model("kvlcc2-l7")
+
+    def ahead(*more):
+        asked = free_system(model, [*records, *more], candidates=FEW)
+        own, other = (asked.fit(names).log_probability for names in rivals)
+        return own - other
+
+    options = [
+        x
+        for x in free_options(LIMITS, 7.0, courses=COURSES[:3:2])
+        if x.test == "zigzag" and x.settings.rudder > 0.3
+    ]
+    plain, turned = options
+    system = free_system(model, records, candidates=FEW)
+    offer = offered(system, options, rivals=("current", "asymmetry"))
+    sets = [offer.likely(names) for names in rivals]
+    promised = {x.id: expected_odds(offer.added(x.id, 1), sets)[0, 1] for x in options}
+    before = ahead()
+    came = {x.id: ahead(on_course(x.course)) - before for x in options}
+    assert promised[turned.id] > promised[plain.id]
+    assert came[turned.id] > came[plain.id]
+    for name, gain in promised.items():
+        assert abs(came[name] - gain) < 3.0 * math.sqrt(2.0 * gain)
 
 
 # Closed forms and properties
