@@ -26,7 +26,7 @@ Manoeuvre = Annotated[
     str,
     typer.Option(
         help="turning, initial_turning, zigzag, spiral, pull_out, stopping, accelerating, "
-        "course_change or williamson."
+        "course_change, williamson, straight or weave."
     ),
 ]
 RudderDeg = Annotated[
@@ -142,6 +142,22 @@ def numbers(text: str | None) -> Sequence[float] | None:
         return [float(part) for part in words(text)]
     except ValueError:
         raise typer.BadParameter(f"{text!r}: write numbers such as 6,9,12.") from None
+
+
+def areas(text: str | None) -> tuple[float, float] | None:
+    """Frontal and lateral area above water [m²].
+
+    Raises
+    ------
+    typer.BadParameter
+        If they are not two positive numbers.
+    """
+    found = numbers(text)
+    if found is None:
+        return None
+    if len(found) != 2 or min(found) <= 0.0:
+        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
+    return found[0], found[1]
 
 
 def patterns(given: Sequence[str] | None) -> list[str] | None:

@@ -68,6 +68,8 @@ class Option:
         for letter, angle in (("b", s.drift), ("d", s.rudder), ("h", s.heel)):
             if angle:
                 parts.append(f"{letter}{math.degrees(angle):+.3g}")
+        if s.switch is not None:
+            parts.append(f"s{math.degrees(s.switch):.3g}")
         if s.period is not None:
             parts.append(f"T{s.period:.4g}")
         if s.amplitude is not None:
@@ -92,6 +94,8 @@ class Option:
         for name, angle in (("drift", s.drift), ("rudder", s.rudder), ("heel", s.heel)):
             if angle:
                 parts.append(f"{name} {math.degrees(angle):+.3g}°")
+        if s.switch is not None:
+            parts.append(f"reversed at {math.degrees(s.switch):.3g}°")
         return ", ".join(parts)
 
     @property
@@ -105,6 +109,7 @@ class Option:
             ("heel_deg", s.heel),
             ("rudder_deg", s.rudder),
             ("yaw_amplitude_deg", s.yaw_amplitude),
+            ("switch_deg", s.switch),
         ):
             if angle:
                 given[name] = round(math.degrees(angle), 4)

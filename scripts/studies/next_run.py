@@ -22,8 +22,9 @@ import numpy as np
 
 from pmmkit.diagnosis import Diagnosis, diagnose_captive
 from pmmkit.models import Model, load_model
+from pmmkit.test_planning.advice import Advice
 from pmmkit.test_planning.ground import ground_of
-from pmmkit.test_planning.next_run import Advice, next_runs
+from pmmkit.test_planning.next_run import next_runs
 from pmmkit.test_planning.options import USUAL, Limits, options_of
 from pmmkit.test_planning.programme import plan, sights
 from scripts.studies.hidden_effects import ABSORBED, programmes, tank

@@ -747,3 +747,23 @@ def test_wind_and_current_that_make_no_sense_are_refused(given):
 def test_a_williamson_turn_of_impossible_angles_is_refused(given):
     with pytest.raises(PmmkitError, match=next(iter(given))):
         simulate(SHIP, "williamson", speed=9.0, **given)
+
+
+def test_a_straight_run_of_a_symmetric_ship_stays_straight_and_at_its_speed():
+    track = simulate("s175-3dof", "straight", speed=8.0, duration=200.0, compiled=False)
+    assert track.t[-1] == pytest.approx(200.0)
+    assert track.metrics["final_speed"] == pytest.approx(8.0, rel=1e-6)
+    assert abs(track.metrics["lateral_deviation"]) < 1e-6
+    assert np.all(track.delta == 0.0)
+
+
+def test_a_weave_lays_the_rudder_over_by_the_clock():
+    """A quarter of the period, then halves; the ship weaves with the period of her rudder."""
+    track = simulate(
+        "s175-3dof", "weave", speed=8.0, rudder_deg=15.0, period=120.0, cycles=3, compiled=False
+    )
+    assert track.orders == pytest.approx([0.0, *(30.0 + 60.0 * np.arange(6))])
+    held = np.interp([25.0, 85.0, 145.0], track.t, np.degrees(track.delta))
+    assert held == pytest.approx([15.0, -15.0, 15.0])
+    late, early = (np.interp(np.arange(130.0, 250.0) + x, track.t, track.r) for x in (120.0, 0.0))
+    assert np.abs(late - early).max() < 0.1 * np.abs(early).max()

@@ -270,7 +270,7 @@ def test_what_is_asked_for_must_be_there():
     campaign = hidden_campaign("small", seed=6)
     with pytest.raises(UnknownNameError, match="nonsense"):
         next_runs(BASE, campaign, effects=("nonsense",), options=slow_runs()[:2])
-    with pytest.raises(DataError, match="captive"):
+    with pytest.raises(DataError, match="complete model"):
         next_runs(BASE, campaign.with_(kind="free-running"))
     with pytest.raises(DataError, match="model with values"):
         plan("cubic", limits=LIMITS)

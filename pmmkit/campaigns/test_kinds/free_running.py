@@ -39,6 +39,25 @@ STOPPING: Final = TestKind(
     codes=("CS",),
     phrase=r"\b(?:crash ?)?stop(?:ping)?\b",
 )
+STRAIGHT: Final = TestKind(
+    name="straight", title="straight run", family="free-running", codes=("STR",)
+)
+WEAVE: Final = TestKind(
+    name="weave",
+    title="weave",
+    family="free-running",
+    needs=("rudder",),
+    takes=("period",),
+    codes=("WV",),
+    phrase=r"\bweav(?:e|ing)\b",
+)
+ACCELERATING: Final = TestKind(
+    name="accelerating",
+    title="accelerating",
+    family="free-running",
+    codes=("ACC",),
+    phrase=r"\baccelerating\b",
+)
 RANDOM: Final = TestKind(
     name="random",
     title="random",
@@ -46,4 +65,4 @@ RANDOM: Final = TestKind(
     propeller_stops=True,
     phrase=r"\brandom\b|\bprbs\b",
 )
-KINDS: Final = (TURNING, ZIGZAG, PULL_OUT, SPIRAL, STOPPING, RANDOM)
+KINDS: Final = (TURNING, ZIGZAG, PULL_OUT, SPIRAL, STOPPING, STRAIGHT, WEAVE, ACCELERATING, RANDOM)

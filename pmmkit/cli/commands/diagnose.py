@@ -18,7 +18,7 @@ from pmmkit.cli.options import (
     Given,
     Noise,
     Own,
-    numbers,
+    areas,
     patterns,
     sensors_of,
     sound_campaign,
@@ -125,7 +125,7 @@ def diagnose(
         "sensors": sensors_of(sensors),
         "spread": spread,
         "shortest": shortest,
-        "windage": _areas(windage),
+        "windage": areas(windage),
         "judged": judged,
     }
     campaign = campaigns[0]
@@ -296,15 +296,6 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
         yield "coverage.svg", partial(save, found.plot_coverage())
 
 
-def _areas(text: str | None) -> tuple[float, float] | None:
-    found = numbers(text)
-    if found is None:
-        return None
-    if len(found) != 2 or min(found) <= 0.0:
-        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
-    return found[0], found[1]
-
-
 def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
     from pmmkit.files import first_free, free_folder
@@ -312,6 +303,8 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
 
     if not found.findings:
         return [f"Next: pmmkit plan {model} {campaign}"] if found.suspected else []
+    rivals = len(found.group) > 1
+    told_apart = [f"Or, to tell the rivals apart: pmmkit plan {model} {campaign}"] if rivals else []
     names = " ".join(item.effect for item in found.findings)
     better = first_free(Path(f"model{number}.toml") for number in count(2))
     if model in structures():
@@ -319,8 +312,9 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
         return [
             f"Next: pmmkit reduce {campaign} --structure {model} --fn pooled --out {reduced}",
             f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o {better}",
+            *told_apart,
         ]
-    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}"]
+    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}", *told_apart]
 
 
 def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:

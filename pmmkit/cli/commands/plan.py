@@ -8,15 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, Given, stem, words
-from pmmkit.cli.output import Outcome
+from pmmkit.cli.options import Data, Given, areas, patterns, sensors_of, stated, stem, words
+from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import TypedSpeed, typed_list
+from pmmkit.errors import DataError
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.test_planning.next_run import Advice
+    from pmmkit.test_planning.advice import Advice
     from pmmkit.test_planning.options import Limits, Option
     from pmmkit.test_planning.programme import Plan
 
@@ -64,28 +65,72 @@ def plan(
         float, typer.Option(help="Before any test: noise of a record over the rms force.")
     ] = 0.015,
     floor: Annotated[
-        float, typer.Option(help="What is too small to matter, over the rms force.")
-    ] = 0.005,
+        float | None,
+        typer.Option(
+            help="What is too small to matter, over the rms force; 0.005 if absent, of "
+            "free-running records 0.001."
+        ),
+    ] = None,
     given: Given = None,
+    records: Annotated[
+        list[str] | None,
+        typer.Option(help="Free-running runs that count, such as 'turn_*'; may be repeated."),
+    ] = None,
+    channels: Annotated[
+        str | None, typer.Option(help="Channels of free-running records, as for diagnose.")
+    ] = None,
+    sensors: Annotated[
+        str | None, typer.Option(help="Standard deviations of these channels, as for diagnose.")
+    ] = None,
+    windage: Annotated[
+        str | None, typer.Option(help="Areas above water of a ship that sails, as for diagnose.")
+    ] = None,
+    spread: Annotated[
+        float | None,
+        typer.Option(min=0.0, help="How far values of the model may be off, as for diagnose."),
+    ] = None,
     before: Annotated[
         bool, typer.Option("--before", help="As if no test of the campaign were made.")
     ] = False,
     data: Data = None,
     out: Out = None,
 ) -> Outcome:
-    """The run to make next, or a whole programme, before any test is made as well."""
+    """The run or manoeuvre to make next, or a whole programme, before any test is made as well."""
     from pmmkit.test_planning import programme
     from pmmkit.test_planning.next_run import next_runs
 
     listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
+    of_records: dict[str, Any] = {
+        "records": patterns(records),
+        "channels": None if channels is None else words(channels),
+        "sensors": sensors_of(sensors),
+        "windage": areas(windage),
+        "spread": spread,
+    }
+    if opened is not None and opened.kind == "free-running":
+        _refuse_captive(
+            runs=runs, hours=hours, noise=noise, given=words(given) or None, before=before or None
+        )
+        advice = _next_manoeuvre(
+            model,
+            opened,
+            file=limits,
+            speeds=listed,
+            effects=words(effects),
+            floor=floor,
+            **of_records,
+        )
+        return _written(advice, _advice_lines(advice), folder)
+    if stated(**of_records):
+        raise DataError("Options of free-running records are of no use for captive tests.")
     allowed, options = _limits(opened, model, limits, listed)
     asked: dict[str, Any] = {
         "effects": tuple(words(effects)),
         "limits": allowed,
         "options": options,
-        "floor": floor,
+        **stated(floor=floor),
         "given": words(given),
         "noise": noise,
     }
@@ -94,6 +139,52 @@ def plan(
         return _written(advice, _advice_lines(advice), folder)
     made = programme.plan(model, opened, runs=runs, hours=hours, record_noise=record_noise, **asked)
     return _written(made, _plan_lines(made), folder)
+
+
+def _refuse_captive(**captive: object) -> None:
+    """What the planning of captive tests alone takes."""
+    given = [f"--{name}" for name in stated(**captive)]
+    if given:
+        raise DataError(
+            f"Of free-running records plan names the manoeuvre to make next. Leave out "
+            f"{' and '.join(given)}: for captive tests."
+        )
+
+
+def _next_manoeuvre(
+    model: str,
+    campaign: Campaign,
+    *,
+    file: Path | None,
+    speeds: Sequence[TypedSpeed] | None,
+    effects: Sequence[str],
+    records: Sequence[str] | None,
+    channels: Sequence[str] | None,
+    **settings: Any,
+) -> Advice:
+    from pmmkit.diagnosis.diagnose import complete_model
+    from pmmkit.identification.chosen import chosen_records
+    from pmmkit.test_planning.manoeuvres import limits_of_records, next_manoeuvres
+    from pmmkit.test_planning.plan_file import read_plan_file
+
+    loaded = complete_model(model)
+    used = chosen_records(
+        campaign, loaded, runs=records, test_runs=None, channels=channels, rudder="auto", wind=True
+    )[0]
+    limits, options = limits_of_records(loaded, used.records), None
+    if file is not None:
+        limits, options = read_plan_file(file, campaign.ship, limits)
+    if speeds is not None:
+        limits = limits.with_(speeds=tuple(x.of(campaign.ship, campaign.water) for x in speeds))
+    return next_manoeuvres(
+        loaded,
+        used.records,
+        effects=tuple(effects),
+        limits=limits,
+        options=options,
+        progress=say,
+        **stated(**settings),
+    )
 
 
 def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
@@ -113,7 +204,6 @@ def _opened(campaign: Path, data: Path | None, before: bool) -> Campaign:
 def _limits(
     campaign: Campaign | None, model: str, file: Path | None, speeds: Sequence[TypedSpeed] | None
 ) -> tuple[Limits | None, tuple[Option, ...] | None]:
-    from pmmkit.errors import DataError
     from pmmkit.models import load_model
     from pmmkit.test_planning.options import Limits, limits_of
     from pmmkit.test_planning.plan_file import read_plan_file
@@ -148,12 +238,13 @@ def _advice_lines(advice: Advice) -> list[str]:
     if advice.runs and advice.rivals:
         lines.append(
             aligned(
-                ["run", "repeats", "gain in ln odds", "resolves", "hours"],
+                ["run", "repeats", "gain in ln odds", "ln odds then", "resolves", "hours"],
                 [
                     [
                         item.option.words,
                         f"{item.repeats}",
                         f"{item.gain:.1f}",
+                        f"{item.after:.1f}",
                         f"{100 * item.resolves:.0f} %",
                         f"{item.hours:.2f}",
                     ]
@@ -168,6 +259,17 @@ def _advice_lines(advice: Advice) -> list[str]:
                 [
                     [item.option.words, " ".join(item.gains), f"{item.hours:.2f}"]
                     for item in advice.runs
+                ],
+            )
+        )
+    lines += advice.notes
+    if advice.captive is not None:
+        lines.append(
+            aligned(
+                ["captive test", "min", "hours"],
+                [
+                    [step.option.words, f"{60 * step.option.hours:.0f}", f"{step.hours:.2f}"]
+                    for step in advice.captive.steps
                 ],
             )
         )

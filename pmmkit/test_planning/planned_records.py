@@ -1,0 +1,171 @@
+"""Manoeuvres that are not made yet, as records of them would be: simulated, without noise."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.diagnosis.free_running.findings import model_of, moved
+from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.system import FreeSystem
+from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
+from pmmkit.errors import ModelError
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Model
+from pmmkit.numerics import Array
+from pmmkit.simulation.simulate import simulate
+from pmmkit.simulation.track import Track
+from pmmkit.test_planning.free_options import FreeOption
+
+LONGEST: Final = 60.0
+"""A planned record is no longer than this, in ship lengths over the speed."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sea:
+    """What planned manoeuvres have in common with the records that are made.
+
+    Parameters
+    ----------
+    model : Model
+        The ship as she is fitted best.
+    records : tuple of FreeRecord
+        Made, at the instants at which they are asked.
+    change : mapping of str to float
+        What the fit finds beside the values of the model: current, zero of the rudder.
+    extrapolate : bool
+        Allow a speed outside the range of the model's values.
+    heel : float
+        Heel over the product of speed and yaw rate [s²/m], where heel is an input.
+    """
+
+    model: Model
+    records: tuple[FreeRecord, ...]
+    change: Mapping[str, float]
+    extrapolate: bool
+    heel: float
+
+    @property
+    def windy(self) -> bool:
+        """Whether wind or current tell courses apart."""
+        return any(item.wind_speed is not None for item in self.records)
+
+    def like(self, speed: float) -> FreeRecord:
+        """The record whose approach is nearest in speed, the last of them."""
+        return min(reversed(self.records), key=lambda item: abs(item.speed - speed))
+
+
+def sea_of(system: FreeSystem, fit: Fit) -> Sea:
+    """The ship and her surroundings by a fit to records."""
+    try:
+        model = model_of(system.model, system.every, fit, system.speed)
+    except ModelError:
+        model = system.model
+    records = tuple(item.record for item in system.question.stretches)
+    return Sea(
+        model=model,
+        records=records,
+        change=MappingProxyType(moved(fit)),
+        extrapolate=system.extrapolate,
+        heel=_heel(records),
+    )
+
+
+def _heel(records: Sequence[FreeRecord]) -> float:
+    """Heel over U r by least squares: what a ship leans in a turn."""
+    over, under = 0.0, 0.0
+    for item in records:
+        r = item.measured.get("r")
+        if item.roll is None or r is None:
+            continue
+        turn = item.speed * np.nan_to_num(r)
+        over, under = over + float(turn @ item.roll), under + float(turn @ turn)
+    return over / under if under else 0.0
+
+
+def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
+    """The record of a manoeuvre, with the channels and the sampling of those that are made.
+
+    Parameters
+    ----------
+    sea : Sea
+        Ship and surroundings: the wind of the last record of like speed, and the current.
+    option : FreeOption
+        The manoeuvre.
+
+    Raises
+    ------
+    SimulationError, DataError
+        If the ship cannot make it.
+    """
+    speed, like = option.settings.speed, sea.like(option.settings.speed)
+    course = _approach(like) + option.course
+    track = simulate(
+        sea.model,
+        option.test,
+        speed=speed,
+        dt=float(np.median(np.diff(like.t))),
+        extrapolate=sea.extrapolate,
+        compiled=False,
+        **_around(sea, like, course),
+        **option.asked,
+    )
+    kept = track.t <= LONGEST * track.L / speed
+    t = track.t[kept]
+    shown = {name: x[kept] for name, x in _channels(track, course).items()}
+    roll = None if like.roll is None else sea.heel * speed * shown["r"]
+    still = np.ones(len(t))
+    return FreeRecord(
+        name=option.id,
+        t=t,
+        delta=track.delta[kept] - sea.change.get(RUDDER_ZERO, 0.0),
+        turns=track.n[kept],
+        measured=MappingProxyType({name: shown[name] for name in like.measured}),
+        speed=speed,
+        wind_speed=None if like.wind_speed is None else np.mean(like.wind_speed) * still,
+        wind_direction=None if like.wind_direction is None else _from(like) * still,
+        roll=roll,
+        roll_rate=None if roll is None or like.roll_rate is None else np.gradient(roll, t),
+    )
+
+
+def _approach(record: FreeRecord) -> float:
+    """Heading of the approach [rad]."""
+    psi = record.measured["psi"]
+    return float(psi[np.isfinite(psi)][0])
+
+
+def _from(record: FreeRecord) -> float:
+    """Where the wind comes from, from north [rad]."""
+    way = record.wind_direction
+    if way is None:
+        return 0.0
+    return math.atan2(float(np.mean(np.sin(way))), float(np.mean(np.cos(way))))
+
+
+def _around(sea: Sea, like: FreeRecord, course: float) -> dict[str, Any]:
+    """Wind and current from the heading of the approach, as `simulate` takes them."""
+    north, east = (sea.change.get(name, 0.0) for name in CURRENT)
+    found = {
+        "current_speed": math.hypot(north, east),
+        "current_direction_deg": math.degrees(math.atan2(east, north) - course),
+    }
+    if like.wind_speed is not None:
+        found["wind_speed"] = float(np.mean(like.wind_speed))
+        found["wind_direction_deg"] = math.degrees(_from(like) - course)
+    return found
+
+
+def _channels(track: Track, course: float) -> dict[str, Array]:
+    """All that may be measured, the approach turned to its course."""
+    ahead, aside = math.cos(course), math.sin(course)
+    x, y = track.x * ahead - track.y * aside, track.x * aside + track.y * ahead
+    north, east = np.gradient(x, track.t), np.gradient(y, track.t)
+    own = {name: getattr(track, name) for name in ("u", "v", "r", "p", "phi")}
+    over_ground = {"xdot": north, "ydot": east, "sog": np.hypot(north, east)}
+    return own | over_ground | {"x": x, "y": y, "psi": track.psi + course}
