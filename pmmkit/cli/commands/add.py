@@ -12,6 +12,20 @@ import typer
 from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
+from pmmkit.cli.records import (
+    WINDOW,
+    Asked,
+    Channels,
+    Judged,
+    Runs,
+    Sensors,
+    Shortest,
+    Spread,
+    TestRuns,
+    Windage,
+    Window,
+    errors_table,
+)
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -44,6 +58,15 @@ def add(
     floor: Floor = None,
     noise: Noise = None,
     own: Own = None,
+    runs: Runs = None,
+    test_runs: TestRuns = None,
+    channels: Channels = None,
+    spread: Spread = None,
+    shortest: Shortest = None,
+    sensors: Sensors = None,
+    windage: Windage = None,
+    judged: Judged = None,
+    window: Window = WINDOW,
     figures: DrawFigures = True,
     data: Data = None,
     out: Out = None,
@@ -55,6 +78,17 @@ def add(
     from pmmkit.loop.session import undone
     from pmmkit.models import load_model, save_model
 
+    asked = Asked(
+        runs=runs,
+        test_runs=test_runs,
+        channels=channels,
+        spread=spread,
+        shortest=shortest,
+        sensors=sensors,
+        windage=windage,
+        judged=judged,
+        window=window,
+    )
     if undo == bool(effects):
         raise typer.BadParameter("Name an effect to add, or say --undo.")
     if out is not None:
@@ -68,11 +102,12 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
-    session = _begun(before, opened, effects or (), floor, noise, effects_of_user)
+    session = _begun(before, opened, effects or (), asked, floor, noise, effects_of_user)
     for effect in effects or ():
         session = session.add(effect, why)
     after = session.model()
     fall = session.fall()
+    held_out = session.held_out_errors()
     save_model(after, written)
     turns = _turns(before, after, opened)
     content = {
@@ -80,6 +115,7 @@ def add(
         "added": effects or [],
         "taken_out": taken,
         "errors": fall.to_pandas().to_dict("records"),
+        "held_out": {name: dict(row) for name, row in held_out.items()},
         "useless": list(fall.useless),
         "turning": turns,
         "notes": list(after.notes),
@@ -87,6 +123,8 @@ def add(
     }
     files = write_results(out, _files(fall, figures)) if out is not None else []
     lines = _words(fall, taken, turns)
+    if held_out:
+        lines += ["", f"Windows of {window:g} s of the runs held out:", errors_table(held_out)]
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
     lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
@@ -96,17 +134,29 @@ def _begun(
     model: Model,
     campaign: Campaign,
     effects: Sequence[str],
+    asked: Asked,
     floor: float | None,
     noise: float | None,
     own: Sequence[Effect],
 ) -> Session:
     """A session in which free-running records are asked for nothing but the effects."""
+    from pmmkit.errors import DataError
     from pmmkit.loop.session import begin
 
     if campaign.kind != "free-running":
+        if asked.typed():
+            raise DataError("Options of free-running records are of no use for captive tests.")
         return begin(model, campaign, floor=floor, noise=noise, own=own)
+    used, kept = asked.chosen(campaign, model)
     return begin(
-        model, campaign, floor=floor, noise=noise, own=own, candidates=effects, progress=say
+        model,
+        used.records,
+        floor=floor,
+        noise=noise,
+        own=own,
+        candidates=effects,
+        progress=say,
+        **asked.settings(kept),
     )
 
 
