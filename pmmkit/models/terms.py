@@ -40,6 +40,8 @@ class Asked:
         Froude numbers of the tests; empty where they are those of the model.
     source : str
         Where the values come from.
+    moved : bool
+        Whether the model has an effect of derivatives by values of a part of its own.
     """
 
     effect: Effect
@@ -48,6 +50,7 @@ class Asked:
     value: float | None
     Fn: tuple[float, ...]
     source: str
+    moved: bool = False
 
     @property
     def name(self) -> str:
