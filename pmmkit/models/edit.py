@@ -153,8 +153,10 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
             parts = {name: part for name, part in model.parts.items() if name != asked.name}
             model = replace(model, parts=MappingProxyType(parts))
         else:
-            terms = MappingProxyType(dict.fromkeys(asked.effect.typical, 0.0))
-            model = without_terms(model, replace(asked, coefficients=terms))
+            if asked.moved:
+                terms = MappingProxyType(dict.fromkeys(asked.effect.typical, 0.0))
+                asked = replace(asked, coefficients=terms)
+            model = without_terms(model, asked)
         model = model.stepped(Step(action="effect_removed", effect=asked.name))
     return model
 
@@ -175,24 +177,24 @@ def _asked(
 ) -> Asked:
     """What is asked for, checked against what there is."""
     given: Mapping[str, float] | None = None
-    own: Mapping[str, Move] = {}
-    moved = False
+    named = isinstance(effect, Effect | str)
     if isinstance(effect, Effect | str):
         entry = effect if isinstance(effect, Effect) else effect_of(effect)
-        own = _own_way(model, entry, coefficients)
-        moved = bool(own)
+        asked_here = entry.kind == "terms" and entry.moves is not None
     else:
         given = effect.coefficients
         value = effect.value if value is None else value
         entry = effect_of(effect.effect) if effect.effect in catalogue() else _found(effect)
-        own = moves_of(entry, Sailing(model, 1.0)) if effect.beside and not entry.faulty else {}
+        asked_here = effect.beside
     _refuse(entry)
+    own: Mapping[str, Move] = {}
+    if asked_here and not entry.faulty:
+        own = moves_of(entry, Sailing(model, 1.0))
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
         given, origin = None, "assumed: usual size"
     elif isinstance(coefficients, Mapping):
         given, origin = coefficients, "given"
-    usual = {x: move.typical for x, move in own.items()} if moved else dict(entry.typical)
     known = {**entry.typical, **own}
     stray = [label for label in given or {} if entry.typical and label not in known]
     if stray:
@@ -200,7 +202,11 @@ def _asked(
             f"{entry.name} has no coefficient {', '.join(stray)}"
             f"{did_you_mean(stray[0], known) or '.'} It has {', '.join(known)}."
         )
-    sizes = usual if coefficients == "typical" else dict(given or {})
+    moved = named and _by_parts(own) and not (given and set(given) <= set(entry.typical))
+    usual = {x: move.typical for x, move in own.items()} if named and own else entry.typical
+    if given is not None and not moved:
+        usual = entry.typical
+    sizes = usual if coefficients == "typical" else given or {}
     return Asked(
         effect=entry,
         coefficients=MappingProxyType({**dict.fromkeys(usual, 0.0), **sizes}),
@@ -212,16 +218,9 @@ def _asked(
     )
 
 
-def _own_way(model: Model, entry: Effect, coefficients: Sizes) -> Mapping[str, Move]:
-    """How a model has an effect of derivatives by values of its own; nothing where it has not.
-
-    Coefficients that are derivatives stay what they are.
-    """
-    if entry.kind != "terms" or entry.moves is None:
-        return {}
-    if isinstance(coefficients, Mapping) and set(coefficients) <= set(entry.typical):
-        return {}
-    return entry.moves(Sailing(model, 1.0))
+def _by_parts(moves: Mapping[str, Move]) -> bool:
+    """Whether a model has an effect of derivatives by values of parts of its own."""
+    return bool(moves) and all("." in place for move in moves.values() for place in move.values)
 
 
 def _found(finding: Found) -> Effect:

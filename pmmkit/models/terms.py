@@ -58,8 +58,12 @@ class Asked:
         return self.effect.name
 
     def derivatives(self) -> dict[str, float]:
-        """Values of the derivatives from those of the coefficients."""
-        return self.effect.sizes(self.coefficients)
+        """Values of the derivatives from those of the coefficients.
+
+        Coefficients beyond those of captive tests are derivatives themselves.
+        """
+        beyond = {x: y for x, y in self.coefficients.items() if x not in self.effect.typical}
+        return {**self.effect.sizes(self.coefficients), **beyond}
 
 
 def reference(model: Model, asked: Asked) -> float:
