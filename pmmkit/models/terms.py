@@ -96,7 +96,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
                         Way('to_model(table, parts="s175")', "pmmkit reduce … --parts s175"),
                         Way(
                             "identification.with_roll(model, records)",
-                            "[effects.roll] in the model file",
+                            "pmmkit add MODEL roll --fit RECORDS",
                         ),
                     ),
                 ),

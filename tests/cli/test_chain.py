@@ -11,6 +11,9 @@ import pandas as pd
 import pytest
 
 import pmmkit as pk
+from pmmkit.cli import main
+from pmmkit.errors import ModelError
+from pmmkit.loop.session import undone
 from pmmkit.simulation.manoeuvres.zigzag import executed_at
 from tests.support.commands import said
 from tests.support.small_campaign import write_campaign
@@ -56,7 +59,7 @@ switch_deg = {switch}
 """
 
 
-def write_zigzags(folder: Path, ship: pk.Model, speed: float) -> Path:
+def write_zigzags(folder: Path, ship: pk.Model, speed: float, dt: float = 0.3) -> Path:
     """Zigzags of a ship as a laboratory would hand them over."""
     folder.mkdir()
     own = ship.ship
@@ -69,12 +72,14 @@ def write_zigzags(folder: Path, ship: pk.Model, speed: float) -> Path:
     for name, (rudder, switch) in ZIGZAGS.items():
         text += RUN.format(name=name, speed=speed, rudder=rudder, switch=switch)
         track = pk.simulate(
-            ship, "zigzag", speed=speed, rudder_deg=rudder, switch_deg=switch, dt=0.3
+            ship, "zigzag", speed=speed, rudder_deg=rudder, switch_deg=switch, dt=dt
         )
         seen = {
             key: getattr(track, key) + std * rng.normal(size=len(track))
             for key, std in NOISE.items()
         }
+        if ship.rolls:
+            seen["phi"] = track.phi + NOISE["psi"] * rng.normal(size=len(track))
         columns = {"t": track.t, **seen, "delta": track.delta, "n": track.n}
         with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream)
@@ -136,6 +141,52 @@ def test_the_chain_on_a_ship_that_is_known(tmp_path, capsys, monkeypatch):
     )
 
 
+def write_rolling(folder: Path, ship: pk.Model) -> Path:
+    """Zigzags of a container ship that heels, with her heel."""
+    write_zigzags(folder, ship, 8.0, dt=2.0)
+    path = folder / "campaign.toml"
+    stable = f"GM = {ship.ship.GM}\nIx = {ship.ship.Ixx}\n\n[water]"
+    path.write_text(path.read_text(encoding="utf-8").replace("[water]", stable), encoding="utf-8")
+    return folder
+
+
+@pytest.mark.slow
+def test_a_ship_that_rolls_is_given_roll_by_the_heel_of_her_records(tmp_path, capsys, monkeypatch):
+    """The container ship of Son and Nomoto, by records of it, from her model without roll."""
+    monkeypatch.chdir(tmp_path)
+    truth, plain = pk.load_model("s175"), pk.load_model("s175-3dof")
+    write_rolling(tmp_path / "free", truth)
+    status, told, _ = said(
+        capsys, "add", "s175-3dof", "roll", "--fit", "free", "-o", "rolling.toml", "--no-figures"
+    )
+    assert status == 0
+    assert told["added"] == ["roll"]
+    made = pk.load_model("rolling.toml")
+    assert made.rolls
+    heel = [
+        float(np.degrees(np.abs(pk.simulate(x, speed=8.0, rudder_deg=20.0).phi).max()))
+        for x in (truth, made)
+    ]
+    assert heel[1] == pytest.approx(heel[0], rel=0.25)
+    back, name = undone(made)
+    assert name == "roll"
+    assert back.parts == plain.parts
+    whole = pk.with_effect(made, "heel_coupling").values("hull_polynomial")
+    assert {"Yvvphi", "Nvphiphi", "Yphi"} <= whole.keys()
+
+
+def test_forces_of_heel_lead_a_model_without_roll_to_the_command_that_gives_it(tmp_path, capsys):
+    plain = pk.load_model("s175-3dof")
+    with pytest.raises(ModelError, match="with_roll") as caught:
+        pk.with_effect(plain, "heel_coupling")
+    assert "pmmkit add MODEL roll --fit RECORDS" in caught.value.said("command")
+    write_zigzags(tmp_path / "free", pk.load_model("s175"), 8.0, dt=2.0)
+    assert main(["add", "s175-3dof", "roll", "--fit", str(tmp_path / "free")]) == 1
+    told = " ".join(capsys.readouterr().err.split())
+    assert "GM under [ship] of the campaign file" in told
+    assert "Ix under [ship] of the campaign file" in told
+
+
 @pytest.mark.slow
 def test_the_chain_of_the_documentation_on_real_measurements(
     shared_data, datasets, tmp_path, capsys, monkeypatch
@@ -178,8 +229,6 @@ def test_a_model_is_carried_to_the_ship_of_a_campaign_or_to_a_length(tmp_path, c
         (["scale", "kvlcc2-l7", "--length", "320", "--like", "x"], "Say --length"),
         (["scale", "kvlcc2-l7", "--like", "x", "--froude-only"], "--like takes all"),
     ):
-        from pmmkit.cli import main
-
         assert main(words) != 0
         assert answer in " ".join(capsys.readouterr().err.split())
     assert not list(tmp_path.iterdir())
