@@ -61,7 +61,10 @@ SMALL_RUNS = (
     ("zigzag", 1.179, 20.0),
     ("zigzag", 1.179, -10.0),
 )
-SMALL_NAMES = tuple("Xvr Yv Yr Yvvv Yvvr Yvrr Nv Nr Nvvv Nvvr Nvrr Nrrr".split())
+SMALL_NAMES = (
+    *("Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr"),
+    *("Nv", "Nr", "Nvvv", "Nvvr", "Nvrr", "Nrrr"),
+)
 
 
 @dataclass(frozen=True)
