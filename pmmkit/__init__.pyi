@@ -1,5 +1,6 @@
 """The public words of pmmkit, listed here and nowhere else, each with its home."""
 
+from pmmkit.api import carried_to as carried_to
 from pmmkit.api import citation as citation
 from pmmkit.api import model_of as model_of
 from pmmkit.api import reduce as reduce

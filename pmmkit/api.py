@@ -19,6 +19,7 @@ from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import MissingPartError
 from pmmkit.models import Model, Part, load_model, to_model
 from pmmkit.models.build import NEEDED, Missing
+from pmmkit.models.like import TURNS, with_stated_parts
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.particulars import (
     STATED,
@@ -32,6 +33,7 @@ from pmmkit.reduction import Reduction, reduce_campaign
 from pmmkit.reduction.parts import Parts, hull_alone, parts_of
 from pmmkit.structures import Structure, structures
 from pmmkit.tables import DerivativeTable
+from pmmkit.validation.free_running import as_tested
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
@@ -145,6 +147,42 @@ def ship_as_tested(campaign: Campaign) -> Model:
         notes=tuple(filter(None, map(_guessed, (screw, blade)))),
         scale=f"L = {campaign.ship.L:.4g} m, the scale of the tests",
     )
+
+
+def carried_to(model: Model, campaign: Campaign) -> Model:
+    """A model as the ship of a campaign is built: its scale, mass and water, propeller and rudder.
+
+    Parameters
+    ----------
+    model : Model
+        Of the same hull, at any scale.
+    campaign : Campaign
+        Says the length, mass, inertia and water of its ship, and of propeller and rudder what it
+        states: diameter, open-water table, movable area, height, rate of the steering gear.
+
+    Returns
+    -------
+    Model
+        By Froude's law without correction of friction or wake; what the campaign does not state
+        keeps its value. Each change is a step or a note.
+
+    Raises
+    ------
+    ModelError
+        If the proportions of the two hulls differ.
+    """
+    made, notes = as_tested(model, campaign)
+    stated = dict(campaign.propeller)
+    curve = open_water(campaign)
+    if curve is not None:
+        stated |= straight_polynomial(*curve)
+    whose = f"{campaign.title or campaign.ship.name}, by its campaign file"
+    made = with_stated_parts(made, stated, campaign.rudder, whose)
+    if {"area_lateral", "area_total"} & set(campaign.rudder) and not set(TURNS) & set(
+        campaign.rudder
+    ):
+        notes.append("The movable area of the rudder is not stated: the model keeps its own.")
+    return made.with_(notes=(*made.notes, *notes))
 
 
 def _guessed(part: Part) -> str:

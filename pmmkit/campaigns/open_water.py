@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Mapping
+from typing import Final
 
 import numpy as np
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.numerics import Array
 
+TENFOLD: Final = "10kq"
+"""What tables often call KQ, drawn beside KT."""
+
 
 def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
     """J, KT, KQ of the campaign's propeller; None where there is no table that can be read.
 
     ``open_water`` of ``[propeller]`` is a table with the lists J, KT and KQ, or the name of a CSV
-    file with such columns (in any case of letters) beside the data. ``KT_factor`` and
-    ``KQ_factor`` multiply them.
+    file with such columns (in any case of letters) beside the data; a column ``10KQ`` is ten times
+    KQ. ``KT_factor`` and ``KQ_factor`` multiply them.
     """
     source = campaign.propeller.get("open_water")
     table = _csv(campaign, source) if isinstance(source, str) else source
@@ -24,6 +28,8 @@ def open_water(campaign: Campaign) -> tuple[Array, Array, Array] | None:
         return None
     columns = {str(name).strip().lower(): values for name, values in table.items()}
     try:
+        if TENFOLD in columns:
+            columns["kq"] = (np.asarray(columns[TENFOLD], float) / 10.0).tolist()
         J, KT, KQ = (
             np.asarray(columns[name.lower()], float) * campaign.propeller.get(f"{name}_factor", 1.0)
             for name in ("J", "KT", "KQ")

@@ -22,6 +22,8 @@ Flags = NDArray[np.bool_]
 Places = NDArray[np.intp]
 
 GAP: Final = 1.0
+SLOW: Final = 2.5
+"""Usual intervals of a slow record that are a gap in it."""
 SHORTEST: Final = 5.0
 HEADING_JUMP: Final = math.radians(2.0)
 JUMP_TIME: Final = 0.3
@@ -91,7 +93,7 @@ class Usable:
 def usable(
     run: Run,
     *,
-    gap: float = GAP,
+    gap: float | None = None,
     jump: float | None = None,
     heading_jump: float = HEADING_JUMP,
     shortest: float = SHORTEST,
@@ -109,8 +111,9 @@ def usable(
     ----------
     run : Run
         A free-running history.
-    gap : float
-        Longest time without a sample, or without a new position [s].
+    gap : float, optional
+        Longest time without a sample, or without a new position [s]; by default 1 s, or 2.5 times
+        the usual interval of a slower record.
     jump : float, optional
         Step of position that the motion does not explain [m]; default `jump_limit` of the run's
         speed. Never below 12 times the usual scatter of the record.
@@ -161,6 +164,8 @@ def usable(
     if not len(kept):
         return Usable(segments=(), cuts=tuple(cuts))
     time, heading = t[kept], np.unwrap(psi[kept])
+    if gap is None:
+        gap = max(GAP, SLOW * float(np.median(np.diff(time)))) if len(time) > 1 else GAP
     fresh = fresh_samples(x[kept], y[kept])
     parts = _borders(
         run, time, np.stack([x[kept], y[kept]]), heading, fresh, (gap, jump, heading_jump), cuts

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
 from pmmkit.effects.rudder import stall_of_the_rudder
+from pmmkit.effects.seen import Move, Vessel
 
 
 def terms(
@@ -50,6 +52,39 @@ def terms(
             for label, size in sizes.items()
         ),
     )
+
+
+_HEEL: Final = MappingProxyType(
+    {
+        "Yphi": -4e-4,
+        "Nphi": -3e-4,
+        "Yvphiphi": 0.003,
+        "Nvvphi": -0.019,
+        "Yrphiphi": 0.003,
+        "Nrrphi": -0.003,
+    }
+)
+"""What static heel and heeled drift show of the forces of heel."""
+_HEEL_SAILED: Final = MappingProxyType(
+    {
+        **_HEEL,
+        "Xphiphi": -2e-4,
+        "Yvvphi": 0.046,
+        "Yrrphi": 0.0093,
+        "Nvphiphi": -0.0054,
+        "Nrphiphi": 0.0024,
+        "Np": 2.1e-4,
+    }
+)
+"""All of them, and the moment of the roll rate: a ship that turns has them at once."""
+
+
+def heel_of_the_ship(_: Vessel) -> Mapping[str, Move]:
+    """Every derivative of heel and roll rate that sailing shows; in the prime system."""
+    return {
+        label: Move(values=MappingProxyType({label: 1.0}), typical=size)
+        for label, size in _HEEL_SAILED.items()
+    }
 
 
 def _meaning(label: str) -> str:
@@ -155,17 +190,11 @@ EFFECTS: Final = (
         "heel_coupling",
         "heel",
         "Forces of the heel angle.",
-        {
-            "Yphi": -4e-4,
-            "Nphi": -3e-4,
-            "Yvphiphi": 0.003,
-            "Nvvphi": -0.019,
-            "Yrphiphi": 0.003,
-            "Nrrphi": -0.003,
-        },
+        _HEEL,
         sources=("son_nomoto_1981",),
         check="static heel of 5 and 10° straight ahead",
         excites=("roll",),
+        moves=heel_of_the_ship,
     ),
     terms(
         "rudder_stall",

@@ -467,7 +467,12 @@ def _heel_problem(model: Model) -> Problem:
         remedy=Remedy(
             "Give it roll, by its heel in free-running records and GM and Ixx of the ship ({}), or "
             "take these derivatives out.",
-            (Way("identification.with_roll(model, records)", "[effects.roll] in the model file"),),
+            (
+                Way(
+                    "identification.with_roll(model, records)",
+                    "pmmkit add MODEL roll --fit RECORDS",
+                ),
+            ),
         ),
     )
 

@@ -152,8 +152,8 @@ def chosen_records(
             f"{campaign.ship.L:g} m. Bring the model to that length: pmmkit scale {model.name} "
             f"--length {campaign.ship.L:g} --froude-only."
         )
-    held = _matching(campaign, test_runs) if test_runs else []
-    asked = _matching(campaign, runs) if runs else list(campaign.runs)
+    held = matching(campaign, test_runs) if test_runs else []
+    asked = matching(campaign, runs) if runs else list(campaign.runs)
     train = [run for run in asked if run not in held]
     if not train:
         raise DataError("Every run is held out: none is left to identify from.")
@@ -166,8 +166,14 @@ def chosen_records(
     return records(train), records(held) if held else None
 
 
-def _matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:
-    """Runs whose id fits one of the patterns."""
+def matching(campaign: Campaign, patterns: Sequence[str]) -> list[Run]:
+    """Runs whose id fits one of the patterns.
+
+    Raises
+    ------
+    UnknownNameError
+        If a pattern fits no run.
+    """
     lost = [
         pattern
         for pattern in patterns

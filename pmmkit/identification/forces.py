@@ -18,7 +18,7 @@ from pmmkit.equations.prepared import Numbers, packed, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
-from pmmkit.identification.lack import Lack, Piece, lack_of
+from pmmkit.identification.lack import Lack, Piece, lack_of, lasting
 from pmmkit.identification.parameters import places, replaced, with_parameters
 from pmmkit.identification.prior import Prior
 from pmmkit.models import Model
@@ -239,7 +239,8 @@ def fit_to_forces(
     if prior is not None and not lost.any():
         jacobian_now = found.jac[:rows] * width / size
         pieces = _pieces(records, jacobian_now, found.fun[:rows] * width, prior.std, widened)
-        lack = lack_of(prior, covariance, pieces, {})
+        left = _by_record(records, found.fun[:rows])
+        lack = lack_of(prior, covariance, pieces, lasting(left), clustered=True)
         covariance = lack.covariance
     return Fitted(
         model=with_parameters(model, at, values),
@@ -306,6 +307,22 @@ def _slopes(function: Callable[[Array], Array], start: Array) -> Callable[[Array
         )
 
     return slopes
+
+
+def _by_record(
+    records: Sequence[ForceRecord], residuals: Array
+) -> dict[str, list[tuple[Array, int]]]:
+    """Residuals by channel and record, where errors hang together."""
+    found: dict[str, list[tuple[Array, int]]] = {}
+    begin = 0
+    for record in records:
+        for channel, values in record.forces.items():
+            if channel in record.std:
+                own = residuals[begin : begin + len(values)]
+                begin += len(values)
+                if record.correlated > 1:
+                    found.setdefault(channel, []).append((own, record.correlated))
+    return found
 
 
 def _widened(records: Sequence[ForceRecord], jacobian: Array, residuals: Array) -> float:

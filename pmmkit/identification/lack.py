@@ -21,6 +21,8 @@ BY_CHANCE: Final = 1e-4
 """Probability that the size of a channel's sums is due to chance, below which it is not."""
 EVIDENCE: Final = 5.0
 """Gain of the log likelihood from which windows are taken to differ."""
+LONGER: Final = (2, 4, 8)
+"""Times that what hangs together over which residuals of forces are summed up."""
 SHIFTS: Final = np.concatenate([[0.0], np.geomspace(0.003, 30.0, 60)])
 """Standard deviations of the shift from window to window that are tried, over the prior's."""
 SEEN: Final = 1e-3
@@ -98,6 +100,8 @@ def lack_of(
     pieces: Sequence[Piece],
     colour: Mapping[str, float],
     sharper: float = 1.0,
+    *,
+    clustered: bool = False,
 ) -> Lack:
     """Widen a covariance by what the records say against the model.
 
@@ -113,6 +117,9 @@ def lack_of(
         As `colour_of` gives it.
     sharper : float
         By how much more the windows say of how they differ than `pieces` have it.
+    clustered : bool
+        Whether what the windows of a record say together is set against the other records too,
+        where something is missing.
 
     Notes
     -----
@@ -125,6 +132,10 @@ def lack_of(
     shared by the windows of a record, whence the estimate's variance grows by s² P Σ(ΛD²Λ) P
     over records (a random effect, as between the studies of a meta-analysis: DerSimonian and Laird
     1986).
+
+    Clustered, the estimate's variance is also that of the scores added up by record, P Σ s sᵀ P
+    with as many records as there are taken for a sample (Liang and Zeger 1986): what lasts through
+    a whole record is in no difference between its windows.
 
     Examples
     --------
@@ -151,7 +162,24 @@ def lack_of(
         ]
         spread = shift**2 * sum((x @ x for x in by_record), np.zeros_like(narrow))
         wide = _larger(wide, narrow + narrow @ spread @ narrow)
+    if clustered:
+        wide = _larger(wide, _between_records(narrow, pieces))
     return Lack(covariance=_larger(narrow, wide) * scale, colour=dict(colour), shift=shift)
+
+
+def _between_records(narrow: Array, pieces: Sequence[Piece]) -> Array:
+    """Covariance by the scatter of scores from record to record; none of a single record."""
+    from scipy.stats import norm, t
+
+    groups = sorted({item.record for item in pieces})
+    if len(groups) < 2:
+        return np.zeros_like(narrow)
+    scores = [np.sum([x.score for x in pieces if x.record == group], axis=0) for group in groups]
+    free = len(groups) - 1
+    few = (t.isf(0.025, free) / norm.isf(0.025)) ** 2
+    scatter = np.sum([np.outer(x, x) for x in scores], axis=0) * len(groups) / free * few
+    found: Array = narrow @ scatter @ narrow
+    return found
 
 
 def _shift(pieces: Sequence[Piece], sharper: float) -> float:
@@ -218,6 +246,49 @@ def colour_of(
             if len(sums) * size > chi2.isf(BY_CHANCE, len(sums)):
                 found[name] = max(found.get(name, 1.0), size)
     return found
+
+
+def lasting(residuals: Mapping[str, Sequence[tuple[Array, int]]]) -> dict[str, float]:
+    """Variance of sums over several times what hangs together, over that of sums that do not.
+
+    Parameters
+    ----------
+    residuals : mapping of str to sequence of (array (n,), int)
+        By channel, for each record: residuals, and instants over which their errors hang together.
+
+    Returns
+    -------
+    dict of str to float
+        Channels whose residuals last longer, beyond chance.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> short, long = (np.repeat(rng.normal(size=4000 // n), n) for n in (10, 80))
+    >>> {name: round(x) for name, x in lasting({"X": [(short, 10)], "Y": [(long, 10)]}).items()}
+    {'Y': 8}
+    """
+    from scipy.stats import chi2
+
+    found: dict[str, float] = {}
+    for name, records in residuals.items():
+        alone = np.concatenate([_squares(x, count) for x, count in records])
+        usual = float(np.mean(alone)) if len(alone) else 0.0
+        for times in LONGER:
+            sums = np.concatenate([_squares(x, times * count) for x, count in records])
+            if len(sums) < 4 or usual == 0.0:
+                continue
+            size = float(np.mean(sums)) / usual
+            if len(sums) * size > chi2.isf(BY_CHANCE, len(sums)):
+                found[name] = max(found.get(name, 1.0), size)
+    return found
+
+
+def _squares(values: Array, count: int) -> Array:
+    """Squares of sums over blocks of so many instants, over their number."""
+    blocks = values[: len(values) // count * count].reshape(-1, count)
+    squares: Array = blocks.sum(axis=1) ** 2 / count
+    return squares
 
 
 def stretches(record: FreeRecord, length: float) -> tuple[FreeRecord, ...]:

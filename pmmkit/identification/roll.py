@@ -35,6 +35,8 @@ LEVER: Final = "zR"
 """What an effect that steers calls the depth of its side force below the origin, over L."""
 
 
+STATED: Final = MappingProxyType({"GM": "GM", "Ixx": "Ix"})
+"""What a campaign file calls them."""
 LEVERS: Final = ("hull", "added", "rudder")
 """Side forces that act at a depth of their own: of the hull, its added mass, the rudder."""
 
@@ -141,7 +143,9 @@ def _stable(model: Model, GM: float | None, Ixx: float | None) -> Ship:
     )
     lost = [name for name in ("GM", "Ixx") if not (getattr(ship, name) or 0.0) > 0.0]
     if lost:
-        ways = tuple(Way(f"{name}=…", f"{name} under [ship] of the model file") for name in lost)
+        ways = tuple(
+            Way(f"{name}=…", f"{STATED[name]} under [ship] of the campaign file") for name in lost
+        )
         raise ModelError(
             Problem(
                 message=f"Ship {ship.name} of model {model.name!r} states no "

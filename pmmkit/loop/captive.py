@@ -98,6 +98,10 @@ class CaptiveTests:
             ),
         )
 
+    def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
+        """None: conditions of captive tests are left out in turn instead."""
+        return {}
+
     def model(self, steps: Sequence[Step]) -> Model:
         """The model with base and effects fitted together, and with a step per effect.
 

@@ -88,5 +88,8 @@ class Evidence(Protocol):
     def fall(self, steps: Sequence[Step]) -> Fall:
         """Errors of what is left out, of the base and after each step."""
 
+    def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
+        """Errors of records that are held out, before and after; empty where there are none."""
+
     def model(self, steps: Sequence[Step]) -> Model:
         """Base and effects fitted together, with a step per effect."""

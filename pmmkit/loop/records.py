@@ -14,12 +14,15 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import MOST
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
+from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
 from pmmkit.diagnosis.free_running.refit import refitted
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
+from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.evidence import BASE
@@ -107,6 +110,26 @@ class FreeRecords:
                 RecordError(step=name, **self.system.errors(own))
                 for name, own in zip(names, self.sets(steps), strict=True)
             )
+        )
+
+    def held_out_errors(self, steps: Sequence[Step]) -> dict[str, dict[str, float]]:
+        """Errors of records that are held out: model as given, base refitted, with the effects."""
+        if not self.held_out:
+            return {}
+        system = self.system
+        before, after = (system.fit(names) for names in (self.sets(steps)[0], self.sets(steps)[-1]))
+        made, better = (
+            model_of(system.model, system.every, fit, system.speed) for fit in (before, after)
+        )
+        return held_out_errors(
+            system.model,
+            made,
+            better if steps else None,
+            self.held_out,
+            window=self.held_out_window or system.window or WINDOW * made.ship.L / system.speed,
+            corrections={name: x for name, x in moved(after).items() if name in OUTSIDE},
+            sensors=system.sensors,
+            extrapolate=system.extrapolate,
         )
 
     def sailed(self, steps: Sequence[Step], most: int = DRAWN) -> list[Sailed]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -102,6 +102,10 @@ class Session(Described):
     def fall(self) -> Fall:
         """Errors of what is left out, of the base and after each step."""
         return self.evidence.fall(self.steps)
+
+    def held_out_errors(self) -> Mapping[str, Mapping[str, float]]:
+        """Errors of records that are held out, before and after; empty where there are none."""
+        return self.evidence.held_out_errors(self.steps)
 
     def model(self) -> Model:
         """The model with base and effects fitted together, and with a step per effect.

@@ -11,6 +11,7 @@ from pmmkit.channels import did_you_mean
 from pmmkit.conventions import canonical
 from pmmkit.effects.catalogue import catalogue, effect_of
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
+from pmmkit.effects.seen import Move
 from pmmkit.errors import ModelError, Problem, Remedy, UnknownNameError, Way
 from pmmkit.models.changes import before_of, restored
 from pmmkit.models.model import Model, Part
@@ -64,7 +65,9 @@ def with_effect(
     coefficients : mapping of str to float, or "typical", optional
         As the diagnosis gives them: prime system, speed of the instant, Coriolis terms of the
         added mass inside. By default those of the finding; zero where only a name is given, to be
-        fitted. ``"typical"``: of usual size.
+        fitted. ``"typical"``: of usual size. What a model has by values of a part of its own
+        (``rudder_stall`` of a ``rudder_mmg``: ``stall_loss``, ``stall_deg``) is put in that way,
+        unless derivatives are given.
     value : float, optional
         Nonlinear parameter: the lag in L/U, the growth of CD to the ends. By default that of the
         finding, or one in the middle of the usual ones.
@@ -103,7 +106,7 @@ def with_effect(
         asked = _asked(model, item, coefficients, value, tuple(float(x) for x in Fn), source)
         beside = not isinstance(item, (str, Effect)) and item.beside
         there = asked.name in model.parts or not asked.effect.enters
-        if asked.effect.kind == "freed" or (beside and there):
+        if asked.effect.kind == "freed" or asked.moved or (beside and there):
             model = _with_moved(model, asked)
         elif asked.effect.enters:
             model = _with_part(model, asked)
@@ -150,6 +153,9 @@ def without_effect(model: Model, effect: Named | Sequence[Named]) -> Model:
             parts = {name: part for name, part in model.parts.items() if name != asked.name}
             model = replace(model, parts=MappingProxyType(parts))
         else:
+            if asked.moved:
+                terms = MappingProxyType(dict.fromkeys(asked.effect.typical, 0.0))
+                asked = replace(asked, coefficients=terms)
             model = without_terms(model, asked)
         model = model.stepped(Step(action="effect_removed", effect=asked.name))
     return model
@@ -171,17 +177,19 @@ def _asked(
 ) -> Asked:
     """What is asked for, checked against what there is."""
     given: Mapping[str, float] | None = None
-    own: Mapping[str, object] = {}
-    if isinstance(effect, Effect):
-        entry = effect
-    elif isinstance(effect, str):
-        entry = effect_of(effect)
+    named = isinstance(effect, Effect | str)
+    if isinstance(effect, Effect | str):
+        entry = effect if isinstance(effect, Effect) else effect_of(effect)
+        asked_here = entry.kind == "terms" and entry.moves is not None
     else:
         given = effect.coefficients
         value = effect.value if value is None else value
         entry = effect_of(effect.effect) if effect.effect in catalogue() else _found(effect)
-        own = moves_of(entry, Sailing(model, 1.0)) if effect.beside and not entry.faulty else {}
+        asked_here = effect.beside
     _refuse(entry)
+    own: Mapping[str, Move] = {}
+    if asked_here and not entry.faulty:
+        own = moves_of(entry, Sailing(model, 1.0))
     origin = "diagnosis" if given is not None else "assumed: zero, to be fitted"
     if coefficients == "typical":
         given, origin = None, "assumed: usual size"
@@ -194,17 +202,25 @@ def _asked(
             f"{entry.name} has no coefficient {', '.join(stray)}"
             f"{did_you_mean(stray[0], known) or '.'} It has {', '.join(known)}."
         )
-    sizes = dict(given or {})
-    if coefficients == "typical":
-        sizes = dict(entry.typical)
+    moved = named and _by_parts(own) and not (given and set(given) <= set(entry.typical))
+    usual = {x: move.typical for x, move in own.items()} if named and own else entry.typical
+    if given is not None and not moved:
+        usual = entry.typical
+    sizes = usual if coefficients == "typical" else given or {}
     return Asked(
         effect=entry,
-        coefficients=MappingProxyType({**dict.fromkeys(entry.typical, 0.0), **sizes}),
+        coefficients=MappingProxyType({**dict.fromkeys(usual, 0.0), **sizes}),
         known=given is not None or coefficients == "typical",
         value=value,
         Fn=Fn,
         source=source or f"{origin} ({entry.name})",
+        moved=moved,
     )
+
+
+def _by_parts(moves: Mapping[str, Move]) -> bool:
+    """Whether a model has an effect of derivatives by values of parts of its own."""
+    return bool(moves) and all("." in place for move in moves.values() for place in move.values)
 
 
 def _found(finding: Found) -> Effect:
@@ -313,6 +329,11 @@ def _with_moved(model: Model, asked: Asked) -> Model:
     made = model
     for move in moves.values():
         made = told(made, move.options, move.begins)
+    if asked.moved and not moved and made is model:
+        raise ModelError(
+            f"Model {model.name!r} has {asked.name} already: change its values "
+            f"({', '.join(place for move in moves.values() for place in move.values)})."
+        )
     parts = dict(made.parts)
     for label, size in asked.coefficients.items():
         for place, share in moves[label].values.items() if label in moves else ():

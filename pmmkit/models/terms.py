@@ -40,6 +40,8 @@ class Asked:
         Froude numbers of the tests; empty where they are those of the model.
     source : str
         Where the values come from.
+    moved : bool
+        Whether the model has an effect of derivatives by values of a part of its own.
     """
 
     effect: Effect
@@ -48,6 +50,7 @@ class Asked:
     value: float | None
     Fn: tuple[float, ...]
     source: str
+    moved: bool = False
 
     @property
     def name(self) -> str:
@@ -55,8 +58,12 @@ class Asked:
         return self.effect.name
 
     def derivatives(self) -> dict[str, float]:
-        """Values of the derivatives from those of the coefficients."""
-        return self.effect.sizes(self.coefficients)
+        """Values of the derivatives from those of the coefficients.
+
+        Coefficients beyond those of captive tests are derivatives themselves.
+        """
+        beyond = {x: y for x, y in self.coefficients.items() if x not in self.effect.typical}
+        return {**self.effect.sizes(self.coefficients), **beyond}
 
 
 def reference(model: Model, asked: Asked) -> float:
@@ -89,7 +96,7 @@ def with_terms(model: Model, asked: Asked) -> Model:
                         Way('to_model(table, parts="s175")', "pmmkit reduce … --parts s175"),
                         Way(
                             "identification.with_roll(model, records)",
-                            "[effects.roll] in the model file",
+                            "pmmkit add MODEL roll --fit RECORDS",
                         ),
                     ),
                 ),

@@ -60,8 +60,10 @@ def moves_of(effect: Effect, vessel: Sailing) -> Mapping[str, Move]:
     """
     if effect.moves is not None:
         found = effect.moves(vessel)
-        if found or effect.kind != "terms":
+        if effect.kind != "terms":
             return found
+        if found:
+            return {label: _in_the_system_of(vessel.model, move) for label, move in found.items()}
     if effect.kind == "terms":
         return {
             label: Move(
@@ -121,6 +123,15 @@ def told(
             parts[name] = replace(parts[name], values=values)
     same = all(parts[name] == model.parts[name] for name in parts)
     return model if same else replace(model, parts=MappingProxyType(parts))
+
+
+def _in_the_system_of(model: Model, move: Move) -> Move:
+    """A move whose derivatives are of the prime system, in the system and signs of a model."""
+    values = {
+        name: share if "." in name else share * _from_prime(model, name)
+        for name, share in move.values.items()
+    }
+    return replace(move, values=MappingProxyType(values))
 
 
 def _from_prime(model: Model, name: str) -> float:

@@ -151,7 +151,9 @@ class Comparison(Described):
             f"{100 * self.floor:g} % of the channel)"
         )
         sailed = Section(
-            title="Manoeuvres, simulated with the ship's own steering", tables=[self._measures()]
+            title="Manoeuvres, simulated with the ship's own steering",
+            tables=[self._measures()],
+            points=self._overshoots(),
         )
         return [
             *([Section(paragraphs=self.notes)] if self.notes else []),
@@ -187,19 +189,37 @@ class Comparison(Described):
         return Grid(head=head, groups=[Group(rows=rows)])
 
     def _measures(self) -> Grid:
+        told = [row for item in self.manoeuvres for row in _told(item)]
+        late = any(np.isfinite(row["as_executed"]) for row in told)
         rows = [
             [
                 f"{row['run']} {row['measure'].replace('_', ' ')} [{row['unit']}]",
                 number(row["measured"], 3),
                 number(row["simulated"], 3),
                 f"{row['error']:+.2g}",
+                *([_signed(row["error_as_executed"])] if late else []),
                 number(row["uncertainty"], 2),
             ]
-            for item in self.manoeuvres
-            for row in _told(item)
+            for row in told
         ]
-        head = ["measure", "measured", "simulated", "error", "uncertainty"]
-        return Grid(head=head, groups=[Group(rows=rows)])
+        head = ["measure", "measured", "simulated", "error"]
+        head += ["as executed"] if late else []
+        return Grid(head=[*head, "uncertainty"], groups=[Group(rows=rows)])
+
+    def _overshoots(self) -> list[str]:
+        """Overshoots over all zigzags, in words: as ordered, and at the headings of the runs."""
+        found: dict[str, list[dict[str, Any]]] = {}
+        for item in self.manoeuvres:
+            for row in _told(item):
+                if np.isfinite(row["as_executed"]) and row["measure"].startswith("overshoot"):
+                    found.setdefault(row["measure"], []).append(row)
+        return [
+            f"{measure.removesuffix('_deg').replace('_', ' ')}: off by "
+            f"{rms([row['error'] for row in rows]):.2f}° (rms of {len(rows)}), with each execute "
+            f"at the heading of the run by {rms([row['error_as_executed'] for row in rows]):.2f}°"
+            for measure, rows in found.items()
+            if len(rows) > 1
+        ]
 
     def harmonics(self) -> pd.DataFrame:
         """A row per run, channel and harmonic of captive tests: run, test, speed, Fn, channel,
@@ -287,7 +307,8 @@ class Comparison(Described):
 
     def metrics(self) -> pd.DataFrame:
         """Measures of manoeuvres side by side: run, test, speed, measure, unit, measured,
-        simulated, error, relative, uncertainty (expanded, of the measured), ratio."""
+        simulated, error, relative, uncertainty (expanded, of the measured), ratio, and of zigzags
+        as_executed and error_as_executed: simulated with each execute at the heading of the run."""
         import pandas as pd
 
         return pd.DataFrame([row for item in self.manoeuvres for row in item.rows()])
@@ -476,6 +497,10 @@ def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
         f"force"
         for row in rows
     ]
+
+
+def _signed(error: float) -> str:
+    return f"{error:+.2g}" if np.isfinite(error) else ABSENT
 
 
 def _told(item: Manoeuvre) -> list[dict[str, Any]]:

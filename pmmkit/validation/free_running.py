@@ -28,6 +28,8 @@ from pmmkit.numerics import Array, rms
 from pmmkit.observations.stated import idle
 from pmmkit.progress import Progress
 from pmmkit.simulation import Track
+from pmmkit.simulation.manoeuvres.manoeuvre import Manoeuvre as Orders
+from pmmkit.simulation.manoeuvres.zigzag import executed_at
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.trials import Trial, evaluate
 from pmmkit.trials.evaluate import JUDGED
@@ -145,11 +147,14 @@ class Manoeuvre:
         Measured.
     track : Track
         Simulated.
+    executed : Track, optional
+        Simulated with each execute of a zigzag at the heading of the run, late as it was.
     """
 
     run: Run
     trial: Trial
     track: Track
+    executed: Track | None = None
 
     def rows(self) -> list[dict[str, Any]]:
         """A row a measure: measured, simulated, error, expanded uncertainty of the measured."""
@@ -160,6 +165,7 @@ class Manoeuvre:
                 continue
             doubt = COVERAGE * self.trial.std.get(name, math.nan)
             error = simulated - measured
+            late = math.nan if self.executed is None else self.executed.metrics.get(name, math.nan)
             found.append(
                 {
                     "run": self.run.id,
@@ -173,6 +179,8 @@ class Manoeuvre:
                     "relative": error / measured if measured else math.nan,
                     "uncertainty": doubt,
                     "ratio": abs(error) / doubt if doubt else math.nan,
+                    "as_executed": late,
+                    "error_as_executed": late - measured,
                 }
             )
         return found
@@ -324,12 +332,25 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
         asked |= {"switch_deg": abs(math.degrees(switch)), "executes": max(len(trial.orders), 3)}
     stated = campaign.rudder.get("rate_deg_s")
     rate = trial.rudder_rate_deg if stated is None else float(stated)
-    track = simulate(
-        model,
-        run.test,
-        speed=settings.speed,
-        extrapolate=extrapolate,
-        rudder_rate_deg=rate if math.isfinite(rate) else None,
-        **asked,
-    )
-    return Manoeuvre(run=run, trial=trial, track=track)
+
+    def sailed(manoeuvre: str | Orders) -> Track:
+        return simulate(
+            model,
+            manoeuvre,
+            speed=settings.speed,
+            extrapolate=extrapolate,
+            rudder_rate_deg=rate if math.isfinite(rate) else None,
+            **asked,
+        )
+
+    executed = None
+    if run.kind_of_test.switches and len(trial.orders) > 1:
+        executed = sailed(executed_at(reversals(trial)))
+    return Manoeuvre(run=run, trial=trial, track=sailed(run.test), executed=executed)
+
+
+def reversals(trial: Trial) -> list[float]:
+    """Headings at which the rudder of a zigzag was laid over, to the side that she turned [deg]."""
+    side = math.copysign(1.0, trial.rudder_deg)
+    headings = np.interp(trial.orders[1:], trial.t, trial.psi).tolist()
+    return [math.degrees(side * (-1.0) ** i * psi) for i, psi in enumerate(headings)]

@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
+from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import HULL
 from pmmkit.identification.binding import bound
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import load_model
+from pmmkit.models.model import knows_heel
 
 UPRIGHT = load_model("s175-3dof")
 
@@ -47,6 +49,16 @@ def test_heel_coupling_has_a_place_in_a_model_that_does_not_roll():
     binding = bound(made, heel.values, 9.0)
     assert np.all(np.diff(binding.starts) == 1)
     assert not binding.structure.rolls
+
+
+def test_sailing_shows_more_of_heel_than_captive_tests():
+    """Son and Nomoto (1981) give twelve derivatives of heel and roll rate that are not zero."""
+    found = {item.name: item for item in candidates_for(UPRIGHT, [HEELED])}
+    theirs = load_model("s175").values(HULL)
+    assert set(found["heel_coupling"].values) == {
+        name for name, x in theirs.items() if knows_heel(name) and x and name[0] != "K"
+    }
+    assert len(effect_of("heel_coupling").coefficients) == 6
 
 
 def test_the_damping_of_roll_needs_a_ship_that_rolls():

@@ -106,6 +106,41 @@ def test_a_stall_is_put_in_and_taken_out_to_the_bit(name, tmp_path):
     assert model_text(without.with_(steps=ship.steps)) == model_text(ship)
 
 
+@pytest.mark.parametrize("name", ["kvlcc2-l7", "s175"])
+def test_by_name_it_is_what_the_diagnosis_adds(name):
+    ship = load_model(name)
+    named = pk.with_effect(ship, "rudder_stall")
+    part, added = named.parts["rudder_mmg"], candidate(ship).added_to(ship).parts["rudder_mmg"]
+    assert (part.values, part.options) == (added.values, added.options)
+    assert named.parts["hull_polynomial"] == ship.parts["hull_polynomial"]
+    usual = pk.with_effect(ship, "rudder_stall", coefficients="typical").values("rudder_mmg")
+    assert (usual["stall_loss"], usual["stall_deg"]) == (0.4, BEGIN + 5.0)
+    stated = pk.with_effect(ship, "rudder_stall", coefficients={"stall_loss": 0.2})
+    assert stated.values("rudder_mmg")["stall_loss"] == 0.2
+    for made in (named, stated):
+        back = pk.without_effect(made, "rudder_stall")
+        assert model_text(back.with_(steps=ship.steps)) == model_text(ship)
+
+
+def test_by_name_derivatives_stay_what_they_are():
+    """As captive tests find them, and as a rudder of derivatives has them."""
+    cubes = {"Yddd": 0.0045, "Nddd": -0.0022}
+    made = pk.with_effect(SHIP, "rudder_stall", coefficients=cubes)
+    assert {"Yddd", "Nddd"} <= made.values("hull_polynomial").keys()
+    assert "stall" not in made.parts["rudder_mmg"].options
+    back = pk.without_effect(made, "rudder_stall")
+    assert back.parts["hull_polynomial"] == SHIP.parts["hull_polynomial"]
+    bare = pk.without_effect(load_model("mariner"), "rudder_stall")
+    assert {"Yddd", "Nddd"} <= {
+        name for part in pk.with_effect(bare, "rudder_stall").parts.values() for name in part.values
+    }
+
+
+def test_a_rudder_that_stalls_by_name_twice_is_refused():
+    with pytest.raises(ModelError, match="already"):
+        pk.with_effect(pk.with_effect(SHIP, "rudder_stall"), "rudder_stall")
+
+
 def test_an_option_that_was_another_word_is_put_back():
     idle = stalling(SHIP, "none", 10.0, 0.0)
     better = pk.with_effect(idle, FOUND)

@@ -56,6 +56,15 @@ def test_a_clean_run_is_one_record_with_all_of_its_channels():
     assert record.wind_speed is None
 
 
+def test_a_slow_record_is_no_row_of_gaps():
+    """Every fifteenth sample, 1.5 s apart; one that is lost is a gap of 3 s and no gap of one."""
+    slow = {name: x[::15] for name, x in columns().items()}
+    (record,) = free_records(run_of(slow), TANKER, shortest=20.0)
+    np.testing.assert_array_equal(record.t, slow["t"])
+    holed = {name: np.delete(x, slice(30, 34)) for name, x in slow.items()}
+    assert len(free_records(run_of(holed), TANKER, shortest=20.0)) == 2
+
+
 # The rudder
 
 

@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import t as t_student
 from test_filters import SENSORS, SPEED, TANKER, off, sailed
 
+import pmmkit as pk
 from pmmkit.estimation.innovations import Innovations
-from pmmkit.identification.lack import Piece, colour_of, lack_of, stretches
+from pmmkit.identification.lack import Piece, colour_of, lack_of, lasting, stretches
 from pmmkit.identification.methods import identify
 from pmmkit.identification.prior import Prior, prior_of
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Part, load_model
 
 NAMES = ("Xvr", "Yv", "Yr", "Yvvv", "Yvvr", "Yvrr", "Nv", "Nr", "Nvvv", "Nvvr", "Nvrr", "Nrrr")
 RUDDER = TANKER.parts["rudder_mmg"]
@@ -81,6 +85,71 @@ def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose
         assert any("Something is missing" in text for text in found.remarks())
         assert found.model.covariance == pytest.approx(found.covariance)
     assert np.mean(held) > 0.8
+
+
+def blown(seed):
+    """The container ship in a wind of 12 m/s of which her model and her records know nothing."""
+    ship = load_model("s175-3dof")
+    values = {"AF": 500.0, "AL": 2000.0, "cx": 0.7, "cy": 0.8, "cn": 0.1}
+    wind = Part(effect="wind", source="test", values=MappingProxyType(values))
+    truth = ship.with_(parts={**ship.parts, "wind": wind})
+    runs = [
+        *[("turning", 7.0, 25.0), ("turning", 7.0, -35.0), ("turning", 10.0, 20.0)],
+        *[("zigzag", 7.0, 15.0), ("zigzag", 7.0, -25.0), ("zigzag", 10.0, 10.0)],
+    ]
+    rng, found = np.random.default_rng(seed), []
+    noise = {"x": 0.3, "y": 0.3, "psi": 2e-3, "u": 0.02, "v": 0.02, "r": 2e-4}
+    for kind, speed, angle in runs:
+        track = pk.simulate(
+            truth, kind, speed=speed, rudder_deg=angle, dt=1.0, wind_speed=12.0,
+            wind_direction_deg=40.0,
+            **({"duration": 600.0} if kind == "turning" else {"switch_deg": abs(angle)}),
+        )  # fmt: skip
+        seen = {k: getattr(track, k) + s * rng.normal(size=len(track)) for k, s in noise.items()}
+        found.append(
+            FreeRecord(
+                name=f"{kind} {angle:g}", t=track.t, delta=track.delta, turns=track.n,
+                measured=seen, speed=speed,
+            )
+        )  # fmt: skip
+    return ship, found, noise
+
+
+@pytest.mark.slow
+def test_a_regression_in_unknown_wind_says_so_and_widens_its_intervals():
+    """Forces of the wind last through a record: they are in no difference of its windows."""
+    for seed in (0, 1, 2):
+        ship, records, noise = blown(seed)
+        found = identify(ship, records, method="regression", spread=0.2, sensors=noise)
+        assert any("pmmkit diagnose" in text for text in found.missing)
+        assert found.detail.lack.colour["X"] > 2.0
+
+
+def test_residuals_that_last_are_seen_and_those_that_do_not_are_not():
+    rng = np.random.default_rng(3)
+    white = [(np.repeat(rng.normal(size=60), 12), 12) for _ in range(6)]
+    assert lasting({"X": white}) == {}
+    slow = [(x + rng.normal(), count) for x, count in white]
+    assert lasting({"X": slow})["X"] > 3.0
+
+
+def test_what_lasts_through_records_is_told_by_their_scatter():
+    """Windows of a record agree; six records ask for values of unit variance apart."""
+    rng = np.random.default_rng(5)
+    drawn = rng.normal(size=6)
+    drawn -= drawn.mean()
+    pieces = [
+        Piece(record=i, information=np.array([[1e3]]), score=np.array([1e3 * x]))
+        for i, x in enumerate(drawn)
+        for _ in range(5)
+    ]
+    narrow = np.array([[1.0 / (1.0 + 3e4)]])
+    found = lack_of(unit_prior(1), narrow, pieces, {"X": 2.0}, clustered=True)
+    few = (t_student.isf(0.025, 5) / 1.96) ** 2
+    assert found.covariance[0, 0] >= 0.95 * drawn.var(ddof=1) / 6 * few
+    still = [replace(item, record=0, score=0.0 * item.score) for item in pieces]
+    alone = lack_of(unit_prior(1), narrow, still, {"X": 2.0}, clustered=True)
+    assert alone.covariance[0, 0] == pytest.approx(1.0 / (1.0 + 1.5e4), rel=1e-6)
 
 
 def unit_prior(size):

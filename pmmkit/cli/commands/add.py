@@ -12,6 +12,20 @@ import typer
 from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
+from pmmkit.cli.records import (
+    WINDOW,
+    Asked,
+    Channels,
+    Judged,
+    Runs,
+    Sensors,
+    Shortest,
+    Spread,
+    TestRuns,
+    Windage,
+    Window,
+    errors_table,
+)
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -28,7 +42,11 @@ EXAMPLE: Final = "pmmkit add model.toml nonlinear_added_mass --fit my-campaign -
 def add(
     model: Annotated[str, typer.Argument(help="Library ship or model file.")],
     effects: Annotated[
-        list[str] | None, typer.Argument(help="Effects to add, one after another.")
+        list[str] | None,
+        typer.Argument(
+            help="Effects to add, one after another; roll: a roll of its own, by the heel of "
+            "free-running records and GM and Ix of their campaign file."
+        ),
     ] = None,
     *,
     fit: Annotated[
@@ -44,6 +62,15 @@ def add(
     floor: Floor = None,
     noise: Noise = None,
     own: Own = None,
+    runs: Runs = None,
+    test_runs: TestRuns = None,
+    channels: Channels = None,
+    spread: Spread = None,
+    shortest: Shortest = None,
+    sensors: Sensors = None,
+    windage: Windage = None,
+    judged: Judged = None,
+    window: Window = WINDOW,
     figures: DrawFigures = True,
     data: Data = None,
     out: Out = None,
@@ -51,10 +78,22 @@ def add(
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
     from pmmkit.effects.grammar import own_effects
+    from pmmkit.effects.roll import ROLL_PART
     from pmmkit.files import write_results
     from pmmkit.loop.session import undone
     from pmmkit.models import load_model, save_model
 
+    asked = Asked(
+        runs=runs,
+        test_runs=test_runs,
+        channels=channels,
+        spread=spread,
+        shortest=shortest,
+        sensors=sensors,
+        windage=windage,
+        judged=judged,
+        window=window,
+    )
     if undo == bool(effects):
         raise typer.BadParameter("Name an effect to add, or say --undo.")
     if out is not None:
@@ -68,45 +107,91 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
-    session = _begun(before, opened, effects or (), floor, noise, effects_of_user)
-    for effect in effects or ():
-        session = session.add(effect, why)
-    after = session.model()
-    fall = session.fall()
+    base, rest = before, list(effects or ())
+    if ROLL_PART in rest:
+        base = _rolling(before, opened, asked)
+        rest.remove(ROLL_PART)
+    rolled = [str(step) for step in base.history[len(before.history) :]]
+    fall: Fall | None = None
+    held_out: Mapping[str, Mapping[str, float]] = {}
+    after = base
+    if rest or undo:
+        session = _begun(base, opened, rest, asked, floor, noise, effects_of_user)
+        for effect in rest:
+            session = session.add(effect, why)
+        after, fall, held_out = session.model(), session.fall(), session.held_out_errors()
     save_model(after, written)
     turns = _turns(before, after, opened)
     content = {
         "model": str(written),
         "added": effects or [],
         "taken_out": taken,
-        "errors": fall.to_pandas().to_dict("records"),
-        "useless": list(fall.useless),
+        "errors": fall.to_pandas().to_dict("records") if fall else [],
+        "held_out": {name: dict(row) for name, row in held_out.items()},
+        "useless": list(fall.useless) if fall else [],
         "turning": turns,
         "notes": list(after.notes),
         "history": list(after.history),
     }
-    files = write_results(out, _files(fall, figures)) if out is not None else []
-    lines = _words(fall, taken, turns)
+    files = write_results(out, _files(fall, figures)) if out is not None and fall else []
+    lines = _words(fall, taken, rolled, turns)
+    if held_out:
+        lines += ["", f"Windows of {window:g} s of the runs held out:", errors_table(held_out)]
     lines += [f"note: {text}" for text in after.notes if text not in before.notes]
     lines += ["", f"Model: {written}", *([f"Results: {out}"] if out is not None else [])]
     return Outcome(content={"out": str(out or ""), "files": files, **content}, lines=lines)
+
+
+def _rolling(model: Model, campaign: Campaign, asked: Asked) -> Model:
+    """The model with a roll of its own, by the heel of free-running records."""
+    from pmmkit.cli.options import sensors_of
+    from pmmkit.effects.roll import ROLL_PART
+    from pmmkit.errors import DataError
+    from pmmkit.identification.roll import with_roll
+
+    if campaign.kind != "free-running":
+        raise DataError(
+            f"{ROLL_PART} is found from the heel of free-running records; K of captive tests gives "
+            f"it to the model that pmmkit reduce writes."
+        )
+    used, _ = asked.chosen(campaign, model)
+    ship = model.ship
+    return with_roll(
+        model,
+        used.records,
+        GM=campaign.ship.GM if ship.GM is None else ship.GM,
+        Ixx=campaign.ship.Ixx if ship.Ixx is None else ship.Ixx,
+        sensors=sensors_of(asked.sensors),
+    )
 
 
 def _begun(
     model: Model,
     campaign: Campaign,
     effects: Sequence[str],
+    asked: Asked,
     floor: float | None,
     noise: float | None,
     own: Sequence[Effect],
 ) -> Session:
     """A session in which free-running records are asked for nothing but the effects."""
+    from pmmkit.errors import DataError
     from pmmkit.loop.session import begin
 
     if campaign.kind != "free-running":
+        if asked.typed():
+            raise DataError("Options of free-running records are of no use for captive tests.")
         return begin(model, campaign, floor=floor, noise=noise, own=own)
+    used, kept = asked.chosen(campaign, model)
     return begin(
-        model, campaign, floor=floor, noise=noise, own=own, candidates=effects, progress=say
+        model,
+        used.records,
+        floor=floor,
+        noise=noise,
+        own=own,
+        candidates=effects,
+        progress=say,
+        **asked.settings(kept),
     )
 
 
@@ -143,11 +228,14 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     return found
 
 
-def _words(fall: Fall, taken: str, turns: Mapping[str, Mapping[str, float]]) -> list[str]:
+def _words(
+    fall: Fall | None, taken: str, rolled: Sequence[str], turns: Mapping[str, Mapping[str, float]]
+) -> list[str]:
     from pmmkit.metrics import HARD_OVER
 
     lines = [f"Taken out: {taken}.", ""] if taken else []
-    lines.append(str(fall))
+    lines += rolled
+    lines += [str(fall)] if fall else []
     if turns:
         lines += ["", f"Turning circle, rudder {HARD_OVER:g}°, in ship lengths:"]
         names = list(turns["after"])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Figures, Model, sound_campaign, stem
+from pmmkit.cli.options import Campaign, Data, Figures, Model, patterns, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Out, results_folder
 
@@ -37,6 +37,12 @@ def compare(
             "lengths if absent.",
         ),
     ] = None,
+    runs: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Runs to compare with, such as 'turn_*'; may be repeated; all if absent."
+        ),
+    ] = None,
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
     ] = False,
@@ -46,6 +52,7 @@ def compare(
 ) -> Outcome:
     """Compare a model with tests: errors against their uncertainty, and where it fails."""
     from pmmkit.files import write_results
+    from pmmkit.identification.chosen import matching
     from pmmkit.models import load_model
     from pmmkit.progress import shown
     from pmmkit.validation import comparison
@@ -53,6 +60,8 @@ def compare(
     folder = results_folder(out, f"{stem(campaign)}-compared")
     known = load_model(model)
     opened, findings = sound_campaign(campaign, data)
+    if runs:
+        opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
     with shown() as progress:
         found = comparison.compare(
             known, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress

@@ -18,9 +18,6 @@ from pmmkit.cli.options import (
     Given,
     Noise,
     Own,
-    areas,
-    patterns,
-    sensors_of,
     sound_campaign,
     stated,
     stem,
@@ -28,7 +25,21 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome, say, warned
 from pmmkit.cli.outputs import Force, Out, results_folder
-from pmmkit.presentation import aligned
+from pmmkit.cli.records import (
+    WINDOW,
+    Asked,
+    Candidates,
+    Channels,
+    Judged,
+    Runs,
+    Sensors,
+    Shortest,
+    Spread,
+    TestRuns,
+    Windage,
+    Window,
+    errors_table,
+)
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
@@ -46,7 +57,6 @@ Campaigns = Annotated[
         "vote together.",
     ),
 ]
-WINDOW: Final = 60.0
 
 
 def diagnose(
@@ -56,59 +66,16 @@ def diagnose(
     noise: Noise = None,
     given: Given = None,
     own: Own = None,
-    runs: Annotated[
-        list[str] | None,
-        typer.Option(help="Free-running runs to diagnose, such as 'turn_*'; may be repeated."),
-    ] = None,
-    test_runs: Annotated[
-        list[str] | None,
-        typer.Option("--test-runs", help="Free-running runs held out, to be predicted."),
-    ] = None,
-    channels: Annotated[
-        str | None,
-        typer.Option(
-            help="Channels of free-running records to use, such as x,y,psi,r where the checks "
-            "find fault with the velocities; all if absent."
-        ),
-    ] = None,
-    spread: Annotated[
-        float | None,
-        typer.Option(
-            min=0.0,
-            help="Largest share of their usual sizes by which the model's values may be off before "
-            "free-running records are looked at; how far they move is found; 0.3 if absent.",
-        ),
-    ] = None,
-    shortest: Annotated[
-        float | None,
-        typer.Option(
-            min=0.1,
-            help="Leave out free-running segments shorter than this, in s; ten ship "
-            "lengths if absent.",
-        ),
-    ] = None,
-    sensors: Annotated[
-        str | None,
-        typer.Option(
-            help="Standard deviations of channels of free-running records, such as "
-            "x=0.03,y=0.03,psi_deg=0.1; told from their noise if absent."
-        ),
-    ] = None,
-    windage: Annotated[
-        str | None,
-        typer.Option(help="Frontal and lateral area above water in m2, such as 0.135,0.52."),
-    ] = None,
-    judged: Annotated[
-        float | None,
-        typer.Option(
-            min=0.1,
-            help="Length in s of the windows by which effects are judged; five ship "
-            "lengths if absent.",
-        ),
-    ] = None,
-    window: Annotated[
-        float, typer.Option(min=0.1, help="Length in s of the windows of runs held out.")
-    ] = WINDOW,
+    candidates: Candidates = None,
+    runs: Runs = None,
+    test_runs: TestRuns = None,
+    channels: Channels = None,
+    spread: Spread = None,
+    shortest: Shortest = None,
+    sensors: Sensors = None,
+    windage: Windage = None,
+    judged: Judged = None,
+    window: Window = WINDOW,
     figures: DrawFigures = True,
     data: Data = None,
     out: Out = None,
@@ -118,21 +85,23 @@ def diagnose(
     from pmmkit.errors import DataError
     from pmmkit.files import write_results
 
-    free: dict[str, Any] = {
-        "runs": patterns(runs),
-        "test_runs": patterns(test_runs),
-        "channels": None if channels is None else words(channels),
-        "sensors": sensors_of(sensors),
-        "spread": spread,
-        "shortest": shortest,
-        "windage": areas(windage),
-        "judged": judged,
-    }
+    asked = Asked(
+        candidates=candidates,
+        runs=runs,
+        test_runs=test_runs,
+        channels=channels,
+        spread=spread,
+        shortest=shortest,
+        sensors=sensors,
+        windage=windage,
+        judged=judged,
+        window=window,
+    )
     campaign = campaigns[0]
     name = "-".join(map(stem, campaigns))
     folder = results_folder(out, f"{name}-diagnosed", read=[model], force=force)
     if len(campaigns) > 1:
-        if words(given) or own is not None or free["test_runs"] or window != WINDOW:
+        if words(given) or own is not None or test_runs or window != WINDOW:
             raise DataError(
                 "--given, --own, --test-runs and --window belong to the diagnosis of one campaign."
             )
@@ -144,10 +113,7 @@ def diagnose(
             folder,
             data=data,
             captive={"floor": floor, "noise": noise},
-            free={
-                "window": free["judged"],
-                **{key: x for key, x in free.items() if key not in ("judged", "test_runs")},
-            },
+            free=asked.together(),
             drawn=figures,
         )
     opened, checked = sound_campaign(campaign, data)
@@ -156,8 +122,8 @@ def diagnose(
             raise DataError(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
-        answer = _of_records(model, opened, floor=floor, window=window, drawn=figures, **free)
-    elif stated(**free) or window != WINDOW:
+        answer = _of_records(model, opened, asked, floor=floor, drawn=figures)
+    elif asked.typed():
         raise DataError("Options of free-running records are of no use for captive tests.")
     else:
         answer = _of_captive_tests(
@@ -179,7 +145,7 @@ def diagnose(
         "",
         *answer.tail,
         f"Results: {folder}",
-        *_next(model, campaign, found),
+        *_next(model, campaign, found, asked.repeated()),
     ]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
@@ -227,36 +193,21 @@ def _of_captive_tests(
 
 
 def _of_records(
-    name: str,
-    campaign: Tests,
-    *,
-    floor: float | None,
-    window: float,
-    drawn: bool,
-    spread: float | None,
-    sensors: Mapping[str, float] | None,
-    windage: tuple[float, float] | None,
-    judged: float | None,
-    **chosen: Any,
+    name: str, campaign: Tests, asked: Asked, *, floor: float | None, drawn: bool
 ) -> _Answer:
-    from pmmkit.identification.chosen import chosen_records
     from pmmkit.loop.session import begin
     from pmmkit.models import load_model
     from pmmkit.report import write_free_diagnosis
 
     model = load_model(name)
-    settings = stated(floor=floor, spread=spread)
-    used, kept = chosen_records(campaign, model, rudder="auto", wind=True, **chosen)
+    used, kept = asked.chosen(campaign, model)
     session = begin(
         model,
         used.records,
-        windage=windage,
-        sensors=sensors,
-        window=judged,
-        held_out=kept.records if kept else (),
-        held_out_window=window if kept else None,
+        candidates=asked.names,
         progress=say,
-        **settings,
+        **stated(floor=floor),
+        **asked.settings(kept),
     )
     found = session.diagnose()
     page = partial(write_free_diagnosis, found, session, title=campaign.title)
@@ -277,7 +228,7 @@ def _of_records(
         ],
         tail=[
             "Root mean square errors over windows with the measured rudder:",
-            _errors(errors),
+            errors_table(errors),
             *found.notes,
             "",
         ],
@@ -296,7 +247,7 @@ def _record_files(found: Diagnosis, drawn: bool) -> Iterator[tuple[str, Any]]:
         yield "coverage.svg", partial(save, found.plot_coverage())
 
 
-def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
+def _next(model: str, campaign: Path, found: Diagnosis, options: str) -> list[str]:
     """The command that puts the findings into the model, or plans the run that decides."""
     from pmmkit.files import first_free, free_folder
     from pmmkit.structures import structures
@@ -314,16 +265,5 @@ def _next(model: str, campaign: Path, found: Diagnosis) -> list[str]:
             f"      pmmkit add {reduced}/model.toml {names} --fit {campaign} -o {better}",
             *told_apart,
         ]
-    return [f"Next: pmmkit add {model} {names} --fit {campaign} -o {better}", *told_apart]
-
-
-def _errors(errors: Mapping[str, Mapping[str, float]]) -> str:
-    from pmmkit.identification.comparing import UNITS
-
-    names = [name for name in UNITS if any(name in row for row in errors.values())]
-    head = [f"{name.replace('_', ' ')} [{UNITS[name]}]" for name in names]
-    rows = [
-        [what, *(f"{row[name]:.3g}" if name in row else "-" for name in names)]
-        for what, row in errors.items()
-    ]
-    return aligned(["", *head], rows)
+    fit = f"--fit {campaign}{options}"
+    return [f"Next: pmmkit add {model} {names} {fit} -o {better}", *told_apart]

@@ -10,8 +10,8 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
-from pmmkit.diagnosis.free_running.contest import steady
-from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted
+from pmmkit.diagnosis.free_running.contest import contest_of, steady
+from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
@@ -83,11 +83,22 @@ class FreeSystem:
     @cached_property
     def fit(self) -> Callable[[Names], Fit]:
         """The base fitted together with a set of candidates, each set once."""
+        return cache(lambda names: steady(self._moving(names)))
+
+    @cached_property
+    def _moving(self) -> Callable[[Names], Fit]:
+        """The same with a base that moves, each set from where the one before its last ended.
+
+        From the model as it is given the way to several effects is long, and may end elsewhere.
+        """
 
         def made(names: Names) -> Fit:
-            place = self.place
-            self.tell(f"Fit with {' and '.join(names) or 'the base alone'}")
-            return steady(fitted(place, names))
+            if not names:
+                none = contest_of(self.place, self.model, (), self.speed, most=0, tell=self.tell)
+                return none.null
+            before = self._moving(names[:-1])
+            self.tell(f"Fit with {' and '.join(names)}")
+            return fitted(place_at(before.place.question, before.z), names, before.forces)
 
         return cache(made)
 

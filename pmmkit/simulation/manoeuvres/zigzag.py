@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 from pmmkit.equations.layouts import Ask, End, State
@@ -70,29 +72,74 @@ def zigzag(pace: float, *, rudder_deg: float, switch_deg: float, executes: int) 
     return Plan(phases=tuple(phases), probes=probes, measure=measure, rudder=rudder)
 
 
-MANOEUVRES: Final = (
-    Manoeuvre(
-        name="zigzag",
-        title="zigzag",
-        settings=(
-            rudder_setting(10.0),
-            Setting(
-                name="switch_deg",
-                text="heading at which the rudder is laid over",
-                unit="deg",
-                default=10.0,
-            ),
-            Setting(name="executes", text="orders in all", unit="-", default=5, whole=True),
+ZIGZAG: Final = Manoeuvre(
+    name="zigzag",
+    title="zigzag",
+    settings=(
+        rudder_setting(10.0),
+        Setting(
+            name="switch_deg",
+            text="heading at which the rudder is laid over",
+            unit="deg",
+            default=10.0,
         ),
-        orders=zigzag,
-        drawn="zigzag",
-        metrics=metrics_named(
-            "overshoot_{}_deg",
-            "time_execute_{}",
-            "reach",
-            "period",
-            "initial_turning_time",
-            "speed_ratio_end",
-        ),
+        Setting(name="executes", text="orders in all", unit="-", default=5, whole=True),
+    ),
+    orders=zigzag,
+    drawn="zigzag",
+    metrics=metrics_named(
+        "overshoot_{}_deg",
+        "time_execute_{}",
+        "reach",
+        "period",
+        "initial_turning_time",
+        "speed_ratio_end",
     ),
 )
+MANOEUVRES: Final = (ZIGZAG,)
+
+
+def executed_at(headings_deg: Sequence[float]) -> Manoeuvre:
+    """A zigzag whose rudder is laid over at headings of its own, as a helmsman did.
+
+    Parameters
+    ----------
+    headings_deg : sequence of float
+        Heading of each execute after the first, to the side that the ship turns to [deg]; of those
+        that follow it is ``switch_deg``.
+
+    Returns
+    -------
+    Manoeuvre
+        Overshoots count from these headings.
+
+    Examples
+    --------
+    >>> from pmmkit.models import load_model
+    >>> from pmmkit.simulation.simulate import simulate
+    >>> ship = load_model("kvlcc2-l7")
+    >>> late = simulate(ship, executed_at([11.0, 10.0]), speed=1.179, executes=3)
+    >>> nominal = simulate(ship, "zigzag", speed=1.179, executes=3)
+    >>> [round(x.metrics["time_execute_2"], 1) for x in (nominal, late)]
+    [10.0, 11.0]
+    """
+
+    def orders(pace: float, *, switch_deg: float, **settings: Any) -> Plan:
+        plan = zigzag(pace, switch_deg=switch_deg, **settings)
+        given = [*headings_deg, *[switch_deg] * len(plan.phases)]
+        phases = tuple(
+            replace(phase, level=phase.side * math.radians(heading))
+            if phase.until is End.heading
+            else phase
+            for phase, heading in zip(plan.phases, given, strict=False)
+        )
+
+        def measure(a: ProbeResults) -> dict[str, Any]:
+            found = dict(plan.measure(a))
+            for number, heading in enumerate(given[: len(phases) - 1], start=1):
+                found[f"overshoot_{number}_deg"] += switch_deg - heading
+            return found
+
+        return replace(plan, phases=phases, measure=measure)
+
+    return replace(ZIGZAG, orders=orders)
