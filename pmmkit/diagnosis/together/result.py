@@ -43,6 +43,11 @@ class JointEntry:
     log_evidence: float
     ballots: Mapping[str, Ballot]
 
+    @property
+    def linear(self) -> bool:
+        """Whether a campaign says it by a linear problem, not through the equations."""
+        return any(item.linear for item in self.ballots.values())
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Belonging:
@@ -144,7 +149,8 @@ class Together(Described):
     group : tuple of (effects, odds)
         The best set first, with the odds of each against it.
     entries : tuple of JointEntry
-        All sets that were weighed, best first.
+        All sets that were weighed, best first; then single effects of little promise, of which
+        the linear problems alone were asked.
     diagnoses : mapping of str to Diagnosis
         Of each campaign alone.
     belongs : tuple of Belonging
@@ -225,6 +231,7 @@ class Together(Described):
                 {
                     "effects": list(item.names),
                     "log_evidence": item.log_evidence,
+                    "linear": item.linear,
                     "campaigns": {
                         name: {"log_evidence": x.log_evidence, "faults": list(x.faults)}
                         for name, x in item.ballots.items()
@@ -307,5 +314,6 @@ class Together(Described):
         for name in self.names:
             ballot = item.ballots.get(name)
             beside = f" (with {' and '.join(ballot.faults)})" if ballot and ballot.faults else ""
-            cells.append(None if ballot is None else f"{ballot.log_evidence:+.1f}{beside}")
+            about = "about " if ballot and ballot.linear else ""
+            cells.append(None if ballot is None else f"{about}{ballot.log_evidence:+.1f}{beside}")
         return [" + ".join(item.names), *cells, f"{item.log_evidence:+.1f}"]

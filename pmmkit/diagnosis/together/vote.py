@@ -27,10 +27,13 @@ class Ballot:
         than with its own faults alone. The set pays no price here, each fault does.
     faults : tuple of str
         The faults beside the set.
+    linear : bool
+        Whether it is by a linear problem alone, where the equations themselves might be asked.
     """
 
     log_evidence: float
     faults: Names = ()
+    linear: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
