@@ -131,8 +131,8 @@ class RecordsVote:
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all values fitted to these records."""
-        fit = self.fit(frozenset((*self._asked(names), *faults)))
-        return None if fit is None else self._model(steady(fit))
+        fit = self.steady(frozenset((*self._asked(names), *faults)))
+        return None if fit is None else self._model(fit)
 
     @cached_property
     def fit(self) -> Callable[[frozenset[str]], Fit | None]:
@@ -158,6 +158,16 @@ class RecordsVote:
                 return None
             possible = can_be(self.model, self.system.every, found, self.system.speed)
             return found if possible and left_out_error(found) <= missed else None
+
+        return cache(made)
+
+    @cached_property
+    def steady(self) -> Callable[[frozenset[str]], Fit | None]:
+        """The same with a base that stays as it is given, if records left out say so."""
+
+        def made(names: frozenset[str]) -> Fit | None:
+            fit = self.fit(names)
+            return None if fit is None else steady(fit)
 
         return cache(made)
 

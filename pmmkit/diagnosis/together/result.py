@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+BASE: Final = "the base"
+"""What scatters between laboratories beside effects."""
 _MOST: Final = 12
 """Effects in the printed table."""
 
@@ -134,6 +136,27 @@ class Belonging:
         }
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Another:
+    """The model of a laboratory that has not tested yet.
+
+    Parameters
+    ----------
+    model : Model
+        The ship of the records with what all laboratories share; the covariance holds by what they
+        differ.
+    scales : mapping of str to float
+        Scales of the half-normal priors of what laboratories differ by, over usual sizes: of
+        values of the base, and of each effect.
+    scatter : mapping of str to float
+        What the campaigns make of it, root mean square.
+    """
+
+    model: Model
+    scales: Mapping[str, float]
+    scatter: Mapping[str, float]
+
+
 def _interval(value: float, std: float) -> str:
     return f"{number(float(value), 3)} ± {number(WIDE * float(std), 2)}"
 
@@ -167,6 +190,9 @@ class Together(Described):
         How it was found.
     model : Model, optional
         With the best set, fitted to the records, or to the captive tests where there are none.
+    others : tuple of Another
+        For a laboratory that has not tested yet, by the scale of what laboratories differ by; the
+        first is the one to use. None without free-running records.
     """
 
     verdict: Verdict
@@ -180,6 +206,7 @@ class Together(Described):
     flags: tuple[str, ...]
     notes: tuple[str, ...]
     model: Model | None = None
+    others: tuple[Another, ...] = ()
 
     @property
     def best(self) -> Names:
@@ -241,6 +268,9 @@ class Together(Described):
             ],
             "added": dict(self.added),
             "belongs": [item.to_dict() for item in self.belongs],
+            "another_laboratory": [
+                {"scales": dict(x.scales), "scatter": dict(x.scatter)} for x in self.others
+            ],
             "refused": [{"campaign": name, "effects": list(names)} for name, names in self.refused],
             "price": self.price,
             "flags": list(self.flags),
@@ -284,6 +314,10 @@ class Together(Described):
                 for item in self.belongs
                 if item.measured
             ),
+            Section(
+                title="By what another laboratory differs, over usual sizes (scale of the prior)",
+                tables=[self._scatter()] if self.others else [],
+            ),
             Section(title="Refused, since what is left out gets worse by it", points=refused),
             Section(title="Notes", points=self.notes),
         ]
@@ -308,6 +342,21 @@ class Together(Described):
                 if own
             ],
         )
+
+    def _scatter(self) -> Grid:
+        """By what laboratories differ, a column for each scale of the prior."""
+        rows: list[list[Cell]] = [
+            [
+                name,
+                *(
+                    f"{number(x.scatter[name], 2)} ({number(x.scales[name], 2)})"
+                    for x in self.others
+                ),
+            ]
+            for name in self.others[0].scatter
+        ]
+        head = ["", "to use", *("to compare" for _ in self.others[1:])]
+        return Grid(head=head, groups=[Group(rows=rows)])
 
     def _row(self, item: JointEntry) -> list[Cell]:
         cells: list[Cell] = []

@@ -13,6 +13,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.findings import Verdict
+from pmmkit.diagnosis.together.another import others
 from pmmkit.diagnosis.together.belongings import belongings
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote, captive_vote
 from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
@@ -84,7 +85,7 @@ def together(
 
     Sets are fitted to records through the equations before they count, beginning with the single
     effects that promise most by linear problems: a set that makes records left out one after
-    another worse, or that holds an effect which alone does so, is refused. A set is named if its
+    another worse is refused. A set is named if its
     odds are above e after the price and chance gives such evidence in less than 1 % of ships
     without any effect: by Markov's inequality that is less than one over the odds.
     """
@@ -187,6 +188,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             added[name] = best.log_evidence - known.get(rest, 0.0)
         belongs = belongings(votes, best)
         made = _model(votes, best)
+    tell("Another laboratory")
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
@@ -208,6 +210,9 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             ),
         ),
         model=made,
+        others=others(votes, best.names, best.ballots, belongs)
+        if told and best is not None
+        else others(votes, (), {}, ()),
     )
 
 

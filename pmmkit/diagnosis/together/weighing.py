@@ -41,7 +41,7 @@ class Weighed:
 def weigh(
     votes: Sequence[Vote], every: Sequence[str], price: float, tell: Callable[[str], None]
 ) -> Weighed:
-    """Single effects, the sets of several that promise most, and the parts of the best.
+    """Single effects, the sets of several that promise most, and what is near the best.
 
     Parameters
     ----------
@@ -67,18 +67,15 @@ def weigh(
                 refused[names] = found
         return names in entries
 
-    singles = [_promised(votes, (name,), price) for name in every]
-    for item in _ranked(singles)[:SINGLES]:
+    singles = _ranked(_promised(votes, (name,), price) for name in every)
+    for item in singles[:SINGLES]:
         look(item.names)
     promised = [_promised(votes, names, price) for names in _several(votes)]
-    tried = kept = 0
-    for item in _ranked(promised):
+    kept = 0
+    for item in _ranked(promised)[:TRIED]:
         front = max((x.log_evidence for x in entries.values()), default=0.0)
-        if kept == SETS or tried == TRIED or item.log_evidence < front - RIVALS:
+        if kept == SETS or item.log_evidence < front - RIVALS:
             break
-        if any(set(item.names) >= set(bad) for bad in refused):
-            continue
-        tried += 1
         kept += look(item.names)
     best: Names = ()
     while entries:
@@ -86,8 +83,8 @@ def weigh(
         if first == best:
             break
         best = first
-        for rest in _parts(best):
-            look(rest)
+        for near in (*_parts(best), *_larger(best, [x.names[0] for x in singles[:SINGLES]])):
+            look(near)
     others = [x for x in singles if x.names not in entries and x.names not in refused]
     return Weighed(
         entries=(*_ranked(entries.values()), *_ranked(others)),
@@ -143,3 +140,8 @@ def _parts(names: Names) -> list[Names]:
     """A set without each of its effects; none of a single one."""
     found = [tuple(x for x in names if x != name) for name in names]
     return [rest for rest in found if rest]
+
+
+def _larger(names: Names, more: Sequence[str]) -> list[Names]:
+    """A set with each of some other effects."""
+    return [of_ship((*names, name)) for name in more if name not in names]

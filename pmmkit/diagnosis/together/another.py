@@ -1,0 +1,256 @@
+"""The model of a laboratory that has not tested yet: what all share, and by what it may differ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Final
+
+import numpy as np
+
+from pmmkit.diagnosis.free_running.findings import model_of
+from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.hypotheses import WIDER, Numbers
+from pmmkit.diagnosis.together.belongs import SCATTER
+from pmmkit.diagnosis.together.captive_vote import Beside, CaptiveVote
+from pmmkit.diagnosis.together.records_vote import RecordsVote
+from pmmkit.diagnosis.together.result import BASE, Another, Belonging
+from pmmkit.diagnosis.together.scatter import FLAT, Groups, Learned, Next, next_laboratory
+from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
+from pmmkit.errors import ModelError
+from pmmkit.models import Model
+from pmmkit.models.model import place_name
+from pmmkit.numerics import Array
+
+BETWEEN: Final = 0.05
+"""Scale of the half-normal prior of what laboratories differ by in values of the base, over their
+usual sizes."""
+FACTORS: Final = (1.0, 0.5, 2.0)
+"""Scales that are tried, over the priors; the first is the one to use."""
+EXACT: Final = 1e-3
+"""What a value that is stated without uncertainty is known to, over its usual size."""
+NOTE: Final = (
+    "Stands for a laboratory that has not tested yet: the ship's values from several campaigns, "
+    "with a covariance that holds by what laboratories differ."
+)
+
+
+def others(
+    votes: Sequence[Vote], names: Names, ballots: Mapping[str, Ballot], belongs: Sequence[Belonging]
+) -> tuple[Another, ...]:
+    """Models of a laboratory that has not tested yet, one for each of `FACTORS`.
+
+    Parameters
+    ----------
+    votes : sequence of Vote
+        The campaigns.
+    names : tuple of str
+        Effects of the ship that are named.
+    ballots : mapping of str to Ballot
+        What the campaigns say of them, with their faults.
+    belongs : sequence of Belonging
+        Whose they are: those of laboratories have no mean, and their scatter.
+
+    Returns
+    -------
+    tuple of Another
+        None without free-running records, which ask for a complete model.
+    """
+    records = [item for item in votes if isinstance(item, RecordsVote)]
+    if not records:
+        return ()
+    first = records[0]
+    faults = {item.name: ballots.get(item.name, Ballot(log_evidence=0.0)).faults for item in votes}
+    mine = tuple(x for x in names if x in first.contest.zero.question.numbers.columns)
+    fit = first.steady(frozenset((*mine, *faults[first.name])))
+    if fit is None:
+        return ()
+    numbers, labels = fit.place.question.numbers, labels_of(first, mine)
+    typical = [x for item in first.system.every if item.name in mine for x in item.typical.values()]
+    scale = np.concatenate([numbers.base.sizes, WIDER * np.array(typical)])
+    tests = [
+        (item.name, item.beside(names, faults[item.name]))
+        for item in votes
+        if isinstance(item, CaptiveVote)
+    ]
+    learned = [_given(first, tests[0] if tests else None, labels, scale)]
+    for name, beside in tests[1:]:
+        information, score = _of_effects(beside, labels, scale)
+        learned.append(Learned(laboratory=name, information=information, score=score))
+    for item in records:
+        own = _of_records(item, mine, faults[item.name], labels)
+        learned += [own] if own is not None else []
+    owners = {item.effect: item.owner for item in belongs}
+    made = []
+    for factor in FACTORS:
+        groups = _groups(numbers, mine, owners, factor)
+        found = next_laboratory(learned, groups)
+        try:
+            model = _model(first, fit, mine, found)
+        except ModelError:
+            # Beyond what a value can be: there is no such ship to sail.
+            return ()
+        made.append(
+            Another(
+                model=model,
+                scales=MappingProxyType(
+                    dict(zip(groups.names, groups.scales.tolist(), strict=True))
+                ),
+                scatter=MappingProxyType(
+                    dict(zip(groups.names, found.scatter.tolist(), strict=True))
+                ),
+            )
+        )
+    return tuple(made)
+
+
+def labels_of(vote: RecordsVote, names: Names) -> tuple[tuple[str, str], ...]:
+    """Effect (none of the base) and name of each value that a set moves."""
+    every = {item.name: item for item in vote.system.every}
+    return (
+        *(("", name) for name in vote.system.base.names),
+        *((name, label) for name in names for label in every[name].typical),
+    )
+
+
+def _groups(numbers: Numbers, names: Names, owners: Mapping[str, str], factor: float) -> Groups:
+    counts = [numbers.width, *(len(numbers.columns[name]) for name in names)]
+    own = [0.0 if owners.get(name) == "the laboratory's" else 1.0 for name in names]
+    return Groups(
+        names=(BASE, *names),
+        of=np.repeat(np.arange(len(counts)), counts),
+        usual=np.repeat([1.0, *(1.0 / WIDER for _ in names)], counts),
+        scales=factor * np.array([BETWEEN, *(SCATTER for _ in names)]),
+        shared=np.repeat([FLAT, *own], counts),
+    )
+
+
+def _given(
+    vote: RecordsVote,
+    tests: tuple[str, Beside] | None,
+    labels: Sequence[tuple[str, str]],
+    scale: Array,
+) -> Learned:
+    """The base as the model has it; with the first captive tests, which it is taken to be of, what
+    they say of effects and how their base moves with these."""
+    base, b = vote.system.base, len(vote.system.base.names)
+    alone = np.array([_std(vote.model, name) for name in base.names]) / base.sizes
+    known = base.known[:b, :b]
+    free = np.diagonal(known) == 0.0
+    known = known + np.diag(np.where(free, alone**2, 0.0) + EXACT**2)
+    away = np.eye(b, len(labels))
+    information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
+    if tests is not None:
+        information, score = _of_effects(tests[1], labels, scale)
+        away = away - _along(tests[1], labels, scale, b)
+    return Learned(
+        laboratory=tests[0] if tests is not None else vote.model.name,
+        information=information + away.T @ np.linalg.solve(known, away),
+        score=score,
+    )
+
+
+def _std(model: Model, name: str) -> float:
+    """Standard uncertainty that a value states by itself."""
+    found = [
+        std
+        for effect, part in model.parts.items()
+        for own, std in part.std.items()
+        if place_name(effect, own) == name
+    ]
+    return found[0] if found else 0.0
+
+
+def _of_effects(
+    found: Beside, labels: Sequence[tuple[str, str]], scale: Array
+) -> tuple[Array, Array]:
+    """What captive tests say of effects, without what was known before them."""
+    information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
+    kept = [k for k, label in enumerate(found.labels) if label in labels]
+    if kept:
+        at = [labels.index(found.labels[k]) for k in kept]
+        size = scale[at]
+        S: Array = found.covariance[np.ix_(kept, kept)]
+        told = np.linalg.inv(S / np.outer(size, size)).astype(float)
+        score[at] = told @ (found.values[kept] / size)
+        information[np.ix_(at, at)] = _positive(
+            told - np.diag(np.square(size / found.before[kept]))
+        )
+    return information, score
+
+
+def _along(found: Beside, labels: Sequence[tuple[str, str]], scale: Array, b: int) -> Array:
+    """By how much the base (b, n) moves in captive tests with the effects."""
+    moved = np.zeros((b, len(labels)))
+    for j, name in enumerate(found.base):
+        for k, label in enumerate(found.labels):
+            if ("", name) in labels and label in labels:
+                row, column = labels.index(("", name)), labels.index(label)
+                moved[row, column] = found.along[j, k] * scale[column] / scale[row]
+    return moved
+
+
+def _of_records(
+    vote: RecordsVote, names: Names, faults: Names, labels: Sequence[tuple[str, str]]
+) -> Learned | None:
+    """What records say of the base and the effects, their faults taken out."""
+    mine = tuple(x for x in names if x in vote.contest.zero.question.numbers.columns)
+    fit = vote.steady(frozenset((*mine, *faults)))
+    if fit is None:
+        return None
+    numbers, P = fit.place.question.numbers, fit.known.total
+    own = labels_of(vote, mine)
+    kept = [i for i, label in enumerate(own) if label in labels]
+    used, beside = numbers.used(mine)[kept], numbers.at(faults)
+    H = P[np.ix_(beside, beside)] + np.eye(len(beside))
+    taken = np.linalg.solve(H, P[np.ix_(beside, np.append(used, -1))])
+    rest = P[np.ix_(used, np.append(used, -1))] - P[np.ix_(used, beside)] @ taken
+    at = [labels.index(own[i]) for i in kept]
+    information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
+    information[np.ix_(at, at)], score[at] = _positive(rest[:, :-1]), rest[:, -1]
+    return Learned(
+        laboratory=vote.name, information=information, score=score, moves=bool(fit.spread)
+    )
+
+
+def _positive(matrix: Array) -> Array:
+    """A symmetric matrix without what is below zero by rounding."""
+    values, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T))
+    found: Array = (vectors * np.maximum(values, 0.0)) @ vectors.T
+    return found
+
+
+def _model(vote: RecordsVote, fit: Fit, names: Names, found: Next) -> Model:
+    """The ship of the records with the values of another laboratory and their covariance."""
+    numbers = fit.place.question.numbers
+    used = numbers.used(names)
+    z = np.zeros_like(fit.z)
+    z[used] = found.values
+    covariance = np.zeros_like(fit.covariance)
+    covariance[np.ix_(used, used)] = found.covariance
+    own = replace(fit, names=names, z=z, covariance=covariance)
+    made = model_of(vote.model, vote.system.every, own, vote.system.speed)
+    C = numbers.T @ covariance @ numbers.T.T
+    there = {place_name(effect, name) for effect, x in made.parts.items() for name in x.values}
+    at = [i for i, x in enumerate(numbers.values) if x in there and C[i, i] > 0.0]
+    scattered = [numbers.values[i] for i in at]
+    rows = max(len(made.Fn), 1)
+    whole = np.tile(C[np.ix_(at, at)], (rows, rows))
+    parts = {
+        effect: replace(
+            part,
+            std=MappingProxyType(
+                {k: x for k, x in part.std.items() if place_name(effect, k) not in scattered}
+            ),
+        )
+        for effect, part in made.parts.items()
+    }
+    return replace(
+        made,
+        name=f"{made.name}, another laboratory",
+        parts=MappingProxyType(parts),
+        covariance=0.5 * (whole + whole.T),
+        covariance_names=tuple(scattered),
+        notes=(*made.notes, NOTE),
+    )
