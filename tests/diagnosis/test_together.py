@@ -8,12 +8,20 @@ import math
 import numpy as np
 import pytest
 from hidden_effects import hidden_campaign
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
 from pmmkit.diagnosis.together.captive_vote import captive_vote
-from pmmkit.diagnosis.together.scatter import FLAT, Groups, Learned, next_laboratory
+from pmmkit.diagnosis.together.scatter import (
+    FLAT,
+    Groups,
+    Learned,
+    next_laboratory,
+    scatter_of_base,
+)
 from pmmkit.diagnosis.together.together import together
 from pmmkit.effects.catalogue import effect_of, is_fault
 from pmmkit.errors import DataError
@@ -231,9 +239,10 @@ def learned(value, variance, moves=True):
     )
 
 
-def groups(usual, scales, of=(0,), shared=FLAT):
+def groups(usual, scales, of=(0,), base=0.05, shared=FLAT):
     return Groups(
-        names=tuple(map(str, range(len(scales)))),
+        names=tuple(map(str, range(len(scales) + 1))),
+        base=base,
         of=np.array(of),
         usual=np.array(usual, float),
         scales=np.array(scales, float),
@@ -245,7 +254,8 @@ def test_the_next_laboratory_is_what_another_finds():
     """One effect, measured by two: the same as by the integral over one scatter."""
     P, scale = 2.25, 0.5
     found = next_laboratory(
-        [learned(0.9, 0.05), learned(0.4, 0.02)], groups([1.0], [scale], shared=math.sqrt(P))
+        [learned(0.9, 0.05), learned(0.4, 0.02)],
+        groups([1.0], [scale], of=[1], shared=math.sqrt(P)),
     )
     told = third(
         [measured(0.9, 0.05), measured(0.4, 0.02)], np.array([[P]]), np.ones(1), scale=scale
@@ -262,33 +272,48 @@ def test_many_values_tell_by_what_laboratories_differ():
     one, other = rng.normal(0.0, tau, (2, n))
     exact = np.full(n, 1e-8)
     found = next_laboratory(
-        [learned(one, exact), learned(other, exact)], groups(np.ones(n), [0.05], of=[0] * n)
+        [learned(one, exact), learned(other, exact)], groups(np.ones(n), [0.05], of=[1] * n)
     )
-    assert found.scatter[0] == pytest.approx(tau, rel=0.15)
+    assert found.scatter[1] == pytest.approx(tau, rel=0.15)
     np.testing.assert_allclose(found.values, 0.5 * (one + other), atol=1e-3)
     np.testing.assert_allclose(
-        np.diagonal(found.covariance), 1.5 * found.scatter[0] ** 2, rtol=0.05
+        np.diagonal(found.covariance), 1.5 * found.scatter[1] ** 2, rtol=0.05
     )
+    apart = math.sqrt(float(np.mean((one - other) ** 2)))
+    assert scatter_of_base([(apart, n)], 0.05) == pytest.approx(found.scatter[1], rel=0.05)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.005, 0.2), st.floats(1.0, 50.0), st.floats(0.02, 0.2))
+def test_the_scatter_of_the_base_lies_between_what_is_found_and_what_is_usual(size, count, scale):
+    found = scatter_of_base([(size, count)], scale)
+    ends = sorted([size / math.sqrt(2.0), scale])
+    assert 0.8 * ends[0] < found < 1.25 * ends[1] * max(1.0, 3.0 / math.sqrt(count))
+    assert scatter_of_base([], scale) == pytest.approx(scale, rel=0.01)
 
 
 def test_what_only_laboratories_have_scatters_about_nothing():
     found = next_laboratory(
         [learned([0.0, 0.8], [1e-4, 1e-4]), learned([0.0, 0.2], [1e-4, 1e-4])],
-        groups([1.0, 1.0], [0.05, 0.5], of=[0, 1], shared=[FLAT, 0.0]),
+        groups([1.0, 1.0], [0.5], of=[0, 1], shared=[FLAT, 0.0]),
     )
     assert found.values[1] == 0.0
     assert found.covariance[1, 1] == pytest.approx(found.scatter[1] ** 2, rel=1e-6)
     assert 0.3 < found.scatter[1] < 0.8
 
 
-def test_a_base_that_does_not_move_tells_nothing_of_its_scatter():
-    """Records whose base is that of the tests: what they say of it is of these, however far."""
-    own = groups([1.0], [0.05])
-    alone = next_laboratory([learned(0.0, 1e-6)], own)
-    tied = next_laboratory([learned(0.0, 1e-6), learned(0.3, 1e-2, moves=False)], own)
-    free = next_laboratory([learned(0.0, 1e-6), learned(0.3, 1e-2)], own)
-    assert tied.scatter[0] == pytest.approx(alone.scatter[0], rel=0.02)
-    assert free.scatter[0] > 1.3 * alone.scatter[0]
+def test_a_base_that_does_not_move_is_that_of_the_tests():
+    """Closed forms: one value known by both, or by each its own."""
+    tests, records, tau = learned(0.0, 1e-4), (0.3, 1e-2), 0.1
+    own = groups([1.0], [], base=tau)
+    tied = next_laboratory([tests, learned(*records, moves=False)], own)
+    precision = 1.0 / 1e-4 + 1.0 / 1e-2
+    assert tied.values[0] == pytest.approx(0.3 / 1e-2 / precision, abs=1e-3)
+    assert tied.covariance[0, 0] == pytest.approx(1.0 / precision + 2.0 * tau**2, rel=1e-3)
+    free = next_laboratory([tests, learned(*records)], own)
+    weights = np.array([1.0 / (1e-4 + tau**2), 1.0 / (1e-2 + tau**2)])
+    assert free.values[0] == pytest.approx(0.3 * weights[1] / weights.sum(), abs=1e-3)
+    assert free.covariance[0, 0] == pytest.approx(1.0 / weights.sum() + tau**2, rel=1e-3)
 
 
 @pytest.mark.slow

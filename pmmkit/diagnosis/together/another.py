@@ -15,8 +15,15 @@ from pmmkit.diagnosis.free_running.hypotheses import WIDER, Numbers
 from pmmkit.diagnosis.together.belongs import SCATTER
 from pmmkit.diagnosis.together.captive_vote import Beside, CaptiveVote
 from pmmkit.diagnosis.together.records_vote import RecordsVote
-from pmmkit.diagnosis.together.result import BASE, Another, Belonging
-from pmmkit.diagnosis.together.scatter import FLAT, Groups, Learned, Next, next_laboratory
+from pmmkit.diagnosis.together.result import BASE, Another
+from pmmkit.diagnosis.together.scatter import (
+    FLAT,
+    Groups,
+    Learned,
+    Next,
+    next_laboratory,
+    scatter_of_base,
+)
 from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
@@ -37,7 +44,7 @@ NOTE: Final = (
 
 
 def others(
-    votes: Sequence[Vote], names: Names, ballots: Mapping[str, Ballot], belongs: Sequence[Belonging]
+    votes: Sequence[Vote], names: Names, ballots: Mapping[str, Ballot]
 ) -> tuple[Another, ...]:
     """Models of a laboratory that has not tested yet, one for each of `FACTORS`.
 
@@ -49,8 +56,6 @@ def others(
         Effects of the ship that are named.
     ballots : mapping of str to Ballot
         What the campaigns say of them, with their faults.
-    belongs : sequence of Belonging
-        Whose they are: those of laboratories have no mean, and their scatter.
 
     Returns
     -------
@@ -74,17 +79,22 @@ def others(
         for item in votes
         if isinstance(item, CaptiveVote)
     ]
-    learned = [_given(first, tests[0] if tests else None, labels, scale)]
+    learned = [_given(first, fit, tests[0] if tests else None, labels, scale)]
     for name, beside in tests[1:]:
         information, score = _of_effects(beside, labels, scale)
         learned.append(Learned(laboratory=name, information=information, score=score))
+    moved = []
     for item in records:
-        own = _of_records(item, mine, faults[item.name], labels)
-        learned += [own] if own is not None else []
-    owners = {item.effect: item.owner for item in belongs}
+        own = item.steady(frozenset((*item.asked.intersection(mine), *faults[item.name])))
+        if own is None:
+            continue
+        learned.append(_of_records(item, own, mine, faults[item.name], labels))
+        if own.spread:
+            moved.append((own.spread, _directions(learned[-1], own)))
     made = []
     for factor in FACTORS:
-        groups = _groups(numbers, mine, owners, factor)
+        base = scatter_of_base(moved, factor * BETWEEN)
+        groups = _groups(numbers, mine, base, factor)
         found = next_laboratory(learned, groups)
         try:
             model = _model(first, fit, mine, found)
@@ -95,7 +105,7 @@ def others(
             Another(
                 model=model,
                 scales=MappingProxyType(
-                    dict(zip(groups.names, groups.scales.tolist(), strict=True))
+                    {BASE: factor * BETWEEN} | dict.fromkeys(mine, factor * SCATTER)
                 ),
                 scatter=MappingProxyType(
                     dict(zip(groups.names, found.scatter.tolist(), strict=True))
@@ -114,39 +124,50 @@ def labels_of(vote: RecordsVote, names: Names) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _groups(numbers: Numbers, names: Names, owners: Mapping[str, str], factor: float) -> Groups:
+def _groups(numbers: Numbers, names: Names, base: float, factor: float) -> Groups:
     counts = [numbers.width, *(len(numbers.columns[name]) for name in names)]
-    own = [0.0 if owners.get(name) == "the laboratory's" else 1.0 for name in names]
     return Groups(
         names=(BASE, *names),
+        base=base,
         of=np.repeat(np.arange(len(counts)), counts),
         usual=np.repeat([1.0, *(1.0 / WIDER for _ in names)], counts),
-        scales=factor * np.array([BETWEEN, *(SCATTER for _ in names)]),
-        shared=np.repeat([FLAT, *own], counts),
+        scales=np.full(len(names), factor * SCATTER),
+        shared=np.repeat([FLAT, *(1.0 for _ in names)], counts),
     )
 
 
 def _given(
     vote: RecordsVote,
+    fit: Fit,
     tests: tuple[str, Beside] | None,
     labels: Sequence[tuple[str, str]],
     scale: Array,
 ) -> Learned:
-    """The base as the model has it; with the first captive tests, which it is taken to be of, what
-    they say of effects and how their base moves with these."""
+    """The values as the model has them, with what comes to them by effects; those of the first
+    captive tests, which they are taken to be of, with what these say of effects and how the base
+    moves with them."""
     base, b = vote.system.base, len(vote.system.base.names)
-    alone = np.array([_std(vote.model, name) for name in base.names]) / base.sizes
+    names = tuple(dict.fromkeys(effect for effect, _ in labels if effect))
+    numbers = fit.place.question.numbers
+    T = numbers.T[:, numbers.used(names)]
+    place = {name: i for i, name in enumerate(numbers.values)}
     known = base.known[:b, :b]
+    alone = np.array([_std(vote.model, name) for name in base.names]) / base.sizes
     free = np.diagonal(known) == 0.0
     known = known + np.diag(np.where(free, alone**2, 0.0) + EXACT**2)
-    away = np.eye(b, len(labels))
+    values = T[[place[name] for name in base.names]] / base.sizes[:, None]
     information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
     if tests is not None:
         information, score = _of_effects(tests[1], labels, scale)
-        away = away - _along(tests[1], labels, scale, b)
+        values = values - _along(tests[1], labels, scale, b)
+    information = information + values.T @ np.linalg.solve(known, values)
+    for name in numbers.values:
+        if name not in base.names and (std := _std(vote.model, name)):
+            row = T[place[name]] / std
+            information = information + np.outer(row, row)
     return Learned(
         laboratory=tests[0] if tests is not None else vote.model.name,
-        information=information + away.T @ np.linalg.solve(known, away),
+        information=information,
         score=score,
     )
 
@@ -192,26 +213,32 @@ def _along(found: Beside, labels: Sequence[tuple[str, str]], scale: Array, b: in
 
 
 def _of_records(
-    vote: RecordsVote, names: Names, faults: Names, labels: Sequence[tuple[str, str]]
-) -> Learned | None:
+    vote: RecordsVote, fit: Fit, names: Names, faults: Names, labels: Sequence[tuple[str, str]]
+) -> Learned:
     """What records say of the base and the effects, their faults taken out."""
-    mine = tuple(x for x in names if x in vote.contest.zero.question.numbers.columns)
-    fit = vote.steady(frozenset((*mine, *faults)))
-    if fit is None:
-        return None
+    mine = tuple(x for x in names if x in fit.names)
     numbers, P = fit.place.question.numbers, fit.known.total
     own = labels_of(vote, mine)
-    kept = [i for i, label in enumerate(own) if label in labels]
-    used, beside = numbers.used(mine)[kept], numbers.at(faults)
+    used, beside = numbers.used(mine), numbers.at(faults)
     H = P[np.ix_(beside, beside)] + np.eye(len(beside))
     taken = np.linalg.solve(H, P[np.ix_(beside, np.append(used, -1))])
     rest = P[np.ix_(used, np.append(used, -1))] - P[np.ix_(used, beside)] @ taken
-    at = [labels.index(own[i]) for i in kept]
+    at = [labels.index(label) for label in own]
     information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
     information[np.ix_(at, at)], score[at] = _positive(rest[:, :-1]), rest[:, -1]
     return Learned(
         laboratory=vote.name, information=information, score=score, moves=bool(fit.spread)
     )
+
+
+def _directions(found: Learned, fit: Fit) -> float:
+    """Number of directions in which records move the base: Σ s²λ/(1 + s²λ)."""
+    base, b = fit.place.question.numbers.base, fit.place.question.numbers.width
+    G = found.information
+    beside = np.eye(len(G) - b) + G[b:, b:]
+    own = G[:b, :b] - G[:b, b:] @ np.linalg.solve(beside, G[b:, :b])
+    whole = base.known[:b, :b] + fit.spread**2 * np.eye(b)
+    return float(fit.spread**2 * np.trace(np.linalg.solve(np.eye(b) + own @ whole, own)))
 
 
 def _positive(matrix: Array) -> Array:

@@ -106,6 +106,11 @@ class CaptiveVote:
         """Effects of the ship that these tests were asked for."""
         return asked_in(self.diagnosis.entries)
 
+    @property
+    def kept(self) -> frozenset[Names]:
+        """None: all sets are one linear problem."""
+        return frozenset()
+
     def promised(self, names: Names) -> Ballot:
         """A set of effects: all sets are one linear problem."""
         mine = tuple(name for name in names if name in self.sets.by_name)

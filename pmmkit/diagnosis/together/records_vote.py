@@ -10,7 +10,6 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import Contest, can_be, left_out_error, steady
 from pmmkit.diagnosis.free_running.diagnose import answered
 from pmmkit.diagnosis.free_running.findings import model_of
@@ -69,8 +68,8 @@ class RecordsVote:
         return self.contest.price
 
     @property
-    def tried(self) -> frozenset[Names]:
-        """Sets of effects that the contest has fitted through the equations."""
+    def kept(self) -> frozenset[Names]:
+        """Sets of effects that the contest has fitted, and kept."""
         return frozenset(of_ship(item.names) for item in self.contest.settled)
 
     def promised(self, names: Names) -> Ballot:
@@ -86,7 +85,7 @@ class RecordsVote:
         ]
         if whole:
             value = max(whole) + self.price * len(mine) - self.ground
-            return Ballot(log_evidence=value, linear=mine not in self.tried)
+            return Ballot(log_evidence=value, linear=mine not in self.kept)
         parts = [tuple(x for x in mine if x != name) for name in mine]
         return max((self.promised(part) for part in parts), key=lambda item: item.log_evidence)
 
@@ -106,7 +105,7 @@ class RecordsVote:
         return Ballot(log_evidence=value, faults=beside)
 
     def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
-        """The effects of a set that come to values which the model does not have."""
+        """The effects of a set; of those that come to values which the model has, by how much."""
         mine = self._asked(names)
         fit = self.fit(frozenset((*mine, *faults))) if mine else None
         if fit is None:
@@ -114,7 +113,7 @@ class RecordsVote:
         numbers = fit.place.question.numbers
         found = {}
         for item in self.system.every:
-            if item.name not in mine or self._has(item):
+            if item.name not in mine:
                 continue
             at = numbers.columns[item.name]
             size = WIDER * np.array(list(item.typical.values()))
@@ -125,6 +124,37 @@ class RecordsVote:
                     laboratory=self.name,
                     values=size * fit.z[at],
                     covariance=fit.covariance[np.ix_(at, at)] * np.outer(size, size),
+                ),
+            )
+        return found
+
+    def stated(self, laboratory: str) -> Mapping[str, Sized]:
+        """Effects that come to values which the model has: by nothing, as well as it knows these.
+
+        Parameters
+        ----------
+        laboratory : str
+            Who the model is of.
+        """
+        base, b = self.system.base, len(self.system.base.names)
+        known = base.known[:b, :b] * np.outer(base.sizes, base.sizes)
+        sure = {name for name, x in zip(base.names, np.diagonal(known), strict=True) if x > 0.0}
+        found = {}
+        for item in self.system.every:
+            if not item.values or not sure.issuperset(item.values):
+                continue
+            at = [base.names.index(name) for name in item.values]
+            moves = np.array(
+                [[own.get(name, 0.0) for own in item.moves.values()] for name in item.values]
+            )
+            back = np.linalg.pinv(moves)
+            found[item.name] = Sized(
+                coefficients=tuple(item.typical),
+                typical=tuple(item.typical.values()),
+                measured=Measured(
+                    laboratory=laboratory,
+                    values=np.zeros(len(item.moves)),
+                    covariance=back @ known[np.ix_(at, at)] @ back.T,
                 ),
             )
         return found
@@ -214,12 +244,6 @@ class RecordsVote:
             if set(of_ship(item)) == set(names)
         ]
         return list(dict.fromkeys([(), self.faults, *named]))
-
-    def _has(self, item: FreeCandidate) -> bool:
-        """Whether an effect comes to values that the model has."""
-        values = [own for part in self.model.parts.values() for own in part.values.items()]
-        there = {name for name, value in values if np.any(np.asarray(value) != 0.0)}
-        return bool(there.intersection(name.rpartition(".")[2] for name in item.values))
 
 
 def records_vote(

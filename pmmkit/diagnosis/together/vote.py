@@ -64,6 +64,10 @@ class Vote(Protocol):
     def asked(self) -> frozenset[str]:
         """Effects of the ship that this campaign was asked for."""
 
+    @property
+    def kept(self) -> frozenset[Names]:
+        """Sets that its own diagnosis fitted, and that predict what is left out better."""
+
     def promised(self, names: Names) -> Ballot:
         """A set, as far as is known without another fit."""
 

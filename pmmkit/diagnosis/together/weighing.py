@@ -67,16 +67,25 @@ def weigh(
                 refused[names] = found
         return names in entries
 
+    def hopeful(names: Names) -> bool:
+        """Whether nothing in a set was refused but inside of another that a campaign has kept."""
+        inside = [set(x) for vote in votes for x in vote.kept if set(x) <= set(names)]
+        bad = [set(x) for x in refused if set(x) <= set(names)]
+        return all(any(x <= own for own in inside) for x in bad)
+
     singles = _ranked(_promised(votes, (name,), price) for name in every)
     for item in singles[:SINGLES]:
         look(item.names)
     promised = [_promised(votes, names, price) for names in _several(votes)]
     kept = 0
-    for item in _ranked(promised)[:TRIED]:
+    tried = 0
+    for item in _ranked(promised):
         front = max((x.log_evidence for x in entries.values()), default=0.0)
-        if kept == SETS or item.log_evidence < front - RIVALS:
+        if kept == SETS or tried == TRIED or item.log_evidence < front - RIVALS:
             break
-        kept += look(item.names)
+        if hopeful(item.names):
+            tried += 1
+            kept += look(item.names)
     best: Names = ()
     while entries:
         first = _ranked(entries.values())[0].names
@@ -84,7 +93,8 @@ def weigh(
             break
         best = first
         for near in (*_parts(best), *_larger(best, [x.names[0] for x in singles[:SINGLES]])):
-            look(near)
+            if hopeful(near):
+                look(near)
     others = [x for x in singles if x.names not in entries and x.names not in refused]
     return Weighed(
         entries=(*_ranked(entries.values()), *_ranked(others)),
