@@ -15,7 +15,7 @@ from pmmkit.diagnosis.free_running.hypotheses import WIDER, Numbers
 from pmmkit.diagnosis.together.belongs import SCATTER
 from pmmkit.diagnosis.together.captive_vote import Beside, CaptiveVote
 from pmmkit.diagnosis.together.records_vote import RecordsVote
-from pmmkit.diagnosis.together.result import BASE, Another
+from pmmkit.diagnosis.together.result import BASE, Another, Belonging
 from pmmkit.diagnosis.together.scatter import (
     FLAT,
     Groups,
@@ -35,8 +35,6 @@ BETWEEN: Final = 0.05
 usual sizes."""
 FACTORS: Final = (1.0, 0.5, 2.0)
 """Scales that are tried, over the priors; the first is the one to use."""
-EXACT: Final = 1e-3
-"""What a value that is stated without uncertainty is known to, over its usual size."""
 NOTE: Final = (
     "Stands for a laboratory that has not tested yet: the ship's values from several campaigns, "
     "with a covariance that holds by what laboratories differ."
@@ -44,7 +42,7 @@ NOTE: Final = (
 
 
 def others(
-    votes: Sequence[Vote], names: Names, ballots: Mapping[str, Ballot]
+    votes: Sequence[Vote], names: Names, ballots: Mapping[str, Ballot], belongs: Sequence[Belonging]
 ) -> tuple[Another, ...]:
     """Models of a laboratory that has not tested yet, one for each of `FACTORS`.
 
@@ -56,6 +54,8 @@ def others(
         Effects of the ship that are named.
     ballots : mapping of str to Ballot
         What the campaigns say of them, with their faults.
+    belongs : sequence of Belonging
+        Sizes that are found of them, by which scatters are measured.
 
     Returns
     -------
@@ -91,10 +91,12 @@ def others(
         learned.append(_of_records(item, own, mine, faults[item.name], labels))
         if own.spread:
             moved.append((own.spread, _directions(learned[-1], own)))
+    sizes = {item.effect: item.size for item in belongs}
+    scales = SCATTER * np.array([sizes.get(name, 1.0) for name in mine])
     made = []
     for factor in FACTORS:
         base = scatter_of_base(moved, factor * BETWEEN)
-        groups = _groups(numbers, mine, base, factor)
+        groups = _groups(numbers, mine, base, factor * scales)
         found = next_laboratory(learned, groups)
         try:
             model = _model(first, fit, mine, found)
@@ -105,7 +107,8 @@ def others(
             Another(
                 model=model,
                 scales=MappingProxyType(
-                    {BASE: factor * BETWEEN} | dict.fromkeys(mine, factor * SCATTER)
+                    {BASE: factor * BETWEEN}
+                    | dict(zip(mine, (factor * scales).tolist(), strict=True))
                 ),
                 scatter=MappingProxyType(
                     dict(zip(groups.names, found.scatter.tolist(), strict=True))
@@ -124,14 +127,14 @@ def labels_of(vote: RecordsVote, names: Names) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _groups(numbers: Numbers, names: Names, base: float, factor: float) -> Groups:
+def _groups(numbers: Numbers, names: Names, base: float, scales: Array) -> Groups:
     counts = [numbers.width, *(len(numbers.columns[name]) for name in names)]
     return Groups(
         names=(BASE, *names),
         base=base,
         of=np.repeat(np.arange(len(counts)), counts),
         usual=np.repeat([1.0, *(1.0 / WIDER for _ in names)], counts),
-        scales=np.full(len(names), factor * SCATTER),
+        scales=scales,
         shared=np.repeat([FLAT, *(1.0 for _ in names)], counts),
     )
 
@@ -146,41 +149,21 @@ def _given(
     """The values as the model has them, with what comes to them by effects; those of the first
     captive tests, which they are taken to be of, with what these say of effects and how the base
     moves with them."""
-    base, b = vote.system.base, len(vote.system.base.names)
     names = tuple(dict.fromkeys(effect for effect, _ in labels if effect))
-    numbers = fit.place.question.numbers
-    T = numbers.T[:, numbers.used(names)]
-    place = {name: i for i, name in enumerate(numbers.values)}
-    known = base.known[:b, :b]
-    alone = np.array([_std(vote.model, name) for name in base.names]) / base.sizes
-    free = np.diagonal(known) == 0.0
-    known = known + np.diag(np.where(free, alone**2, 0.0) + EXACT**2)
-    values = T[[place[name] for name in base.names]] / base.sizes[:, None]
+    numbers, known = fit.place.question.numbers, vote.known
+    there = [i for i, name in enumerate(known.names) if name in numbers.values]
+    at = [numbers.values.index(known.names[i]) for i in there]
+    values = numbers.T[np.ix_(at, numbers.used(names))] / known.sizes[there, None]
     information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
     if tests is not None:
         information, score = _of_effects(tests[1], labels, scale)
-        values = values - _along(tests[1], labels, scale, b)
-    information = information + values.T @ np.linalg.solve(known, values)
-    for name in numbers.values:
-        if name not in base.names and (std := _std(vote.model, name)):
-            row = T[place[name]] / std
-            information = information + np.outer(row, row)
+        values[: numbers.width] -= _along(tests[1], labels, scale, numbers.width)
+    covariance = known.covariance[np.ix_(there, there)]
     return Learned(
         laboratory=tests[0] if tests is not None else vote.model.name,
-        information=information,
+        information=information + values.T @ np.linalg.solve(covariance, values),
         score=score,
     )
-
-
-def _std(model: Model, name: str) -> float:
-    """Standard uncertainty that a value states by itself."""
-    found = [
-        std
-        for effect, part in model.parts.items()
-        for own, std in part.std.items()
-        if place_name(effect, own) == name
-    ]
-    return found[0] if found else 0.0
 
 
 def _of_effects(

@@ -8,7 +8,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pmmkit.diagnosis.captive.system import WIDER
-from pmmkit.diagnosis.together.belongs import SCATTER, Measured, log_shared, owner, third
+from pmmkit.diagnosis.together.belongs import (
+    SCATTER,
+    Measured,
+    found_size,
+    log_shared,
+    owner,
+    third,
+)
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote
 from pmmkit.diagnosis.together.records_vote import RecordsVote
 from pmmkit.diagnosis.together.result import Belonging, JointEntry
@@ -18,7 +25,7 @@ from pmmkit.diagnosis.together.vote import Sized, Vote
 def belongings(votes: Sequence[Vote], best: JointEntry) -> tuple[Belonging, ...]:
     """Whose each effect of the best set is.
 
-    Of an effect that comes to derivatives which the model has, the captive tests say nothing by
+    Of an effect that comes to values which the model has, the captive tests say nothing by
     themselves; the model, which is taken to be of the first of them, says how well these are known.
     """
     sizes = [
@@ -46,12 +53,13 @@ def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
     """Whose an effect is, by the coefficients that all have."""
     common = (
         [x for x in found[0].coefficients if all(x in own.coefficients for own in found)]
-        if (found)
+        if found
         else []
     )
     measured = tuple(_only(own, common) for own in found)
     typical = dict(zip(found[0].coefficients, found[0].typical, strict=True)) if found else {}
     usual = np.array([abs(typical[x]) for x in common])
+    size = found_size(measured, usual) if common else 1.0
     asked = len(found) > 1 and bool(common)
     prior = np.diag((WIDER * usual) ** 2)
     ratio = log_shared(measured, prior) if asked else math.nan
@@ -61,9 +69,11 @@ def _belonging(name: str, found: Sequence[Sized]) -> Belonging:
         log_odds=ratio,
         coefficients=tuple(common),
         usual=tuple(usual.tolist()),
+        size=size,
         measured=measured,
         thirds=tuple(
-            third(measured, prior, usual, scale=x) for x in (SCATTER, SCATTER / 2, SCATTER * 2)
+            third(measured, prior, size * usual, scale=x)
+            for x in (SCATTER, SCATTER / 2, SCATTER * 2)
         )
         if common
         else (),

@@ -17,6 +17,7 @@ from pmmkit.diagnosis.free_running.fits import Fit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.together.belongs import Measured
+from pmmkit.diagnosis.together.stated import Stated, stated_values
 from pmmkit.diagnosis.together.vote import Ballot, Kind, Names, Sized, asked_in, fault_sets, of_ship
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.identification.record import FreeRecord
@@ -136,28 +137,34 @@ class RecordsVote:
         laboratory : str
             Who the model is of.
         """
-        base, b = self.system.base, len(self.system.base.names)
-        known = base.known[:b, :b] * np.outer(base.sizes, base.sizes)
-        sure = {name for name, x in zip(base.names, np.diagonal(known), strict=True) if x > 0.0}
-        found = {}
+        known, found = self.known, {}
         for item in self.system.every:
-            if not item.values or not sure.issuperset(item.values):
+            labels = [x for x, own in item.moves.items() if own and known.sure.issuperset(own)]
+            if not labels:
                 continue
-            at = [base.names.index(name) for name in item.values]
-            moves = np.array(
-                [[own.get(name, 0.0) for own in item.moves.values()] for name in item.values]
+            values = list(dict.fromkeys(name for x in labels for name in item.moves[x]))
+            at = [known.names.index(name) for name in values]
+            size = known.sizes[at]
+            back = np.linalg.pinv(
+                [[item.moves[x].get(name, 0.0) for x in labels] for name in values]
             )
-            back = np.linalg.pinv(moves)
             found[item.name] = Sized(
-                coefficients=tuple(item.typical),
-                typical=tuple(item.typical.values()),
+                coefficients=tuple(labels),
+                typical=tuple(item.typical[x] for x in labels),
                 measured=Measured(
                     laboratory=laboratory,
-                    values=np.zeros(len(item.moves)),
-                    covariance=back @ known[np.ix_(at, at)] @ back.T,
+                    values=np.zeros(len(labels)),
+                    covariance=back
+                    @ (known.covariance[np.ix_(at, at)] * np.outer(size, size))
+                    @ back.T,
                 ),
             )
         return found
+
+    @cached_property
+    def known(self) -> Stated:
+        """How well the model knows its values."""
+        return stated_values(self.model, self.system.base)
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all values fitted to these records."""

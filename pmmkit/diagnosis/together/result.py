@@ -68,6 +68,8 @@ class Belonging:
         Those that all laboratories have.
     usual : tuple of float
         Usual sizes.
+    size : float
+        Of what is found, over these; laboratories differ by τ of it.
     measured : tuple of Measured
         By laboratory.
     thirds : tuple of Third
@@ -80,6 +82,7 @@ class Belonging:
     log_odds: float
     coefficients: tuple[str, ...]
     usual: tuple[float, ...]
+    size: float
     measured: tuple[Measured, ...]
     thirds: tuple[Third, ...]
 

@@ -210,9 +210,9 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             ),
         ),
         model=made,
-        others=others(votes, best.names, best.ballots)
+        others=others(votes, best.names, best.ballots, belongs)
         if told and best is not None
-        else others(votes, (), {}),
+        else others(votes, (), {}, ()),
     )
 
 

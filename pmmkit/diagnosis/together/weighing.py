@@ -22,6 +22,10 @@ NAMED: Final = 3
 """Sets in front of each campaign that are tried beside those of the others."""
 
 
+BEAM: Final = 3
+"""Sets in front whose parts are tried, and what is larger by one of the single effects in front."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Weighed:
     """Sets that all campaigns were asked for.
@@ -41,7 +45,7 @@ class Weighed:
 def weigh(
     votes: Sequence[Vote], every: Sequence[str], price: float, tell: Callable[[str], None]
 ) -> Weighed:
-    """Single effects, the sets of several that promise most, and what is near the best.
+    """Single effects, the sets of several that promise most, and what is near those in front.
 
     Parameters
     ----------
@@ -77,8 +81,7 @@ def weigh(
     for item in singles[:SINGLES]:
         look(item.names)
     promised = [_promised(votes, names, price) for names in _several(votes)]
-    kept = 0
-    tried = 0
+    kept = tried = 0
     for item in _ranked(promised):
         front = max((x.log_evidence for x in entries.values()), default=0.0)
         if kept == SETS or tried == TRIED or item.log_evidence < front - RIVALS:
@@ -86,13 +89,11 @@ def weigh(
         if hopeful(item.names):
             tried += 1
             kept += look(item.names)
-    best: Names = ()
-    while entries:
-        first = _ranked(entries.values())[0].names
-        if first == best:
-            break
-        best = first
-        for near in (*_parts(best), *_larger(best, [x.names[0] for x in singles[:SINGLES]])):
+    several = [x.names[0] for x in singles[:SINGLES]]
+    seen: set[Names] = set()
+    while ahead := [x.names for x in _ranked(entries.values())[:BEAM] if x.names not in seen]:
+        seen.add(ahead[0])
+        for near in (*_parts(ahead[0]), *_larger(ahead[0], several)):
             if hopeful(near):
                 look(near)
     others = [x for x in singles if x.names not in entries and x.names not in refused]
