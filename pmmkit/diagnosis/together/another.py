@@ -153,7 +153,7 @@ def _given(
     numbers, known = fit.place.question.numbers, vote.known
     there = [i for i, name in enumerate(known.names) if name in numbers.values]
     at = [numbers.values.index(known.names[i]) for i in there]
-    values = numbers.T[np.ix_(at, numbers.used(names))] / known.sizes[there, None]
+    values = numbers.T[at][:, numbers.used(names)] / known.sizes[there, None]
     information, score = np.zeros((len(labels),) * 2), np.zeros(len(labels))
     if tests is not None:
         information, score = _of_effects(tests[1], labels, scale)
