@@ -230,16 +230,16 @@ def test_no_campaign_is_refused():
         together(SHIP, {})
 
 
-def learned(value, variance, moves=True):
+def learned(value, variance, **kind):
     return Learned(
         laboratory="",
         information=np.diag(1.0 / np.atleast_1d(variance)),
         score=np.atleast_1d(value) / np.atleast_1d(variance),
-        moves=moves,
+        **kind,
     )
 
 
-def groups(usual, scales, of=(0,), base=0.05, shared=FLAT):
+def groups(usual, scales, of=(0,), base=0.05, shared=FLAT, offset=0.0):
     return Groups(
         names=tuple(map(str, range(len(scales) + 1))),
         base=base,
@@ -247,6 +247,7 @@ def groups(usual, scales, of=(0,), base=0.05, shared=FLAT):
         usual=np.array(usual, float),
         scales=np.array(scales, float),
         shared=np.broadcast_to(np.asarray(shared, float), len(usual)),
+        offset=np.broadcast_to(np.asarray(offset, float), len(usual)),
     )
 
 
@@ -279,17 +280,17 @@ def test_many_values_tell_by_what_laboratories_differ():
     np.testing.assert_allclose(
         np.diagonal(found.covariance), 1.5 * found.scatter[1] ** 2, rtol=0.05
     )
-    apart = math.sqrt(float(np.mean((one - other) ** 2)))
-    assert scatter_of_base([(apart, n)], 0.05) == pytest.approx(found.scatter[1], rel=0.05)
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.floats(0.005, 0.2), st.floats(1.0, 50.0), st.floats(0.02, 0.2))
-def test_the_scatter_of_the_base_lies_between_what_is_found_and_what_is_usual(size, count, scale):
-    found = scatter_of_base([(size, count)], scale)
-    ends = sorted([size / math.sqrt(2.0), scale])
-    assert 0.8 * ends[0] < found < 1.25 * ends[1] * max(1.0, 3.0 / math.sqrt(count))
-    assert scatter_of_base([], scale) == pytest.approx(scale, rel=0.01)
+@given(st.floats(0.01, 0.2), st.floats(0.02, 0.1))
+def test_scatter_and_offset_make_up_how_far_records_move_the_base(size, scale):
+    """Of many directions σ² + 2τ² is known, whatever the priors are."""
+    tau, sigma = scatter_of_base([(size, 1e3)], scale, 0.15)
+    assert math.sqrt(sigma**2 + 2.0 * tau**2) == pytest.approx(size, rel=0.05)
+    assert scatter_of_base([], scale, 0.15) == (pytest.approx(scale, rel=0.01), 0.0)
+    vague, _ = scatter_of_base([(size, 1e-6)], scale, 0.15)
+    assert vague == pytest.approx(scale, rel=0.01)
 
 
 def test_what_only_laboratories_have_scatters_about_nothing():
@@ -314,6 +315,16 @@ def test_a_base_that_does_not_move_is_that_of_the_tests():
     weights = np.array([1.0 / (1e-4 + tau**2), 1.0 / (1e-2 + tau**2)])
     assert free.values[0] == pytest.approx(0.3 * weights[1] / weights.sum(), abs=1e-3)
     assert free.covariance[0, 0] == pytest.approx(1.0 / weights.sum() + tau**2, rel=1e-3)
+
+
+def test_a_ship_that_sails_free_is_near_one_that_did():
+    """Closed form: a captive value is off by the offset beside both scatters."""
+    tau, sigma = 0.1, 0.5
+    own = groups([1.0], [], base=tau, offset=sigma)
+    found = next_laboratory([learned(0.0, 1e-4, offset=True), learned(0.3, 1e-2)], own)
+    weights = np.array([1.0 / (1e-4 + tau**2 + sigma**2), 1.0 / (1e-2 + tau**2)])
+    assert found.values[0] == pytest.approx(0.3 * weights[1] / weights.sum(), abs=1e-3)
+    assert found.covariance[0, 0] == pytest.approx(1.0 / weights.sum() + tau**2, rel=1e-3)
 
 
 @pytest.mark.slow

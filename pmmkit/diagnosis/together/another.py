@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Numbers
@@ -33,6 +34,8 @@ from pmmkit.numerics import Array
 BETWEEN: Final = 0.05
 """Scale of the half-normal prior of what laboratories differ by in values of the base, over their
 usual sizes."""
+OFFSET: Final = SPREAD
+"""Scale of that of what captive tests are off for a ship that sails free."""
 FACTORS: Final = (1.0, 0.5, 2.0)
 """Scales that are tried, over the priors; the first is the one to use."""
 NOTE: Final = (
@@ -82,7 +85,7 @@ def others(
     learned = [_given(first, fit, tests[0] if tests else None, labels, scale)]
     for name, beside in tests[1:]:
         information, score = _of_effects(beside, labels, scale)
-        learned.append(Learned(laboratory=name, information=information, score=score))
+        learned.append(Learned(laboratory=name, information=information, score=score, offset=True))
     moved = []
     for item in records:
         own = item.steady(frozenset((*item.asked.intersection(mine), *faults[item.name])))
@@ -95,8 +98,8 @@ def others(
     scales = SCATTER * np.array([sizes.get(name, 1.0) for name in mine])
     made = []
     for factor in FACTORS:
-        base = scatter_of_base(moved, factor * BETWEEN)
-        groups = _groups(numbers, mine, base, factor * scales)
+        between, offset = scatter_of_base(moved, factor * BETWEEN, OFFSET)
+        groups = _groups(numbers, mine, between, offset, factor * scales)
         found = next_laboratory(learned, groups)
         try:
             model = _model(first, fit, mine, found)
@@ -127,7 +130,7 @@ def labels_of(vote: RecordsVote, names: Names) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _groups(numbers: Numbers, names: Names, base: float, scales: Array) -> Groups:
+def _groups(numbers: Numbers, names: Names, base: float, offset: float, scales: Array) -> Groups:
     counts = [numbers.width, *(len(numbers.columns[name]) for name in names)]
     return Groups(
         names=(BASE, *names),
@@ -136,6 +139,7 @@ def _groups(numbers: Numbers, names: Names, base: float, scales: Array) -> Group
         usual=np.repeat([1.0, *(1.0 / WIDER for _ in names)], counts),
         scales=scales,
         shared=np.repeat([FLAT, *(1.0 for _ in names)], counts),
+        offset=np.repeat([offset, *(1.0 for _ in names)], counts),
     )
 
 
@@ -163,6 +167,7 @@ def _given(
         laboratory=tests[0] if tests is not None else vote.model.name,
         information=information + values.T @ np.linalg.solve(covariance, values),
         score=score,
+        offset=True,
     )
 
 

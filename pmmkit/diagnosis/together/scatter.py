@@ -15,10 +15,10 @@ Places = NDArray[np.intp]
 
 POINTS: Final = 512
 """Sets of scatters over which is averaged."""
-STEPS: Final = 400
-"""Points of the integral over the scatter of the base."""
+STEPS: Final = 120
+"""Points of the integrals over the scatter and the offset of the base."""
 FURTHEST: Final = 4.0
-"""End of that integral, over the scale of the prior."""
+"""End of these integrals, over the scales of the priors."""
 FLAT: Final = 10.0
 """Standard deviation of the shared values of a base before any test, over their sizes: flat."""
 
@@ -37,12 +37,15 @@ class Learned:
         s.
     moves : bool
         Whether the values of its base are its own; otherwise they are those of the first.
+    offset : bool
+        Whether what its kind of test gives may be off for a ship that sails free.
     """
 
     laboratory: str
     information: Array
     score: Array
     moves: bool = True
+    offset: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -63,6 +66,8 @@ class Groups:
         Of the half-normal priors of the scatters of the others.
     shared : array (n,)
         Standard deviation before any test of what all laboratories have in common.
+    offset : array (n,)
+        Standard deviation of what captive tests are off for a ship that sails free.
     """
 
     names: tuple[str, ...]
@@ -71,6 +76,7 @@ class Groups:
     usual: Array
     scales: Array
     shared: Array
+    offset: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,10 +108,13 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
 
     Notes
     -----
-    Laboratory i has ``x_i = m + η_i``, η_i ~ N(0, τ² usual²) independent for each value, m ~ N(0,
-    shared²); the next one is ``m + η``. Its mean and covariance are averaged over τ of the groups
-    beside the base, each with a half-normal prior, by how probable the others are with them. The
-    scatter of the base is given: a linear problem says too much of a base that goes far.
+    Laboratory i has ``x_i = m + δ + η_i``: m what the ship has, m ~ N(0, shared²); δ by what
+    captive tests are off for a ship that sails free, δ ~ N(0, offset²), none in free running; η_i
+    by what the laboratory is, η_i ~ N(0, τ² usual²), all of it independent for each value. The
+    next one, of a ship that sails free, is ``m + η``. Its mean and covariance are averaged over τ
+    of the groups beside the base, each with a half-normal prior, by how probable the others are
+    with them. The scatter of the base is given: a linear problem says too much of a base that goes
+    far.
 
     Examples
     --------
@@ -117,25 +126,25 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
     ...     usual=np.ones(1),
     ...     scales=np.zeros(0),
     ...     shared=np.array([10.0]),
+    ...     offset=np.zeros(1),
     ... )
     >>> found = next_laboratory([known, known], groups)
     >>> found.values.round(3), found.covariance.round(3)  # 0.01/2 + 0.2²/2 + 0.2²
-    (array([0.999]), array([[0.065]]))
+    (array([1.]), array([[0.065]]))
     """
     n, count = len(groups.usual), len(learned)
-    places = [_places(i, item.moves, groups) for i, item in enumerate(learned)]
-    whole, score = np.zeros((n * (count + 1),) * 2), np.zeros(n * (count + 1))
-    for item, (first, second) in zip(learned, places, strict=True):
-        for rows in (first, second):
-            score[rows] += item.score
-            for columns in (first, second):
-                whole[np.ix_(rows, columns)] += item.information
+    size = n * (count + 2)
+    whole, score = np.zeros((size, size)), np.zeros(size)
+    for number, item in enumerate(learned):
+        parts = _parts(number, item, groups, count)
+        whole += parts.T @ item.information @ parts
+        score += parts.T @ item.score
     logs, means, covariances = [], [], []
     drawn = groups.scales * _half_normal(len(groups.scales))
     scatters = np.concatenate([np.full((len(drawn), 1), groups.base), drawn], axis=1)
     for tau in scatters:
         apart = tau[groups.of] * groups.usual
-        root = np.concatenate([groups.shared, np.tile(apart, count)])
+        root = np.concatenate([groups.shared, groups.offset, np.tile(apart, count)])
         H = np.eye(len(root)) + root[:, None] * whole * root
         lower = np.linalg.cholesky(H)
         y = np.linalg.solve(lower, root * score)
@@ -152,34 +161,51 @@ def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
     return Next(values=mean, covariance=covariance, scatter=np.sqrt(share @ scatters**2))
 
 
-def scatter_of_base(moved: Sequence[tuple[float, float]], scale: float) -> float:
-    """By what the bases of laboratories differ, root mean square over usual sizes.
+def scatter_of_base(
+    moved: Sequence[tuple[float, float]], scale: float, offset: float
+) -> tuple[float, float]:
+    """By what the bases of laboratories differ, and those of kinds of tests, over usual sizes.
 
     Parameters
     ----------
     moved : sequence of (float, float)
-        By how much records move the base of another laboratory, and in how many directions.
-    scale : float
-        Of the half-normal prior of the scatter τ. Two laboratories are 2τ² apart.
+        By how much records move the base, and in how many directions.
+    scale, offset : float
+        Of the half-normal priors of the scatter τ and the offset σ: records of another laboratory
+        are σ² + 2τ² from captive tests.
+
+    Returns
+    -------
+    (float, float)
+        Root mean squares of τ and σ. No offset where no records move the base.
 
     Examples
     --------
-    >>> round(scatter_of_base([], 0.05), 3), round(scatter_of_base([(0.1, 1000.0)], 0.05), 3)
-    (0.05, 0.071)
+    >>> [round(x, 3) for x in scatter_of_base([(0.1, 1000.0)], 0.05, 0.15)]
+    [0.045, 0.077]
+    >>> [round(x, 3) for x in scatter_of_base([], 0.05, 0.15)]
+    [0.05, 0.0]
     """
-    taus = scale * FURTHEST * (np.arange(STEPS) + 0.5) / STEPS
-    log = -0.5 * (taus / scale) ** 2
+    even = FURTHEST * (np.arange(STEPS) + 0.5) / STEPS
+    tau, sigma = np.meshgrid(scale * even, offset * even * bool(moved))
+    log = -0.5 * ((tau / scale) ** 2 + (sigma / offset) ** 2)
+    apart = sigma**2 + 2.0 * tau**2
     for size, directions in moved:
-        log = log - 0.5 * directions * (np.log(2.0 * taus**2) + size**2 / (2.0 * taus**2))
+        log = log - 0.5 * directions * (np.log(apart) + size**2 / apart)
     share = np.exp(log - log.max())
-    return float(np.sqrt(share @ taus**2 / share.sum()))
+    share = share / share.sum()
+    return float(np.sqrt(np.sum(share * tau**2))), float(np.sqrt(np.sum(share * sigma**2)))
 
 
-def _places(number: int, moves: bool, groups: Groups) -> tuple[Places, Places]:
-    """Where what all share stands, and what a laboratory has of its own."""
-    n = len(groups.usual)
-    own = np.arange(n) + n * (number + 1)
-    return np.arange(n), own if moves else np.where(groups.of == 0, np.arange(n) + n, own)
+def _parts(number: int, item: Learned, groups: Groups, count: int) -> Array:
+    """What the values (n) of a laboratory are made of: what all share, what captive tests are off,
+    and what each laboratory has of its own. A base that does not move is that of the first."""
+    base = (groups.of == 0) & (not item.moves)
+    none = np.zeros((len(base), len(base)))
+    own = [np.diag((~base).astype(float)) if i == number else none for i in range(count)]
+    own[0] = own[0] + np.diag(base.astype(float))
+    off = np.diag((base | item.offset).astype(float))
+    return np.concatenate([np.eye(len(base)), off, *own], axis=1)
 
 
 def _half_normal(count: int) -> Array:
