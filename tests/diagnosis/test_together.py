@@ -107,7 +107,8 @@ def test_another_laboratory_by_drawing_ships_and_laboratories():
     other = rng.normal(shared, tau)
     mean = np.average(other, weights=weight)
     std = math.sqrt(np.average((other - mean) ** 2, weights=weight))
-    got = third([measured(0.9, 0.05), measured(0.4, 0.02)], np.array([[2.25]]), np.ones(1))
+    found = [measured(0.9, 0.05), measured(0.4, 0.02)]
+    got = third(found, np.array([[2.25]]), np.ones(1), scale=scale)
     assert got.values[0] == pytest.approx(mean, abs=0.01)
     assert got.std[0] == pytest.approx(std, rel=0.02)
 

@@ -31,7 +31,7 @@ from pmmkit.models import Model
 from pmmkit.models.model import place_name
 from pmmkit.numerics import Array
 
-BETWEEN: Final = 0.05
+BETWEEN: Final = 0.025
 """Scale of the half-normal prior of what laboratories differ by in values of the base, over their
 usual sizes."""
 OFFSET: Final = SPREAD
@@ -82,10 +82,12 @@ def others(
         for item in votes
         if isinstance(item, CaptiveVote)
     ]
-    learned = [_given(first, fit, tests[0] if tests else None, labels, scale)]
+    given = tests[0] if tests else None
+    learned = [_given(first, fit, given, labels, scale)]
     for name, beside in tests[1:]:
         information, score = _of_effects(beside, labels, scale)
         learned.append(Learned(laboratory=name, information=information, score=score, offset=True))
+    unsure = _given(first, fit, given, labels, scale, alone=True)
     moved = []
     for item in records:
         own = item.steady(frozenset((*item.asked.intersection(mine), *faults[item.name])))
@@ -100,9 +102,12 @@ def others(
     for factor in FACTORS:
         between, offset = scatter_of_base(moved, factor * BETWEEN, OFFSET)
         groups = _groups(numbers, mine, between, offset, factor * scales)
+        # The fit of the records, near which their linear problem holds, knew no uncertainty that a
+        # value states by itself: it widens the interval, and moves no mean.
         found = next_laboratory(learned, groups)
+        wide = next_laboratory([unsure, *learned[1:]], groups)
         try:
-            model = _model(first, fit, mine, found)
+            model = _model(first, fit, mine, replace(found, covariance=wide.covariance))
         except ModelError:
             # Beyond what a value can be: there is no such ship to sail.
             return ()
@@ -149,10 +154,12 @@ def _given(
     tests: tuple[str, Beside] | None,
     labels: Sequence[tuple[str, str]],
     scale: Array,
+    *,
+    alone: bool = False,
 ) -> Learned:
     """The values as the model has them, with what comes to them by effects; those of the first
     captive tests, which they are taken to be of, with what these say of effects and how the base
-    moves with them."""
+    moves with them; with uncertainties that values of the base state alone, or without."""
     names = tuple(dict.fromkeys(effect for effect, _ in labels if effect))
     numbers, known = fit.place.question.numbers, vote.known
     there = [i for i, name in enumerate(known.names) if name in numbers.values]
@@ -162,7 +169,8 @@ def _given(
     if tests is not None:
         information, score = _of_effects(tests[1], labels, scale)
         values[: numbers.width] -= _along(tests[1], labels, scale, numbers.width)
-    covariance = known.covariance[np.ix_(there, there)]
+    whole = known.covariance if alone else known.held
+    covariance = whole[np.ix_(there, there)]
     return Learned(
         laboratory=tests[0] if tests is not None else vote.model.name,
         information=information + values.T @ np.linalg.solve(covariance, values),

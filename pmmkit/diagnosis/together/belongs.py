@@ -14,7 +14,7 @@ from pmmkit.numerics import Array
 Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
 DECIDED: Final = 1.0
 """ln of the odds from which it is said whose an effect is."""
-SCATTER: Final = 0.5
+SCATTER: Final = 0.25
 """Scale of the half-normal prior of what laboratories differ by, over the size that is found."""
 LEAST: Final = 0.1
 """Least of these sizes over the usual ones: an effect of hardly any size may differ by some."""

@@ -26,8 +26,8 @@ class Stated:
         Those of the base first, then others that state an uncertainty.
     sizes : array (n,)
         Usual size of each; of the others their standard uncertainty.
-    covariance : array (n, n)
-        Over these.
+    covariance, held : array (n, n)
+        Over these; without what values of the base state alone.
     sure : frozenset of str
         Values of which an uncertainty is stated.
     """
@@ -35,6 +35,7 @@ class Stated:
     names: tuple[str, ...]
     sizes: Array
     covariance: Array
+    held: Array
     sure: frozenset[str]
 
 
@@ -52,6 +53,8 @@ def stated_values(model: Model, base: Base) -> Stated:
     covariance = np.eye(b + len(more))
     covariance[:b, :b] = base.known[:b, :b]
     alone = np.array([std.get(name, 0.0) for name in base.names]) / base.sizes
+    exact = EXACT**2 * np.eye(len(sizes))
+    held = covariance + exact
     own = np.arange(b)
     covariance[own, own] += np.where(covariance[own, own] == 0.0, alone**2, 0.0)
     names = (*base.names, *more)
@@ -59,6 +62,7 @@ def stated_values(model: Model, base: Base) -> Stated:
     return Stated(
         names=names,
         sizes=sizes,
-        covariance=covariance + EXACT**2 * np.eye(len(names)),
+        covariance=covariance + exact,
+        held=held,
         sure=frozenset(name for name, there in zip(names, known.tolist(), strict=True) if there),
     )
