@@ -189,6 +189,17 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
         belongs = belongings(votes, best)
         made = _model(votes, best)
     tell("Another laboratory")
+    more = others(
+        votes,
+        best.names if told and best is not None else (),
+        best.ballots if told and best is not None else {},
+        belongs,
+    )
+    if not more and any(isinstance(item, RecordsVote) for item in votes):
+        notes.append(
+            "there is no model of another laboratory: what the campaigns say together is beyond "
+            "what a value can be"
+        )
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
@@ -210,9 +221,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             ),
         ),
         model=made,
-        others=others(votes, best.names, best.ballots, belongs)
-        if told and best is not None
-        else others(votes, (), {}, ()),
+        others=more,
     )
 
 
