@@ -72,6 +72,9 @@ def together_outcome(
     ]
     if found.model is not None:
         results.append(("model.toml", partial(save_model, found.model)))
+    if found.others:
+        another = found.others[0].model
+        results.append(("another_laboratory.toml", partial(save_model, another)))
     if drawn:
         results.append(("evidence.svg", partial(save, found.plot())))
     files = write_results(folder, results)

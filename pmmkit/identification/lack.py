@@ -56,6 +56,8 @@ class Lack:
     ----------
     covariance : array (m, m)
         Nowhere narrower than that of the model alone, which it is where nothing is lacking.
+    alone : array (m, m)
+        Covariance if the model is complete.
     colour : mapping of str to float
         Variance of summed innovations over that of white ones of the stated size, by channel that
         is beyond chance.
@@ -64,6 +66,7 @@ class Lack:
     """
 
     covariance: Array
+    alone: Array
     colour: Mapping[str, float]
     shift: float
 
@@ -150,7 +153,7 @@ def lack_of(
     narrow: Array = covariance / scale
     shift = _shift(pieces, sharper)
     if not colour and shift == 0.0:
-        return Lack(covariance=covariance, colour={}, shift=0.0)
+        return Lack(covariance=covariance, alone=covariance, colour={}, shift=0.0)
     known = np.linalg.inv(prior.covariance / scale)
     told = np.linalg.inv(narrow) - known
     wide = np.asarray(np.linalg.inv(known + told / max(colour.values(), default=1.0)))
@@ -164,7 +167,9 @@ def lack_of(
         wide = _larger(wide, narrow + narrow @ spread @ narrow)
     if clustered:
         wide = _larger(wide, _between_records(narrow, pieces))
-    return Lack(covariance=_larger(narrow, wide) * scale, colour=dict(colour), shift=shift)
+    return Lack(
+        covariance=_larger(narrow, wide) * scale, alone=covariance, colour=dict(colour), shift=shift
+    )
 
 
 def _between_records(narrow: Array, pieces: Sequence[Piece]) -> Array:

@@ -330,8 +330,14 @@ def _told(
 ) -> Identified:
     covariance = np.array(found.covariance)
     std = np.sqrt(np.diagonal(covariance))
+    # Intervals that allow for what the model lacks may be wider than before the records; what these
+    # show is the question of the model alone.
+    lack = getattr(found, "lack", None)
+    told = std if lack is None else np.sqrt(np.diagonal(lack.alone))
     unseen = tuple(
-        name for name, ratio in zip(prior.names, std / prior.std, strict=True) if not ratio < UNSEEN
+        name
+        for name, ratio in zip(prior.names, told / prior.std, strict=True)
+        if not ratio < UNSEEN
     )
     kept = np.array(
         [prior.mean[i] if name in unseen else found.values[i] for i, name in enumerate(prior.names)]

@@ -140,9 +140,9 @@ def _from(found: Filtered, prior: Prior) -> Filtered:
     """
     scale = prior.std
     both = np.outer(scale, scale)
-    told, begun, known = (
+    told, alone, begun, known = (
         np.linalg.inv(item / both)
-        for item in (found.covariance, found.prior.covariance, prior.covariance)
+        for item in (found.covariance, found.lack.alone, found.prior.covariance, prior.covariance)
     )
     left = told - begun + known
     if np.linalg.eigvalsh(left)[0] <= 0.0:
@@ -155,5 +155,7 @@ def _from(found: Filtered, prior: Prior) -> Filtered:
         values=inverse @ (score + known @ (prior.mean / scale)) * scale,
         covariance=covariance,
         prior=prior,
-        lack=replace(found.lack, covariance=covariance),
+        lack=replace(
+            found.lack, covariance=covariance, alone=np.linalg.inv(alone - begun + known) * both
+        ),
     )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.models.model import Model, Part
+from pmmkit.models.model import Model, Part, place_name
 from pmmkit.models.step import Before, Value
 
 
@@ -136,7 +136,7 @@ def without_values(model: Model, places: Iterable[str]) -> Model:
         for effect, part in model.parts.items()
         if effect not in gone
     }
-    there = {name for part in parts.values() for name in part.values}
+    there = {place_name(effect, name) for effect, x in parts.items() for name in x.values}
     C, names = covariance_of(model, [name for name in model.covariance_names if name in there])
     return replace(model, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
 
@@ -151,7 +151,7 @@ def covariance_of(
     model : Model
         The model.
     names : collection of str
-        Derivatives; those that its covariance does not have do not count.
+        As in its covariance; those that it does not have do not count.
 
     Examples
     --------

@@ -119,7 +119,7 @@ class Model(Described):
         fastest; k is 1 where the model has no Froude numbers. NaN where it is not known. Of a
         normal law: where few degrees of freedom stand behind a table, its intervals are kept.
     covariance_names : tuple of str
-        Derivatives in the covariance.
+        Derivatives in the covariance, and values of other parts as ``rudder_mmg.aH``.
     title, scale : str
         One line for people; at which scale the model is and at which propulsion point.
     notes : tuple of str
@@ -162,7 +162,7 @@ class Model(Described):
 
     @property
     def std(self) -> Mapping[str, tuple[float, ...]]:
-        """Standard uncertainties of the derivatives in the covariance, one per Froude number."""
+        """Standard uncertainties of the values in the covariance, one per Froude number."""
         if self.covariance is None:
             return MappingProxyType({})
         roots = np.sqrt(np.diagonal(self.covariance)).reshape(-1, len(self.covariance_names))
@@ -188,7 +188,7 @@ class Model(Described):
 
     def _sections(self) -> Sequence[Section]:
         about = [self.title, self.ship.words, self.scale, f"Derivatives: {self.convention.meaning}"]
-        others = [part for part in self.parts.values() if part not in self._hull()]
+        others = [x for x in self.parts.values() if x.values and x not in self._hull()]
         told = [
             Section(title="History", points=self.history),
             Section(title="Notes", points=self.notes),
@@ -197,7 +197,7 @@ class Model(Described):
             Section(paragraphs=[text for text in about if text]),
             Section(title="Parts", tables=[self._parts()]),
             Section(title="Derivatives", tables=[self._derivatives()]),
-            Section(title="Other values", points=[_values(part) for part in others if part.values]),
+            Section(title="Other values", points=[self._values(part) for part in others]),
             *(section for section in told if section.points),
         ]
 
@@ -227,6 +227,25 @@ class Model(Described):
         known = std or any(part.std for part in self._hull())
         caption = "Value ± half of the 95 % interval" if known else "No uncertainty is known"
         return Grid(head=head, groups=[Group(rows=rows)], caption=caption, texts=(len(head) - 1,))
+
+    def _values(self, part: Part) -> str:
+        """The values of a part that holds no derivatives, with their units."""
+        known, std = part.known, self.std
+        told = [part.text] if part.text else []
+        for name, value in part.values.items():
+            parameter = known.parameter(name)
+            unit = parameter.unit if parameter and parameter.unit != "-" else ""
+            alone = part.std.get(name, math.nan)
+            half = WIDE * std.get(place_name(part.effect, name), (alone,))[0]
+            ends = [
+                with_uncertainty(x, half, "plus-minus") if half > 0 else f"{x:.4g}"
+                for x in (value if isinstance(value, tuple) else (value,))
+            ]
+            told.append(
+                f"{name} = {' … '.join(dict.fromkeys((ends[0], ends[-1])))} {unit}".rstrip()
+            )
+        told += [f"{name}: {word}" for name, word in part.options.items()]
+        return f"{part.effect}: {', '.join(told)}"
 
     @property
     def rolls(self) -> bool:
@@ -343,21 +362,15 @@ class Model(Described):
         return replace(self, parts=MappingProxyType({**self.parts, effect: changed}))
 
 
-def _values(part: Part) -> str:
-    """The values of a part that holds no derivatives, with their units."""
-    known = part.known
-    told = [part.text] if part.text else []
-    for name, value in part.values.items():
-        parameter = known.parameter(name)
-        unit = parameter.unit if parameter and parameter.unit != "-" else ""
-        half = WIDE * part.std.get(name, math.nan)
-        ends = [
-            with_uncertainty(x, half, "plus-minus") if half > 0 else f"{x:.4g}"
-            for x in (value if isinstance(value, tuple) else (value,))
-        ]
-        told.append(f"{name} = {' … '.join(dict.fromkeys((ends[0], ends[-1])))} {unit}".rstrip())
-    told += [f"{name}: {word}" for name, word in part.options.items()]
-    return f"{part.effect}: {', '.join(told)}"
+def place_name(effect: str, name: str) -> str:
+    """A value of a model by one name: ``Yv``, or ``rudder_mmg.aH`` where it is no derivative.
+
+    Examples
+    --------
+    >>> place_name("hull_polynomial", "Yv"), place_name("rudder_mmg", "aH")
+    ('Yv', 'rudder_mmg.aH')
+    """
+    return name if effect in DERIVATIVE_PARTS else f"{effect}.{name}"
 
 
 def problems(model: Model) -> list[str]:
@@ -491,12 +504,7 @@ def _covariance_problems(model: Model) -> list[str]:
             f"The covariance has the shape {model.covariance.shape}, expected {(size, size)}: "
             f"{len(model.covariance_names)} names at {max(len(model.Fn), 1)} Froude numbers."
         ]
-    values = {
-        name
-        for effect in DERIVATIVE_PARTS
-        if effect in model.parts
-        for name in model.parts[effect].values
-    }
+    values = {place_name(effect, name) for effect, x in model.parts.items() for name in x.values}
     found = []
     stray = [name for name in model.covariance_names if name not in values]
     if stray:

@@ -13,7 +13,7 @@ from pmmkit.effects.propeller import PROPELLER
 from pmmkit.effects.rudder import RUDDER_MMG
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models.changes import before_of, covariance_of
-from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part
+from pmmkit.models.model import DERIVATIVE_PARTS, Model, Part, place_name
 from pmmkit.models.particulars import LENT, PROPELLER_ERRORS, RUDDER_ERRORS
 from pmmkit.models.roles import drives, steers
 from pmmkit.models.scale import scaled
@@ -66,7 +66,7 @@ def with_stated(model: Model, values: Mapping[str, float], because: str) -> Mode
             sources=MappingProxyType({**part.sources, name: f"stated: {because}"}),
             std=MappingProxyType({k: x for k, x in part.std.items() if k != name}),
         )
-    sure = {place.partition(".")[2] for place in stated if place.split(".")[0] in DERIVATIVE_PARTS}
+    sure = {place_name(*place.split(".", 1)) for place in stated}
     C, names = covariance_of(model, [name for name in model.covariance_names if name not in sure])
     made = replace(model, parts=MappingProxyType(parts), covariance=C, covariance_names=names)
     step = Step(

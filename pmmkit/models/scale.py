@@ -8,10 +8,12 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from pmmkit.effects.hull import HULL
 from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
 from pmmkit.errors import MissingPartError, ModelError, Problem, Remedy, Way
-from pmmkit.models.model import Model, Part
+from pmmkit.models.model import Model, Part, place_name
 from pmmkit.models.roles import drives
 from pmmkit.models.step import Step, Value
 from pmmkit.ship import Ship, Water, viscosity
@@ -79,6 +81,12 @@ def scaled(model: Model, length: float) -> Model:
         )
         for name, part in model.parts.items()
     }
+    factors = {
+        place_name(effect, name): ratio ** _scaling(part, name)
+        for effect, part in model.parts.items()
+        for name in part.values
+    }
+    spread = np.tile([factors[x] for x in model.covariance_names], max(len(model.Fn), 1))
     step = Step(
         action="scaled",
         numbers=MappingProxyType({"length_before": model.ship.L, "length": float(length)}),
@@ -87,6 +95,9 @@ def scaled(model: Model, length: float) -> Model:
         model,
         ship=ship,
         parts=MappingProxyType(parts),
+        covariance=None
+        if model.covariance is None
+        else model.covariance * np.outer(spread, spread),
         scale=f"L = {length:g} m, by Froude's law from L = {model.ship.L:g} m without correction "
         f"of friction or wake ({model.scale})",
         steps=(*model.steps, step),

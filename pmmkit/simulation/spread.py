@@ -13,7 +13,7 @@ from pmmkit.equations.following import known_speeds
 from pmmkit.equations.prepared import Numbers, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, setting
 from pmmkit.models import Model
-from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.model import DERIVATIVE_PARTS, place_name
 from pmmkit.numerics import Array
 from pmmkit.simulation.froude import Follow
 
@@ -119,18 +119,18 @@ def spread_of(
     speeds = (known_speeds(model, speed) if fn == "instant" else ()) or (speed,)
     values = [values_at(model, each, extrapolate=extrapolate) for each in speeds]
     given = [
-        {
-            name: value
-            for effect in DERIVATIVE_PARTS
-            for name, value in own.get(effect, {}).items()
-            if effect_of(effect).parameter(name) is None
-        }
+        {place_name(effect, name): x for effect, held in own.items() for name, x in held.items()}
         for own in values
     ]
     if spread is not None:
         if not 0.0 < spread < 1.0:
             raise DataError(f"spread = {spread} must lie between 0 and 1.")
-        names = tuple(given[0])
+        names = tuple(
+            name
+            for effect in DERIVATIVE_PARTS
+            for name in values[0].get(effect, {})
+            if effect_of(effect).parameter(name) is None
+        )
         means = np.array([[own[name] for name in names] for own in given])
         return Spread(
             names=names,
@@ -175,7 +175,7 @@ def spread_of(
     unknown = size - len(names)
     tested = Spread(
         names=names,
-        mean=np.array([own[name] for own in given for name in names]),
+        mean=np.array([float(own[name]) for own in given for name in names]),
         root=root,
         origin="the covariance of the model"
         + (f"; {unknown} derivatives without one do not differ" if unknown else ""),
@@ -198,7 +198,7 @@ def _independent(model: Model, values: Sequence[Numbers]) -> Spread | None:
             first = part.values[name]
             stated = first[0] if isinstance(first, tuple) else first
             mean = [float(own[effect][name]) for own in values]
-            named.append(name if effect in DERIVATIVE_PARTS else f"{effect}.{name}")
+            named.append(place_name(effect, name))
             means.append(mean)
             stds.append([std * abs(x / stated) if stated else std for x in mean])
     if not named:

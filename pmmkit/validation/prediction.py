@@ -14,7 +14,7 @@ from pmmkit.equations.histories import repeating_states, water_forces
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import ModelError
 from pmmkit.models import Model, scaled
-from pmmkit.models.model import Part
+from pmmkit.models.model import Part, place_name
 from pmmkit.models.roles import drives, steers
 from pmmkit.numerics import Array
 from pmmkit.ship import Ship
@@ -163,7 +163,7 @@ def in_the_tank(model: Model, campaign: Campaign, *, extrapolate: bool = False) 
 
 def _without_stale_covariance(model: Model, kept: Mapping[str, Part]) -> Model:
     """The model without its covariance, if some of its derivatives are left out."""
-    values = {name for part in kept.values() for name in part.values}
+    values = {place_name(effect, name) for effect, x in kept.items() for name in x.values}
     if set(model.covariance_names) <= values:
         return model
     return replace(model, covariance=None, covariance_names=())

@@ -1,6 +1,7 @@
 """Esso Osaka outdoors: a calm-water model is fitted; what does it lack?
 
-    python -m scripts.studies.diagnose_esso_osaka [--data FOLDER] [--out FOLDER] [--swaps 11]
+    python -m scripts.studies.diagnose_esso_osaka [--data FOLDER] [--out FOLDER] [--swaps 11] \
+        [--most 4]
 
 The library's model, every value known to 30 %, without wind. The six zigzags and one random record
 are diagnosed with the whole catalogue; the four turns and the other random record are held out,
@@ -159,6 +160,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=Path(default))
     parser.add_argument("--out", type=Path, default=Path("esso-osaka-diagnosis"))
     parser.add_argument("--swaps", type=int, default=11)
+    parser.add_argument("--most", type=int, default=4, help="effects in a set")
     options = parser.parse_args()
     calm = pk.load_model("esso-osaka-3m")
     found = records(options.data, calm)
@@ -175,6 +177,7 @@ def main() -> None:
         "held_out": test,
         "held_out_window": WINDOW,
         "windage": WINDAGE,
+        "most": options.most,
     }
     began = time.perf_counter()
     whole = diagnose_free(calm, train, **how, progress=lambda word: print(f"… {word}", flush=True))
@@ -192,7 +195,7 @@ def main() -> None:
     swaps = []
     for turn in range(1, min(options.swaps + 1, len(train))):
         other = swapped(train, [*train[turn:], *train[:turn]])
-        found_there = diagnose_free(calm, other, **how | {"held_out": ()}, most=1)
+        found_there = diagnose_free(calm, other, **how | {"held_out": (), "most": 1})
         swaps.append(of_wind(found_there))
         print(f"   {turn:2} places on {swaps[-1]:7.1f}", flush=True)
     options.out.mkdir(parents=True, exist_ok=True)

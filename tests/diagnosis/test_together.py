@@ -8,10 +8,20 @@ import math
 import numpy as np
 import pytest
 from hidden_effects import hidden_campaign
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from small_campaign import write_campaign
 
 import pmmkit as pk
 from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
+from pmmkit.diagnosis.together.captive_vote import captive_vote
+from pmmkit.diagnosis.together.scatter import (
+    FLAT,
+    Groups,
+    Learned,
+    next_laboratory,
+    scatter_of_base,
+)
 from pmmkit.diagnosis.together.together import together
 from pmmkit.effects.catalogue import effect_of, is_fault
 from pmmkit.errors import DataError
@@ -97,7 +107,8 @@ def test_another_laboratory_by_drawing_ships_and_laboratories():
     other = rng.normal(shared, tau)
     mean = np.average(other, weights=weight)
     std = math.sqrt(np.average((other - mean) ** 2, weights=weight))
-    got = third([measured(0.9, 0.05), measured(0.4, 0.02)], np.array([[2.25]]), np.ones(1))
+    found = [measured(0.9, 0.05), measured(0.4, 0.02)]
+    got = third(found, np.array([[2.25]]), np.ones(1), scale=scale)
     assert got.values[0] == pytest.approx(mean, abs=0.01)
     assert got.std[0] == pytest.approx(std, rel=0.02)
 
@@ -204,8 +215,127 @@ def test_records_of_two_basins_vote_together():
     ratio = SHIP.ship.d / SHIP.ship.L
     shared = found.belongs[0].thirds[0]
     assert shared.values == pytest.approx([0.0022 * ratio, -0.001 * ratio], rel=0.15)
+    to_use, half, double = found.others
+    hull = to_use.model.parts["hull_polynomial"].values
+    assert (hull["Y0"], hull["N0"]) == pytest.approx((0.0022, -0.001), rel=0.2)
+    assert half.model.std["Yv"] < to_use.model.std["Yv"] < double.model.std["Yv"]
+    assert "rudder_mmg.aH" in to_use.model.std
+    drawn = pk.monte_carlo(to_use.model, "turning", n=64, rudder_deg=35.0, speed=1.179)
+    low, high = drawn.interval("tactical_diameter_L")
+    exact = pk.simulate(ship, "turning", rudder_deg=35.0, speed=1.179)
+    assert low < exact.metrics["tactical_diameter_L"] < high
 
 
 def test_no_campaign_is_refused():
     with pytest.raises(DataError, match="no campaign"):
         together(SHIP, {})
+
+
+def learned(value, variance, **kind):
+    return Learned(
+        laboratory="",
+        information=np.diag(1.0 / np.atleast_1d(variance)),
+        score=np.atleast_1d(value) / np.atleast_1d(variance),
+        **kind,
+    )
+
+
+def groups(usual, scales, of=(0,), base=0.05, shared=FLAT, offset=0.0):
+    return Groups(
+        names=tuple(map(str, range(len(scales) + 1))),
+        base=base,
+        of=np.array(of),
+        usual=np.array(usual, float),
+        scales=np.array(scales, float),
+        shared=np.broadcast_to(np.asarray(shared, float), len(usual)),
+        offset=np.broadcast_to(np.asarray(offset, float), len(usual)),
+    )
+
+
+def test_the_next_laboratory_is_what_another_finds():
+    """One effect, measured by two: the same as by the integral over one scatter."""
+    P, scale = 2.25, 0.5
+    found = next_laboratory(
+        [learned(0.9, 0.05), learned(0.4, 0.02)],
+        groups([1.0], [scale], of=[1], shared=math.sqrt(P)),
+    )
+    told = third(
+        [measured(0.9, 0.05), measured(0.4, 0.02)], np.array([[P]]), np.ones(1), scale=scale
+    )
+    assert found.values[0] == pytest.approx(told.values[0], abs=1e-3)
+    assert math.sqrt(found.covariance[0, 0]) == pytest.approx(told.std[0], rel=0.01)
+
+
+def test_many_values_tell_by_what_laboratories_differ():
+    """Two that know 200 values exactly, drawn 0.1 apart: the scatter is found, and the next one is
+    √(1 + ½) of it off their mean."""
+    rng = np.random.default_rng(7)
+    n, tau = 200, 0.1
+    one, other = rng.normal(0.0, tau, (2, n))
+    exact = np.full(n, 1e-8)
+    found = next_laboratory(
+        [learned(one, exact), learned(other, exact)], groups(np.ones(n), [0.05], of=[1] * n)
+    )
+    assert found.scatter[1] == pytest.approx(tau, rel=0.15)
+    np.testing.assert_allclose(found.values, 0.5 * (one + other), atol=1e-3)
+    np.testing.assert_allclose(
+        np.diagonal(found.covariance), 1.5 * found.scatter[1] ** 2, rtol=0.05
+    )
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.01, 0.2), st.floats(0.02, 0.1))
+def test_scatter_and_offset_make_up_how_far_records_move_the_base(size, scale):
+    """Of many directions σ² + 2τ² is known, whatever the priors are."""
+    tau, sigma = scatter_of_base([(size, 1e3)], scale, 0.15)
+    assert math.sqrt(sigma**2 + 2.0 * tau**2) == pytest.approx(size, rel=0.05)
+    assert scatter_of_base([], scale, 0.15) == (pytest.approx(scale, rel=0.01), 0.0)
+    vague, _ = scatter_of_base([(size, 1e-6)], scale, 0.15)
+    assert vague == pytest.approx(scale, rel=0.01)
+
+
+def test_what_only_laboratories_have_scatters_about_nothing():
+    found = next_laboratory(
+        [learned([0.0, 0.8], [1e-4, 1e-4]), learned([0.0, 0.2], [1e-4, 1e-4])],
+        groups([1.0, 1.0], [0.5], of=[0, 1], shared=[FLAT, 0.0]),
+    )
+    assert found.values[1] == 0.0
+    assert found.covariance[1, 1] == pytest.approx(found.scatter[1] ** 2, rel=1e-6)
+    assert 0.3 < found.scatter[1] < 0.8
+
+
+def test_a_base_that_does_not_move_is_that_of_the_tests():
+    """Closed forms: one value known by both, or by each its own."""
+    tests, records, tau = learned(0.0, 1e-4), (0.3, 1e-2), 0.1
+    own = groups([1.0], [], base=tau)
+    tied = next_laboratory([tests, learned(*records, moves=False)], own)
+    precision = 1.0 / 1e-4 + 1.0 / 1e-2
+    assert tied.values[0] == pytest.approx(0.3 / 1e-2 / precision, abs=1e-3)
+    assert tied.covariance[0, 0] == pytest.approx(1.0 / precision + 2.0 * tau**2, rel=1e-3)
+    free = next_laboratory([tests, learned(*records)], own)
+    weights = np.array([1.0 / (1e-4 + tau**2), 1.0 / (1e-2 + tau**2)])
+    assert free.values[0] == pytest.approx(0.3 * weights[1] / weights.sum(), abs=1e-3)
+    assert free.covariance[0, 0] == pytest.approx(1.0 / weights.sum() + tau**2, rel=1e-3)
+
+
+def test_a_ship_that_sails_free_is_near_one_that_did():
+    """Closed form: a captive value is off by the offset beside both scatters."""
+    tau, sigma = 0.1, 0.5
+    own = groups([1.0], [], base=tau, offset=sigma)
+    found = next_laboratory([learned(0.0, 1e-4, offset=True), learned(0.3, 1e-2)], own)
+    weights = np.array([1.0 / (1e-4 + tau**2 + sigma**2), 1.0 / (1e-2 + tau**2)])
+    assert found.values[0] == pytest.approx(0.3 * weights[1] / weights.sum(), abs=1e-3)
+    assert found.covariance[0, 0] == pytest.approx(1.0 / weights.sum() + tau**2, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_captive_tests_say_how_the_base_moves_with_an_effect(base):
+    """A regression with an effect is that without it, less what both share, times its size."""
+    campaign = hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=4)
+    vote = captive_vote("tank", base, campaign)
+    found = vote.beside(("yaw_sway_coupling",), ())
+    held = vote.model_with((), ()).parts["hull_polynomial"].values
+    moved = vote.model_with(("yaw_sway_coupling",), ()).parts["hull_polynomial"].values
+    change = dict(zip(found.base, found.along @ found.values, strict=True))
+    for name in ("Yv", "Yr", "Nv", "Nr", "Nrrr"):
+        assert moved[name] - held[name] == pytest.approx(change[name], abs=0.02 * abs(held[name]))

@@ -116,6 +116,19 @@ def test_what_a_straight_course_says_nothing_of(method):
     assert [hull[name] for name in ("Nvvv", "Yvrr")] == pytest.approx(prior.mean[[0, 2]], rel=1e-12)
 
 
+def test_intervals_wider_than_before_do_not_make_a_value_unseen():
+    """Three ships of different Nv sail as one: the interval allows for that, the value is taken."""
+    ships = [TANKER.with_values("hull_polynomial", Nv=x) for x in (-0.16, -0.11, -0.15)]
+    records = [sailed(ship, seed=i).with_(name=str(i)) for i, ship in enumerate(ships)]
+    near = TANKER.with_values("hull_polynomial", Nv=-0.12)
+    prior = prior_of(near, ("Nv",), SPEED, spread=0.02)
+    found = identify(near, records, ("Nv",), method="ekf", prior=prior, sensors=SENSORS)
+    assert found.std[0] > prior.std[0]
+    assert found.unseen == ()
+    assert found.values[0] < -0.13
+    assert found.model.values("hull_polynomial")["Nv"] == pytest.approx(found.values[0])
+
+
 def test_a_current_is_no_value_of_the_model():
     around = {"current_speed": 0.1, "current_direction_deg": 90.0}
     record = sailed(seed=5, around=around)

@@ -11,6 +11,8 @@ import pmmkit as pk
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models.revise import with_part_of, with_stated
 from pmmkit.models.store import model_from, model_text
+from pmmkit.presentation import WIDE
+from pmmkit.simulation.spread import spread_of
 
 
 def test_a_stated_derivative_leaves_the_covariance():
@@ -75,3 +77,27 @@ def test_uncertainties_scale_with_their_values():
     ratio = ship.part("propeller").std["D"] / ship.part("propeller").values["D"]
     own = part.part("propeller").std["D"] / part.part("propeller").values["D"]
     assert ratio == pytest.approx(own)
+
+
+def test_the_covariance_holds_values_of_any_part(tmp_path):
+    """A derivative and a value of the rudder that hang together: kept, scaled, drawn, stated."""
+    names = ("Yv", "rudder_mmg.aH", "rudder_mmg.area")
+    ship = pk.load_model("kvlcc2-l7")
+    model = ship.with_(
+        covariance=np.array([[4e-4, 1e-3, 0.0], [1e-3, 1e-2, 0.0], [0.0, 0.0, 1e-6]]),
+        covariance_names=names,
+    )
+    pk.save_model(model, tmp_path / "model.toml")
+    assert pk.load_model(tmp_path / "model.toml").covariance_names == names
+    assert f"{WIDE * 0.1:.1g}" in str(model)
+    twice = pk.scaled(model, 2.0 * ship.ship.L)
+    assert twice.std["rudder_mmg.area"] == (pytest.approx(4e-3),)
+    assert twice.std["rudder_mmg.aH"] == (pytest.approx(0.1),)
+    drawn = spread_of(model, 1.179)
+    assert drawn.names == names
+    assert drawn.mean[1] == ship.parts["rudder_mmg"].values["aH"]
+    np.testing.assert_allclose(drawn.covariance, model.covariance, atol=1e-12)
+    stated = with_stated(model, {"rudder.aH": 0.3}, "measured")
+    assert stated.covariance_names == ("Yv", "rudder_mmg.area")
+    with pytest.raises(ModelError, match=r"rudder_mmg\.tail"):
+        ship.with_(covariance=np.eye(1), covariance_names=("rudder_mmg.tail",))

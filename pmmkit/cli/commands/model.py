@@ -88,6 +88,7 @@ def model(
 def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
     """The model's page, and what it lacks for a simulation."""
     from pmmkit.equations.prepared import missing_parts
+    from pmmkit.models.model import place_name
 
     lacks = missing_parts(model)
     said = (
@@ -107,7 +108,7 @@ def _shown(model: Model, done: list[str], path: str | None = None) -> Outcome:
                         own: {
                             "value": value,
                             "source": part.source_of(own),
-                            "std": part.std.get(own) or _first(model.std, own),
+                            "std": part.std.get(own) or _first(model.std, place_name(name, own)),
                         }
                         for own, value in part.values.items()
                     },

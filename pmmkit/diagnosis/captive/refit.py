@@ -175,7 +175,7 @@ def refitted(
     """
     varies = any(item.by_speed for label in fit.names for item in _places(label, own))
     Fn = (model.Fn or froude_numbers(campaign)) if varies else ()
-    table = converted(fitted_table(fit, base, campaign, Fn, own), _target(model.convention))
+    table = in_convention(fit, base, campaign, model.convention, Fn, own)
     known = [name for name in table.names if np.isfinite(table[name]).all()]
     kept = [name for name in table.names if name not in known]
     rudder = [name for name in known if parse_derivative(name).count("d")]
@@ -250,6 +250,18 @@ def places_of(block: Block, model: Model, own: Sequence[Effect] = ()) -> tuple[s
         return (c.name,)
     names = dict.fromkeys(item.derivative for label in labels(c) for item in _places(label, own))
     return tuple(f"{home_of(model, name)}.{name}" for name in names)
+
+
+def in_convention(
+    fit: JointFit,
+    base: Base,
+    campaign: Campaign,
+    convention: Convention,
+    Fn: Sequence[float] = (),
+    own: Sequence[Effect] = (),
+) -> DerivativeTable:
+    """`fitted_table` by a model's convention, as near to it as a table can be converted."""
+    return converted(fitted_table(fit, base, campaign, Fn, own), _target(convention))
 
 
 def _target(convention: Convention) -> Convention:

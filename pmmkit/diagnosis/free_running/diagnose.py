@@ -192,6 +192,28 @@ def answer(
     tolerance, held_out, held_out_window, most, seed
         As for `diagnose_free`.
     """
+    return answered(
+        system,
+        given,
+        tolerance=tolerance,
+        held_out=held_out,
+        held_out_window=held_out_window,
+        most=most,
+        seed=seed,
+    )[0]
+
+
+def answered(
+    system: FreeSystem,
+    given: Sequence[str] = (),
+    *,
+    tolerance: tuple[float, float] = TOLERANCE,
+    held_out: Sequence[FreeRecord] = (),
+    held_out_window: float | None = None,
+    most: int = MOST,
+    seed: int = 0,
+) -> tuple[Diagnosis, Contest]:
+    """The same with the contest that led to it, whose fits need not be made again."""
     tell, records, speed = system.tell, system.records, system.speed
     zero = having(system.place, given)
     question = zero.question
@@ -244,7 +266,7 @@ def answer(
         screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(records))
     ]
     covered = coverage_of(seen, fewer, every)
-    return Diagnosis(
+    diagnosis = Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
         flags=_flags(told, many, told and forced and left),
@@ -263,6 +285,7 @@ def answer(
         corrections=MappingProxyType(corrections),
         notes=_notes(question, last),
     )
+    return diagnosis, contest
 
 
 def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:

@@ -14,8 +14,10 @@ from pmmkit.numerics import Array
 Owner = Literal["the ship's", "the laboratory's", "cannot tell"]
 DECIDED: Final = 1.0
 """ln of the odds from which it is said whose an effect is."""
-SCATTER: Final = 0.5
-"""Scale of the half-normal prior of what laboratories differ by, over the usual size."""
+SCATTER: Final = 0.25
+"""Scale of the half-normal prior of what laboratories differ by, over the size that is found."""
+LEAST: Final = 0.1
+"""Least of these sizes over the usual ones: an effect of hardly any size may differ by some."""
 GRID: Final = 60
 """Points of the integral over what laboratories differ by."""
 FURTHEST: Final = 4.0
@@ -100,6 +102,31 @@ class Third:
     scale: float
 
 
+def found_size(found: Sequence[Measured], usual: Array) -> float:
+    """Root mean square of the coefficients of all laboratories over their usual sizes, each
+    weighed by how well it is known and without what its uncertainty makes of it; `LEAST` to 1.
+
+    Parameters
+    ----------
+    found : sequence of Measured
+        One laboratory or more.
+    usual : array (n,)
+        Usual sizes.
+
+    Examples
+    --------
+    >>> sharp = Measured(laboratory="", values=np.array([0.3]), covariance=np.array([[1e-4]]))
+    >>> vague = Measured(laboratory="", values=np.array([0.9]), covariance=np.array([[1.0]]))
+    >>> round(found_size([sharp, vague], np.ones(1)), 2)
+    0.3
+    """
+    z = np.concatenate([item.values / usual for item in found])
+    variance = np.concatenate([np.diagonal(item.covariance) / usual**2 for item in found])
+    weight = 1.0 / variance
+    square = float(np.sum(weight * np.maximum(z**2 - variance, 0.0)) / np.sum(weight))
+    return min(max(math.sqrt(square), LEAST), 1.0)
+
+
 def third(
     found: Sequence[Measured], prior: Array, usual: Array, *, scale: float = SCATTER
 ) -> Third:
@@ -112,7 +139,7 @@ def third(
     prior : array (n, n)
         Covariance of the coefficients before any test, about zero.
     usual : array (n,)
-        Usual sizes; laboratories differ by τ times these.
+        Sizes; laboratories differ by τ times these.
     scale : float
         Of the half-normal prior of τ, over which is integrated. Two laboratories hardly determine
         τ: look at what other scales give.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,8 +14,8 @@ from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.evidence import Sets, price, sets_of
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.least_squares import labels
-from pmmkit.diagnosis.captive.refit import refitted
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.refit import in_convention, refitted
+from pmmkit.diagnosis.captive.system import WIDER, Block, System
 from pmmkit.diagnosis.captive.verdict import Given, answer, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.together.belongs import Measured
@@ -30,9 +30,37 @@ from pmmkit.diagnosis.together.vote import (
 )
 from pmmkit.errors import ModelError, TableError
 from pmmkit.models import Model
+from pmmkit.numerics import Array
+from pmmkit.tables import DerivativeTable
 
 FAULTS: Final = 3
 """Sets of faults that may stand beside an effect, or instead of it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Beside:
+    """Effects as captive tests measure them together, and how the base moves with them.
+
+    Parameters
+    ----------
+    labels : tuple of (effect, coefficient)
+        What of.
+    values, covariance : array (k,), array (k, k)
+        Fitted, with what was known before.
+    before : array (k,)
+        Standard deviations before the tests.
+    base : tuple of str
+        Derivatives of the base.
+    along : array (b, k)
+        Change of each for a coefficient of 1, in the convention of the model.
+    """
+
+    labels: tuple[tuple[str, str], ...]
+    values: Array
+    covariance: Array
+    before: Array
+    base: Names
+    along: Array
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,6 +106,11 @@ class CaptiveVote:
         """Effects of the ship that these tests were asked for."""
         return asked_in(self.diagnosis.entries)
 
+    @property
+    def kept(self) -> frozenset[Names]:
+        """None: all sets are one linear problem."""
+        return frozenset()
+
     def promised(self, names: Names) -> Ballot:
         """A set of effects: all sets are one linear problem."""
         mine = tuple(name for name in names if name in self.sets.by_name)
@@ -115,6 +148,57 @@ class CaptiveVote:
                 ),
             )
         return found
+
+    def beside(self, names: Names, faults: Names) -> Beside:
+        """The effects of a set, and how the base moves with them.
+
+        Where a regression is given an effect, its other values move by what they share: given the
+        coefficients, the base is what it is without them, and ``C_be C_ee⁻¹`` times these more.
+        """
+        blocks, fit = self._fitted(names, faults)
+        told: dict[str, tuple[tuple[str, str], float]] = {}
+        for block in blocks:
+            c = block.candidate
+            if c.name in names and not c.each_run:
+                every = zip(c.coefficients, labels(c), c.typical, strict=True)
+                told |= {x: ((c.name, own), WIDER * abs(size)) for own, x, size in every}
+        known = np.isfinite(fit.values)
+        at = [i for i, x in enumerate(fit.names) if x in told and known[i]]
+        base = [i for i, x in enumerate(fit.names) if x in self._derivatives and known[i]]
+        covariance = fit.covariance[np.ix_(at, at)]
+        cross: Array = fit.covariance[np.ix_(at, base)]
+        along = np.linalg.solve(covariance, cross).astype(float) if at else None
+        names_of, moved = self._converted(fit, base, along)
+        return Beside(
+            labels=tuple(told[fit.names[i]][0] for i in at),
+            values=fit.values[at],
+            covariance=covariance,
+            before=np.array([told[fit.names[i]][1] for i in at]),
+            base=names_of,
+            along=moved,
+        )
+
+    @property
+    def _derivatives(self) -> frozenset[str]:
+        return frozenset(name for own in self.system.base.names.values() for name in own)
+
+    def _converted(
+        self, fit: JointFit, base: Sequence[int], along: Array | None
+    ) -> tuple[Names, Array]:
+        """Derivatives by the convention of the model, and changes (k, b) of the base in it."""
+
+        def told(values: Array) -> DerivativeTable:
+            own = JointFit(
+                names=tuple(fit.names[i] for i in base),
+                values=values,
+                covariance=fit.covariance[np.ix_(base, base)],
+            )
+            return in_convention(own, self.system.base, self.campaign, self.model.convention)
+
+        first = told(fit.values[base])
+        changes = [] if along is None else [told(fit.values[base] + row) for row in along]
+        found = np.array([item.value[0] - first.value[0] for item in changes])
+        return tuple(first.names), found.reshape(len(changes), len(first.names)).T
 
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all fitted together; None if these tests excite too little."""

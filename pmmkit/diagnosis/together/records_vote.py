@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cache, cached_property
 from typing import Any, Final
 
 import numpy as np
 
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.free_running.base import SPREAD, base_of
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
-from pmmkit.diagnosis.free_running.contest import MOST, price_of, steady, within
-from pmmkit.diagnosis.free_running.diagnose import diagnose_free
+from pmmkit.diagnosis.free_running.contest import Contest, can_be, steady
+from pmmkit.diagnosis.free_running.diagnose import answered
 from pmmkit.diagnosis.free_running.findings import model_of
-from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted
+from pmmkit.diagnosis.free_running.fits import Fit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.left_out import left_out_error
-from pmmkit.diagnosis.free_running.question import question_of
-from pmmkit.diagnosis.free_running.unknown import FLOOR
+from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
 from pmmkit.diagnosis.together.belongs import Measured
+from pmmkit.diagnosis.together.stated import Stated, stated_values
 from pmmkit.diagnosis.together.vote import Ballot, Kind, Names, Sized, asked_in, fault_sets, of_ship
-from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError, SimulationError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
-from pmmkit.models.vessel import Sailing
 
 FAULTS: Final = 2
 """Sets of faults that are fitted through the equations, the best promise first."""
@@ -39,41 +36,28 @@ class RecordsVote:
     ----------
     name : str
         Of the campaign.
-    model : Model
-        Complete, of the ship as tested.
+    system : FreeSystem
+        Records, model and candidates.
     diagnosis : Diagnosis
         Of these records alone.
-    every : tuple of FreeCandidate
-        Who takes part.
-    speed : float
-        Speed of the approach [m/s].
-    zero : Place
-        The linear problem about the model as it is given.
-    null : Fit
-        Without any effect.
-    missed : float
-        Sum of ln of the errors of records left out, without any effect.
-    faults : tuple of str
-        Faults that the records have without any effect of the ship.
-    ground : float
-        ln evidence of these, with their price.
+    contest : Contest
+        That led to it.
     """
 
     name: str
-    model: Model
+    system: FreeSystem
     diagnosis: Diagnosis
-    every: tuple[FreeCandidate, ...]
-    speed: float
-    zero: Place
-    null: Fit
-    missed: float
-    faults: Names = ()
-    ground: float = 0.0
+    contest: Contest
 
     @property
     def kind(self) -> Kind:
         """How the ship was tested."""
         return "free-running"
+
+    @property
+    def model(self) -> Model:
+        """Complete, of the ship as tested."""
+        return self.system.model
 
     @property
     def asked(self) -> frozenset[str]:
@@ -83,21 +67,27 @@ class RecordsVote:
     @property
     def price(self) -> float:
         """Of each fault."""
-        return price_of(self.zero.question)
+        return self.contest.price
+
+    @property
+    def kept(self) -> frozenset[Names]:
+        """Sets of effects that the contest has fitted, and kept."""
+        return frozenset(of_ship(item.names) for item in self.contest.settled)
 
     def promised(self, names: Names) -> Ballot:
         """A set by the linear problem; of one that was not looked at its best part."""
         mine = self._asked(names)
         if not mine:
             return Ballot(log_evidence=0.0)
-        found = {frozenset(item.names): item.log_evidence for item in self.diagnosis.entries}
+        found = self._entries
         whole = [
             found[key]
             for faults in self._beside(mine)
             if (key := frozenset((*mine, *faults))) in found
         ]
         if whole:
-            return Ballot(log_evidence=max(whole) + self.price * len(mine) - self.ground)
+            value = max(whole) + self.price * len(mine) - self.ground
+            return Ballot(log_evidence=value, linear=mine not in self.kept)
         parts = [tuple(x for x in mine if x != name) for name in mine]
         return max((self.promised(part) for part in parts), key=lambda item: item.log_evidence)
 
@@ -108,25 +98,24 @@ class RecordsVote:
             return Ballot(log_evidence=0.0)
         found = []
         for faults in self._beside(mine):
-            fit = self.fit((*mine, *faults))
+            fit = self.fit(frozenset((*mine, *faults)))
             if fit is not None:
-                gain = fit.log_probability - self.null.log_probability
-                found.append((gain - self.price * len(faults) - self.ground, faults))
+                found.append((self._gain(fit, faults) - self.ground, faults))
         if not found:
             return None
         value, beside = max(found)
         return Ballot(log_evidence=value, faults=beside)
 
     def sizes(self, names: Names, faults: Names) -> Mapping[str, Sized]:
-        """The effects of a set that come to values which the model does not have."""
+        """The effects of a set; of those that come to values which the model has, by how much."""
         mine = self._asked(names)
-        fit = self.fit((*mine, *faults)) if mine else None
+        fit = self.fit(frozenset((*mine, *faults))) if mine else None
         if fit is None:
             return {}
         numbers = fit.place.question.numbers
         found = {}
-        for item in self.every:
-            if item.name not in mine or self._has(item):
+        for item in self.system.every:
+            if item.name not in mine:
                 continue
             at = numbers.columns[item.name]
             size = WIDER * np.array(list(item.typical.values()))
@@ -141,22 +130,115 @@ class RecordsVote:
             )
         return found
 
+    def stated(self, laboratory: str) -> Mapping[str, Sized]:
+        """Effects that come to values which the model has: by nothing, as well as it knows these.
+
+        Parameters
+        ----------
+        laboratory : str
+            Who the model is of.
+        """
+        known, found = self.known, {}
+        for item in self.system.every:
+            labels = [x for x, own in item.moves.items() if own and known.sure.issuperset(own)]
+            if not labels:
+                continue
+            values = list(dict.fromkeys(name for x in labels for name in item.moves[x]))
+            at = [known.names.index(name) for name in values]
+            size = known.sizes[at]
+            back = np.linalg.pinv(
+                [[item.moves[x].get(name, 0.0) for x in labels] for name in values]
+            )
+            found[item.name] = Sized(
+                coefficients=tuple(labels),
+                typical=tuple(item.typical[x] for x in labels),
+                measured=Measured(
+                    laboratory=laboratory,
+                    values=np.zeros(len(labels)),
+                    covariance=back
+                    @ (known.covariance[np.ix_(at, at)] * np.outer(size, size))
+                    @ back.T,
+                ),
+            )
+        return found
+
+    @cached_property
+    def known(self) -> Stated:
+        """How well the model knows its values."""
+        return stated_values(self.model, self.system.base)
+
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all values fitted to these records."""
-        fit = self.fit((*self._asked(names), *faults))
-        return None if fit is None else model_of(self.model, self.every, steady(fit), self.speed)
+        fit = self.steady(frozenset((*self._asked(names), *faults)))
+        return None if fit is None else self._model(fit)
 
-    def fit(self, names: Names) -> Fit | None:
-        """A set through the equations; None if it leads to no ship, or predicts worse."""
-        if not names:
-            return self.null
-        order = tuple(item.name for item in self.every if item.name in names)
-        try:
-            found = fitted(self.zero, order)
-            model_of(self.model, self.every, found, self.speed)
-        except (ModelError, SimulationError):
-            return None
-        return found if left_out_error(found) <= self.missed else None
+    @cached_property
+    def fit(self) -> Callable[[frozenset[str]], Fit | None]:
+        """A set through the equations, each once; None if it leads to no ship, or predicts
+        records left out worse than the base alone."""
+        known = {frozenset(item.names): item.fit for item in self.contest.settled}
+        known[frozenset()] = self.contest.null
+        missed = left_out_error(self.contest.null)
+
+        def made(names: frozenset[str]) -> Fit | None:
+            if names in known:
+                return known[names]
+            order = tuple(item.name for item in self.system.every if item.name in names)
+            # From the most probable part of it: far from all of them a motion is easily lost.
+            near = max(
+                (fit for own, fit in known.items() if own < names), key=lambda x: x.log_probability
+            )
+            question = near.place.question
+            try:
+                place = place_at(question, near.z, question.numbers.used(order))
+                found = fitted(place, order, near.forces)
+            except (ModelError, SimulationError):
+                return None
+            possible = can_be(self.model, self.system.every, found, self.system.speed)
+            return found if possible and left_out_error(found) <= missed else None
+
+        return cache(made)
+
+    @cached_property
+    def steady(self) -> Callable[[frozenset[str]], Fit | None]:
+        """The same with a base that stays as it is given, if records left out say so."""
+
+        def made(names: frozenset[str]) -> Fit | None:
+            fit = self.fit(names)
+            return None if fit is None else steady(fit)
+
+        return cache(made)
+
+    @property
+    def faults(self) -> Names:
+        """Faults that the records have without any effect of the ship."""
+        return self._alone[1]
+
+    @property
+    def ground(self) -> float:
+        """ln evidence of these, with their price."""
+        return self._alone[0]
+
+    @cached_property
+    def _alone(self) -> tuple[float, Names]:
+        for faults in fault_sets(self.diagnosis.entries, FAULTS):
+            self.system.tell(f"Fit with {' and '.join(faults)}")
+            fit = self.fit(frozenset(faults))
+            if fit is not None and (gain := self._gain(fit, faults)) > 0.0:
+                return gain, faults
+        return 0.0, ()
+
+    def _gain(self, fit: Fit, faults: Names) -> float:
+        """ln evidence of a fit, each fault of it at its price."""
+        gain = fit.log_probability - self.contest.null.log_probability
+        return gain - self.price * len(faults)
+
+    @cached_property
+    def _entries(self) -> Mapping[frozenset[str], float]:
+        return {frozenset(item.names): item.log_evidence for item in self.diagnosis.entries}
+
+    def _model(self, fit: Fit) -> Model:
+        return model_of(self.model, self.system.every, fit, self.system.speed)
 
     def _asked(self, names: Names) -> Names:
         return tuple(name for name in names if name in self.asked)
@@ -171,28 +253,15 @@ class RecordsVote:
         ]
         return list(dict.fromkeys([(), self.faults, *named]))
 
-    def _has(self, item: FreeCandidate) -> bool:
-        """Whether an effect comes to values that the model has."""
-        values = [own for part in self.model.parts.values() for own in part.values.items()]
-        there = {name for name, value in values if np.any(np.asarray(value) != 0.0)}
-        return bool(there.intersection(name.rpartition(".")[2] for name in item.values))
-
 
 def records_vote(
     name: str,
     model: Model,
     records: Sequence[FreeRecord],
     *,
-    candidates: Sequence[Effect] | None = None,
-    most: int = MOST,
-    floor: float = FLOOR,
-    spread: float = SPREAD,
-    window: float | None = None,
-    sensors: Mapping[str, float] | None = None,
-    windage: tuple[float, float] | None = None,
-    extrapolate: bool = False,
+    most: int | None = None,
     seed: int = 0,
-    progress: Callable[[str], None] | None = None,
+    **settings: Any,
 ) -> RecordsVote:
     """Diagnose free-running records and keep what more sets need.
 
@@ -204,58 +273,17 @@ def records_vote(
         Complete, of the ship as tested.
     records : sequence of FreeRecord
         At least two.
-    candidates, most, floor, spread, window, sensors, windage, extrapolate, seed, progress
+    most, seed
         As for `diagnose_free`.
+    settings
+        As for `free_system`.
 
     Raises
     ------
     DataError
         If there are fewer than two records.
     """
-    tell = progress or (lambda _: None)
-    speed = records[0].speed
-    vessel = Sailing(model, speed)
-    every = (
-        candidates_for(model, records, windage=windage)
-        if candidates is None
-        else tuple(candidate_of(item, vessel) for item in candidates)
-    )
-    shared: dict[str, Any] = {
-        "floor": floor,
-        "window": window,
-        "sensors": sensors,
-        "extrapolate": extrapolate,
-    }
-    diagnosis = diagnose_free(
-        model,
-        records,
-        candidates=every,
-        most=most,
-        spread=spread,
-        seed=seed,
-        progress=progress,
-        **shared,
-    )
-    base = base_of(model, speed, spread=spread, extrapolate=extrapolate)
-    zero = first_place(question_of(model, records, every, base, tell=tell, **shared))
-    null = steady(fitted(zero, (), whole=True))
-    if not null.spread:
-        # A base whose move makes records left out worse is not moved beside an effect either.
-        zero = within(zero, 1)
-    vote = RecordsVote(
-        name=name,
-        model=model,
-        diagnosis=diagnosis,
-        every=every,
-        speed=speed,
-        zero=zero,
-        null=null,
-        missed=left_out_error(null),
-    )
-    for faults in fault_sets(diagnosis.entries, FAULTS):
-        tell(f"Fit with {' and '.join(faults)}")
-        fit = vote.fit(faults)
-        gain = 0.0 if fit is None else fit.log_probability - null.log_probability
-        if gain > vote.price * len(faults):
-            return replace(vote, faults=faults, ground=gain - vote.price * len(faults))
-    return vote
+    system = free_system(model, records, **settings)
+    chosen: dict[str, Any] = {} if most is None else {"most": most}
+    diagnosis, contest = answered(system, seed=seed, **chosen)
+    return RecordsVote(name=name, system=system, diagnosis=diagnosis, contest=contest)

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+BASE: Final = "the base"
+"""What scatters between laboratories beside effects."""
 _MOST: Final = 12
 """Effects in the printed table."""
 
@@ -43,6 +45,11 @@ class JointEntry:
     log_evidence: float
     ballots: Mapping[str, Ballot]
 
+    @property
+    def linear(self) -> bool:
+        """Whether a campaign says it by a linear problem, not through the equations."""
+        return any(item.linear for item in self.ballots.values())
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Belonging:
@@ -61,6 +68,8 @@ class Belonging:
         Those that all laboratories have.
     usual : tuple of float
         Usual sizes.
+    size : float
+        Of what is found, over these; laboratories differ by τ of it.
     measured : tuple of Measured
         By laboratory.
     thirds : tuple of Third
@@ -73,6 +82,7 @@ class Belonging:
     log_odds: float
     coefficients: tuple[str, ...]
     usual: tuple[float, ...]
+    size: float
     measured: tuple[Measured, ...]
     thirds: tuple[Third, ...]
 
@@ -129,6 +139,27 @@ class Belonging:
         }
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Another:
+    """The model of a laboratory that has not tested yet.
+
+    Parameters
+    ----------
+    model : Model
+        The ship of the records with what all laboratories share; the covariance holds by what they
+        differ.
+    scales : mapping of str to float
+        Scales of the half-normal priors of what laboratories differ by, over usual sizes: of
+        values of the base, and of each effect.
+    scatter : mapping of str to float
+        What the campaigns make of it, root mean square.
+    """
+
+    model: Model
+    scales: Mapping[str, float]
+    scatter: Mapping[str, float]
+
+
 def _interval(value: float, std: float) -> str:
     return f"{number(float(value), 3)} ± {number(WIDE * float(std), 2)}"
 
@@ -144,7 +175,8 @@ class Together(Described):
     group : tuple of (effects, odds)
         The best set first, with the odds of each against it.
     entries : tuple of JointEntry
-        All sets that were weighed, best first.
+        All sets that were weighed, best first; then single effects of little promise, of which
+        the linear problems alone were asked.
     diagnoses : mapping of str to Diagnosis
         Of each campaign alone.
     belongs : tuple of Belonging
@@ -161,6 +193,9 @@ class Together(Described):
         How it was found.
     model : Model, optional
         With the best set, fitted to the records, or to the captive tests where there are none.
+    others : tuple of Another
+        For a laboratory that has not tested yet, by the scale of what laboratories differ by; the
+        first is the one to use. None without free-running records.
     """
 
     verdict: Verdict
@@ -174,6 +209,7 @@ class Together(Described):
     flags: tuple[str, ...]
     notes: tuple[str, ...]
     model: Model | None = None
+    others: tuple[Another, ...] = ()
 
     @property
     def best(self) -> Names:
@@ -225,6 +261,7 @@ class Together(Described):
                 {
                     "effects": list(item.names),
                     "log_evidence": item.log_evidence,
+                    "linear": item.linear,
                     "campaigns": {
                         name: {"log_evidence": x.log_evidence, "faults": list(x.faults)}
                         for name, x in item.ballots.items()
@@ -234,6 +271,9 @@ class Together(Described):
             ],
             "added": dict(self.added),
             "belongs": [item.to_dict() for item in self.belongs],
+            "another_laboratory": [
+                {"scales": dict(x.scales), "scatter": dict(x.scatter)} for x in self.others
+            ],
             "refused": [{"campaign": name, "effects": list(names)} for name, names in self.refused],
             "price": self.price,
             "flags": list(self.flags),
@@ -277,6 +317,10 @@ class Together(Described):
                 for item in self.belongs
                 if item.measured
             ),
+            Section(
+                title="By what another laboratory differs, over usual sizes (scale of the prior)",
+                tables=[self._scatter()] if self.others else [],
+            ),
             Section(title="Refused, since what is left out gets worse by it", points=refused),
             Section(title="Notes", points=self.notes),
         ]
@@ -302,10 +346,26 @@ class Together(Described):
             ],
         )
 
+    def _scatter(self) -> Grid:
+        """By what laboratories differ, a column for each scale of the prior."""
+        rows: list[list[Cell]] = [
+            [
+                name,
+                *(
+                    f"{number(x.scatter[name], 2)} ({number(x.scales[name], 2)})"
+                    for x in self.others
+                ),
+            ]
+            for name in self.others[0].scatter
+        ]
+        head = ["", "to use", *("to compare" for _ in self.others[1:])]
+        return Grid(head=head, groups=[Group(rows=rows)])
+
     def _row(self, item: JointEntry) -> list[Cell]:
         cells: list[Cell] = []
         for name in self.names:
             ballot = item.ballots.get(name)
             beside = f" (with {' and '.join(ballot.faults)})" if ballot and ballot.faults else ""
-            cells.append(None if ballot is None else f"{ballot.log_evidence:+.1f}{beside}")
+            about = "about " if ballot and ballot.linear else ""
+            cells.append(None if ballot is None else f"{about}{ballot.log_evidence:+.1f}{beside}")
         return [" + ".join(item.names), *cells, f"{item.log_evidence:+.1f}"]

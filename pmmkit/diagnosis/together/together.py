@@ -13,6 +13,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.findings import Verdict
+from pmmkit.diagnosis.together.another import others
 from pmmkit.diagnosis.together.belongings import belongings
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote, captive_vote
 from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
@@ -82,11 +83,11 @@ def together(
     hull, that of its derivatives fitted to these tests. Base and effects are taken as independent
     there, so that what both kinds of tests know of the base in common is used once.
 
-    Sets are fitted to records through the equations before they count, single effects first: a set
-    that makes records left out one after another worse, or that holds an effect which alone does
-    so, is refused. A set is named if its odds are above e after the price and chance gives such
-    evidence in less than 1 % of ships without any effect: by Markov's inequality that is less than
-    one over the odds.
+    Sets are fitted to records through the equations before they count, beginning with the single
+    effects that promise most by linear problems: a set that makes records left out one after
+    another worse is refused. A set is named if its
+    odds are above e after the price and chance gives such evidence in less than 1 % of ships
+    without any effect: by Markov's inequality that is less than one over the odds.
     """
     tell = progress or (lambda _: None)
     named = campaigns if isinstance(campaigns, Mapping) else _by_title(campaigns)
@@ -174,7 +175,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
     price = math.log(2.0 * max(len(every), 1))
     weighed = weigh(votes, every, price, tell)
     entries = weighed.entries
-    best = entries[0] if entries else None
+    best = entries[0] if entries and not entries[0].linear else None
     told = best is not None and best.log_evidence > max(LEAST, -math.log(CHANCE))
     group = _group(entries) if told else ()
     added: dict[str, float] = {}
@@ -187,6 +188,18 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             added[name] = best.log_evidence - known.get(rest, 0.0)
         belongs = belongings(votes, best)
         made = _model(votes, best)
+    tell("Another laboratory")
+    more = others(
+        votes,
+        best.names if told and best is not None else (),
+        best.ballots if told and best is not None else {},
+        belongs,
+    )
+    if not more and any(isinstance(item, RecordsVote) for item in votes):
+        notes.append(
+            "there is no model of another laboratory: what the campaigns say together is beyond "
+            "what a value can be"
+        )
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
@@ -208,6 +221,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             ),
         ),
         model=made,
+        others=more,
     )
 
 
@@ -239,7 +253,9 @@ def _group(entries: Sequence[JointEntry]) -> tuple[tuple[Names, float], ...]:
     return tuple(
         (item.names, math.exp(item.log_evidence - best.log_evidence))
         for item in entries
-        if len(item.names) <= len(best.names) and best.log_evidence - item.log_evidence < RIVALS
+        if not item.linear
+        and len(item.names) <= len(best.names)
+        and best.log_evidence - item.log_evidence < RIVALS
     )
 
 

@@ -27,10 +27,13 @@ class Ballot:
         than with its own faults alone. The set pays no price here, each fault does.
     faults : tuple of str
         The faults beside the set.
+    linear : bool
+        Whether it is by a linear problem alone, where the equations themselves might be asked.
     """
 
     log_evidence: float
     faults: Names = ()
+    linear: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,6 +63,10 @@ class Vote(Protocol):
     @property
     def asked(self) -> frozenset[str]:
         """Effects of the ship that this campaign was asked for."""
+
+    @property
+    def kept(self) -> frozenset[Names]:
+        """Sets that its own diagnosis fitted, and that predict what is left out better."""
 
     def promised(self, names: Names) -> Ballot:
         """A set, as far as is known without another fit."""

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from types import MappingProxyType
 from typing import Final
 
 from pmmkit.diagnosis.captive.verdict import RIVALS
 from pmmkit.diagnosis.together.result import JointEntry
-from pmmkit.diagnosis.together.vote import Names, Vote, of_ship
+from pmmkit.diagnosis.together.vote import Ballot, Names, Vote, of_ship
 
+SINGLES: Final = 6
+"""Single effects in front that are fitted to all campaigns; the others are by linear problems."""
 SETS: Final = 5
-"""Sets of several effects that are fitted to all campaigns, beside all single effects."""
+"""Sets of several effects that are fitted to all campaigns."""
 TRIED: Final = 15
 """Sets that are tried for that at most: a promise of the linear problem may not be kept."""
+NAMED: Final = 3
+"""Sets in front of each campaign that are tried beside those of the others."""
+
+
+BEAM: Final = 3
+"""Sets in front whose parts are tried, and what is larger by one of the single effects in front."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,7 +45,7 @@ class Weighed:
 def weigh(
     votes: Sequence[Vote], every: Sequence[str], price: float, tell: Callable[[str], None]
 ) -> Weighed:
-    """All single effects, the sets of several that promise most, and the parts of the best.
+    """Single effects, the sets of several that promise most, and what is near those in front.
 
     Parameters
     ----------
@@ -62,51 +71,78 @@ def weigh(
                 refused[names] = found
         return names in entries
 
-    for name in every:
-        look((name,))
-    pool = {of_ship(entry.names) for item in votes for entry in item.diagnosis.entries}
-    promised = {names: _promise(votes, names, price) for names in sorted(pool) if len(names) > 1}
-    tried = kept = 0
-    for names in sorted(promised, key=lambda names: -promised[names]):
-        front = max((item.log_evidence for item in entries.values()), default=0.0)
-        if kept == SETS or tried == TRIED or promised[names] < front - RIVALS:
+    def hopeful(names: Names) -> bool:
+        """Whether nothing in a set was refused but inside of another that a campaign has kept."""
+        inside = [set(x) for vote in votes for x in vote.kept if set(x) <= set(names)]
+        bad = [set(x) for x in refused if set(x) <= set(names)]
+        return all(any(x <= own for own in inside) for x in bad)
+
+    singles = _ranked(_promised(votes, (name,), price) for name in every)
+    for item in singles[:SINGLES]:
+        look(item.names)
+    promised = [_promised(votes, names, price) for names in _several(votes)]
+    kept = tried = 0
+    for item in _ranked(promised):
+        front = max((x.log_evidence for x in entries.values()), default=0.0)
+        if kept == SETS or tried == TRIED or item.log_evidence < front - RIVALS:
             break
-        if any(set(names) >= set(bad) for bad in refused):
-            continue
-        tried += 1
-        kept += look(names)
-    best: Names = ()
-    while entries:
-        first = _ranked(entries.values())[0].names
-        if first == best:
-            break
-        best = first
-        for rest in _parts(best):
-            look(rest)
+        if hopeful(item.names):
+            tried += 1
+            kept += look(item.names)
+    several = [x.names[0] for x in singles[:SINGLES]]
+    seen: set[Names] = set()
+    while ahead := [x.names for x in _ranked(entries.values())[:BEAM] if x.names not in seen]:
+        seen.add(ahead[0])
+        for near in (*_parts(ahead[0]), *_larger(ahead[0], several)):
+            if hopeful(near):
+                look(near)
+    others = [x for x in singles if x.names not in entries and x.names not in refused]
     return Weighed(
-        entries=_ranked(entries.values()),
+        entries=(*_ranked(entries.values()), *_ranked(others)),
         refused=tuple((who, names) for names, who in refused.items()),
     )
+
+
+def _several(votes: Sequence[Vote]) -> list[Names]:
+    """Sets of several effects that any campaign looked at, and those that several name together."""
+    ranked = [sorted(x.diagnosis.entries, key=lambda item: -item.log_evidence) for x in votes]
+    pool = {of_ship(entry.names) for own in ranked for entry in own}
+    front = [
+        list(dict.fromkeys(of_ship(item.names) for item in own if item.log_evidence > 0.0))[:NAMED]
+        for own in ranked
+    ]
+    pool |= {of_ship({*one, *two}) for a, b in combinations(front, 2) for one in a for two in b}
+    return sorted(names for names in pool if len(names) > 1)
 
 
 def _ranked(entries: Iterable[JointEntry]) -> tuple[JointEntry, ...]:
     return tuple(sorted(entries, key=lambda item: -item.log_evidence))
 
 
-def _promise(votes: Sequence[Vote], names: Names, price: float) -> float:
-    return sum(item.promised(names).log_evidence for item in votes) - price * len(names)
+def _promised(votes: Sequence[Vote], names: Names, price: float) -> JointEntry:
+    """A set as far as it is known without another fit."""
+    return _sum(names, {x.name: x.promised(names) for x in votes if _votes(x, names)}, price)
 
 
 def _entry(votes: Sequence[Vote], names: Names, price: float) -> JointEntry | str:
     """A set with the evidence of all campaigns; the name of the campaign that refuses it."""
     ballots = {}
     for item in votes:
-        if not item.asked.intersection(names):
+        if not _votes(item, names):
             continue
         ballot = item.weighed(names)
         if ballot is None:
             return item.name
         ballots[item.name] = ballot
+    return _sum(names, ballots, price)
+
+
+def _votes(vote: Vote, names: Names) -> bool:
+    """Whether a campaign was asked for any of a set."""
+    return bool(vote.asked.intersection(names))
+
+
+def _sum(names: Names, ballots: dict[str, Ballot], price: float) -> JointEntry:
     total = sum(item.log_evidence for item in ballots.values()) - price * len(names)
     return JointEntry(names=names, log_evidence=total, ballots=MappingProxyType(ballots))
 
@@ -115,3 +151,8 @@ def _parts(names: Names) -> list[Names]:
     """A set without each of its effects; none of a single one."""
     found = [tuple(x for x in names if x != name) for name in names]
     return [rest for rest in found if rest]
+
+
+def _larger(names: Names, more: Sequence[str]) -> list[Names]:
+    """A set with each of some other effects."""
+    return [of_ship((*names, name)) for name in more if name not in names]

@@ -1,0 +1,224 @@
+"""Values of several laboratories at once: what they share, by what they differ, what is next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.numerics import Array
+
+Places = NDArray[np.intp]
+
+POINTS: Final = 512
+"""Sets of scatters over which is averaged."""
+STEPS: Final = 120
+"""Points of the integrals over the scatter and the offset of the base."""
+FURTHEST: Final = 4.0
+"""End of these integrals, over the scales of the priors."""
+FLAT: Final = 10.0
+"""Standard deviation of the shared values of a base before any test, over their sizes: flat."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Learned:
+    """What a laboratory says of values: ln of their probability is ``sᵀx - ½ xᵀIx``.
+
+    Parameters
+    ----------
+    laboratory : str
+        Who.
+    information : array (n, n)
+        I.
+    score : array (n,)
+        s.
+    moves : bool
+        Whether the values of its base are its own; otherwise they are those of the first.
+    offset : bool
+        Whether what its kind of test gives may be off for a ship that sails free.
+    """
+
+    laboratory: str
+    information: Array
+    score: Array
+    moves: bool = True
+    offset: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Groups:
+    """Values that scatter alike between laboratories.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the groups; the first is the base.
+    base : float
+        Scatter of the base.
+    of : array of int (n,)
+        Group of each value.
+    usual : array (n,)
+        By what a scatter of 1 makes each value differ.
+    scales : array (g - 1,)
+        Of the half-normal priors of the scatters of the others.
+    shared : array (n,)
+        Standard deviation before any test of what all laboratories have in common.
+    offset : array (n,)
+        Standard deviation of what captive tests are off for a ship that sails free.
+    """
+
+    names: tuple[str, ...]
+    base: float
+    of: Places
+    usual: Array
+    scales: Array
+    shared: Array
+    offset: Array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Next:
+    """Values of a laboratory that has not tested yet.
+
+    Parameters
+    ----------
+    values, covariance : array (n,), array (n, n)
+        Of them.
+    scatter : array (g,)
+        By what laboratories differ, root mean square, a number for each group.
+    """
+
+    values: Array
+    covariance: Array
+    scatter: Array
+
+
+def next_laboratory(learned: Sequence[Learned], groups: Groups) -> Next:
+    """What a laboratory that has not tested yet has, from what others have found.
+
+    Parameters
+    ----------
+    learned : sequence of Learned
+        One laboratory or more.
+    groups : Groups
+        How values scatter.
+
+    Notes
+    -----
+    Laboratory i has ``x_i = m + δ + η_i``: m what the ship has, m ~ N(0, shared²); δ by what
+    captive tests are off for a ship that sails free, δ ~ N(0, offset²), none in free running; η_i
+    by what the laboratory is, η_i ~ N(0, τ² usual²), all of it independent for each value. The
+    next one, of a ship that sails free, is ``m + η``. Its mean and covariance are averaged over τ
+    of the groups beside the base, each with a half-normal prior, by how probable the others are
+    with them. The scatter of the base is given: a linear problem says too much of a base that goes
+    far.
+
+    Examples
+    --------
+    >>> known = Learned(laboratory="", information=np.eye(1) * 100.0, score=np.array([100.0]))
+    >>> groups = Groups(
+    ...     names=("base",),
+    ...     base=0.2,
+    ...     of=np.array([0]),
+    ...     usual=np.ones(1),
+    ...     scales=np.zeros(0),
+    ...     shared=np.array([10.0]),
+    ...     offset=np.zeros(1),
+    ... )
+    >>> found = next_laboratory([known, known], groups)
+    >>> found.values.round(3), found.covariance.round(3)  # 0.01/2 + 0.2²/2 + 0.2²
+    (array([1.]), array([[0.065]]))
+    """
+    n, count = len(groups.usual), len(learned)
+    size = n * (count + 2)
+    whole, score = np.zeros((size, size)), np.zeros(size)
+    for number, item in enumerate(learned):
+        parts = _parts(number, item, groups, count)
+        whole += parts.T @ item.information @ parts
+        score += parts.T @ item.score
+    logs, means, covariances = [], [], []
+    drawn = groups.scales * _half_normal(len(groups.scales))
+    scatters = np.concatenate([np.full((len(drawn), 1), groups.base), drawn], axis=1)
+    for tau in scatters:
+        apart = tau[groups.of] * groups.usual
+        root = np.concatenate([groups.shared, groups.offset, np.tile(apart, count)])
+        H = np.eye(len(root)) + root[:, None] * whole * root
+        lower = np.linalg.cholesky(H)
+        y = np.linalg.solve(lower, root * score)
+        logs.append(0.5 * float(y @ y) - float(np.log(np.diagonal(lower)).sum()))
+        inverse = np.linalg.solve(lower, np.diag(root))
+        means.append((inverse.T @ y)[:n])
+        covariances.append((inverse.T @ inverse)[:n, :n] + np.diag(apart**2))
+    share = np.exp(np.array(logs) - max(logs))
+    share = share / share.sum()
+    mean = share @ np.stack(means)
+    away = np.stack(means) - mean
+    covariance = np.einsum("t,tij->ij", share, np.stack(covariances))
+    covariance += np.einsum("t,ti,tj->ij", share, away, away)
+    return Next(values=mean, covariance=covariance, scatter=np.sqrt(share @ scatters**2))
+
+
+def scatter_of_base(
+    moved: Sequence[tuple[float, float]], scale: float, offset: float
+) -> tuple[float, float]:
+    """By what the bases of laboratories differ, and those of kinds of tests, over usual sizes.
+
+    Parameters
+    ----------
+    moved : sequence of (float, float)
+        By how much records move the base, and in how many directions.
+    scale, offset : float
+        Of the half-normal priors of the scatter τ and the offset σ: records of another laboratory
+        are σ² + 2τ² from captive tests.
+
+    Returns
+    -------
+    (float, float)
+        Root mean squares of τ and σ. No offset where no records move the base.
+
+    Examples
+    --------
+    >>> [round(x, 3) for x in scatter_of_base([(0.1, 1000.0)], 0.05, 0.15)]
+    [0.045, 0.077]
+    >>> [round(x, 3) for x in scatter_of_base([], 0.05, 0.15)]
+    [0.05, 0.0]
+    """
+    even = FURTHEST * (np.arange(STEPS) + 0.5) / STEPS
+    tau, sigma = np.meshgrid(scale * even, offset * even * bool(moved))
+    log = -0.5 * ((tau / scale) ** 2 + (sigma / offset) ** 2)
+    apart = sigma**2 + 2.0 * tau**2
+    for size, directions in moved:
+        log = log - 0.5 * directions * (np.log(apart) + size**2 / apart)
+    share = np.exp(log - log.max())
+    share = share / share.sum()
+    return float(np.sqrt(np.sum(share * tau**2))), float(np.sqrt(np.sum(share * sigma**2)))
+
+
+def _parts(number: int, item: Learned, groups: Groups, count: int) -> Array:
+    """What the values (n) of a laboratory are made of: what all share, what captive tests are off,
+    and what each laboratory has of its own. A base that does not move is that of the first."""
+    base = (groups.of == 0) & (not item.moves)
+    none = np.zeros((len(base), len(base)))
+    own = [np.diag((~base).astype(float)) if i == number else none for i in range(count)]
+    own[0] = own[0] + np.diag(base.astype(float))
+    off = np.diag((base | item.offset).astype(float))
+    return np.concatenate([np.eye(len(base)), off, *own], axis=1)
+
+
+def _half_normal(count: int) -> Array:
+    """Sets (n, count) of half-normal numbers that fill their space evenly (Roberts 2018: the
+    multiples of powers of the generalised golden ratio)."""
+    from scipy.special import ndtri
+
+    if not count:
+        return np.zeros((1, 0))
+    ratio = 2.0
+    for _ in range(50):
+        ratio = (1.0 + ratio) ** (1.0 / (count + 1))
+    steps = ratio ** -np.arange(1.0, count + 1)
+    even = (0.5 + np.arange(1, POINTS + 1)[:, None] * steps) % 1.0
+    found: Array = ndtri(0.5 + 0.5 * even)
+    return found
