@@ -28,7 +28,7 @@ LIKELY: Final = 1
 """Sets in front that are fitted anyway."""
 MOST: Final = 6
 """Effects in a set; the search ends before where one more is not worth its price."""
-FALL: Final = 0.1
+FALL: Final = 0.2
 """Mean fall of ln of the errors of records left out from which it stands above the evidence."""
 BLIND: Final = 10.0
 """ln by which the evidence may speak against an effect that makes them fall so: a slow push hides

@@ -121,7 +121,7 @@ def executed_at(headings_deg: Sequence[float]) -> Manoeuvre:
     >>> late = simulate(ship, executed_at([11.0, 10.0]), speed=1.179, executes=3)
     >>> nominal = simulate(ship, "zigzag", speed=1.179, executes=3)
     >>> [round(x.metrics["time_execute_2"], 1) for x in (nominal, late)]
-    [10.0, 11.0]
+    [10.6, 11.2]
     """
 
     def orders(pace: float, *, switch_deg: float, **settings: Any) -> Plan:
