@@ -196,7 +196,7 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
             paid.append((own.log_probability, names, own.forces))
         paid.sort(key=lambda item: -item[0])
         found |= {names: forces for _, names, forces in paid[:REFITTED]}
-    windows = judged(place.question.followed(here.z))
+    windows = judged(here.followed)
 
     def left_out(names: Names) -> float:
         return left_out_error(replace(here, names=names), windows)

@@ -316,7 +316,7 @@ def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[st
 def _left(fit: Fit, tolerance: tuple[float, float]) -> bool:
     """Whether records are missed by more than does not matter."""
     stretches = fit.place.question.stretches
-    found = pooled(missed(fit.place.question.followed(fit.z), fit.z, range(len(stretches))))
+    found = pooled(missed(fit.followed, fit.z, range(len(stretches))))
     speed = stretches[0].record.speed
     return (
         found.get("heading", 0.0) > tolerance[0] or found.get("speed", 0.0) > tolerance[1] * speed

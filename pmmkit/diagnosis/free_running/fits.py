@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -94,6 +95,11 @@ class Fit:
     log_probability: float
     known: Known
     place: Place
+
+    @cached_property
+    def followed(self) -> Question:
+        """The question along the path that the sensors tell, as they are read with its numbers."""
+        return self.place.question.followed(self.z)
 
     def weighed(self) -> Weighed:
         """All sets by the linear problem there and under its forces."""

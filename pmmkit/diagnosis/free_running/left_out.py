@@ -133,7 +133,7 @@ def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
     left_out : sequence of Kept
         What is left out together.
     """
-    return _predicted(fit, left_out, fit.place.question.followed(fit.z))
+    return _predicted(fit, left_out, fit.followed)
 
 
 def _predicted(fit: Fit, left_out: Sequence[Kept], question: Question) -> list[dict[str, float]]:
@@ -165,7 +165,7 @@ def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float
         From whose starts; by default `judged`, such as follow the sensors.
     """
     question = fit.place.question
-    asked = judged(question.followed(fit.z)) if windows is None else windows
+    asked = judged(fit.followed) if windows is None else windows
     record, L = question.stretches[0].record, question.model.ship.L
     small = {
         "position": NEAR * L,
@@ -184,7 +184,7 @@ def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float
 
 def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
     """A record in its windows, and what its channels (n, c) show by what the others say."""
-    question = fit.place.question.followed(fit.z)
+    question = fit.followed
     stretch = question.stretches[record]
     return stretch, through_windows(question, stretch, _of_others(fit, (record,)))
 
