@@ -27,6 +27,9 @@ from pmmkit.models import Model
 FAULTS: Final = 2
 """Sets of faults that are fitted through the equations, the best promise first."""
 
+OWN: Final = 3
+"""Effects in a set that records alone are asked for; sets of all campaigns grow from these."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordsVote:
@@ -259,7 +262,7 @@ def records_vote(
     model: Model,
     records: Sequence[FreeRecord],
     *,
-    most: int | None = None,
+    most: int = OWN,
     seed: int = 0,
     **settings: Any,
 ) -> RecordsVote:
@@ -284,6 +287,5 @@ def records_vote(
         If there are fewer than two records.
     """
     system = free_system(model, records, **settings)
-    chosen: dict[str, Any] = {} if most is None else {"most": most}
-    diagnosis, contest = answered(system, seed=seed, **chosen)
+    diagnosis, contest = answered(system, seed=seed, most=most)
     return RecordsVote(name=name, system=system, diagnosis=diagnosis, contest=contest)
