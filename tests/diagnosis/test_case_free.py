@@ -41,8 +41,8 @@ def found(outdoors):
 
 @pytest.mark.slow
 def test_the_wind_is_named_and_left_out_records_are_predicted_better(found):
-    """A quarter in position and 35 % in yaw rate were asked for; 33 and 30 % are what comes of it. Its
-    rivals here are two."""
+    """A quarter in position and 35 % in yaw rate were asked for; 33 and 30 % are what comes of it.
+    Its rivals here are two."""
     assert "wind" in found.best
     before, after = (found.errors[f"held out, {x}"] for x in ("base refitted", "with the effects"))
     assert after["position"] < 0.75 * before["position"]

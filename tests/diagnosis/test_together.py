@@ -15,6 +15,7 @@ from small_campaign import write_campaign
 import pmmkit as pk
 from pmmkit.diagnosis.together.belongs import Measured, log_shared, owner, third
 from pmmkit.diagnosis.together.captive_vote import captive_vote
+from pmmkit.diagnosis.together.result import Belonging
 from pmmkit.diagnosis.together.scatter import (
     FLAT,
     Groups,
@@ -86,6 +87,20 @@ def test_whose_an_effect_is():
     assert owner(1.1) == "the ship's"
     assert owner(-1.1) == "the laboratory's"
     assert owner(0.9) == owner(-0.9) == "cannot tell"
+
+
+def test_a_stall_by_an_angle_and_one_by_cubes_are_not_compared():
+    """Captive tests and a rudder of its own measure it by other coefficients."""
+    none = [
+        Measured(laboratory=name, values=np.zeros(0), covariance=np.zeros((0, 0)))
+        for name in ("A", "B")
+    ]
+    found = Belonging(
+        effect="rudder_stall", owner="cannot tell", log_odds=math.nan, coefficients=(), usual=(),
+        size=1.0, measured=tuple(none), thirds=(),
+    )  # fmt: skip
+    assert found.sentence.endswith("A and B measure no coefficient of it that all have.")
+    assert found.rows() == []
 
 
 def test_another_laboratory_without_scatter_finds_the_weighted_mean():

@@ -90,12 +90,15 @@ class Belonging:
     def sentence(self) -> str:
         """The answer in words."""
         if not math.isfinite(self.log_odds):
-            return f"{self.effect}: cannot tell whose it is, {self._who()} it."
+            return f"{self.effect}: cannot tell whose it is, {self._why()}."
         sides = "one size for all" if self.log_odds > 0.0 else "a size for each"
         return f"{self.effect}: {self.owner} ({odds(abs(self.log_odds))} for {sides})."
 
-    def _who(self) -> str:
-        return f"only {self.measured[0].laboratory} measures" if self.measured else "none measures"
+    def _why(self) -> str:
+        names = [item.laboratory for item in self.measured]
+        if len(names) > 1:
+            return f"{' and '.join(names)} measure no coefficient of it that all have"
+        return f"only {names[0]} measures it" if names else "none measures it"
 
     def rows(self) -> list[list[Cell]]:
         """Coefficient, each laboratory, the next one at three scales of their differences."""
@@ -312,7 +315,9 @@ class Together(Described):
             *(
                 Section(
                     title=item.sentence,
-                    tables=[Grid(head=item.head(), groups=[Group(rows=item.rows())])],
+                    tables=[Grid(head=item.head(), groups=[Group(rows=item.rows())])]
+                    if item.coefficients
+                    else [],
                 )
                 for item in self.belongs
                 if item.measured
