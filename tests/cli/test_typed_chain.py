@@ -200,7 +200,7 @@ def test_the_chain_of_the_documentation_on_real_measurements(
     for name, words in {
         "reduce": ["reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg"],
         "scale": ["scale", "kvlcc2_hmri-reduced/model.toml", "--like", free, "--data", shared_data],
-        "add": ["add", "model-kvlcc2_hsva/model.toml", "asymmetry", "rudder_cross_terms",
+        "add": ["add", "model-kvlcc2_hsva/model.toml", "asymmetry", "rudder_stall",
                 "rudder_slipstream", "--fit", free, *records, "-o", "better.toml"],
         "compare": ["compare", "better.toml", free, "--data", shared_data, "--runs", HELD_OUT,
                     "--no-figures"],
@@ -211,14 +211,14 @@ def test_the_chain_of_the_documentation_on_real_measurements(
         assert status == 0, name
     held_out = told["add"]["held_out"]
     assert held_out["held out, model as given"]["heading"] > 20.0
-    assert held_out["held out, with the effects"]["heading"] < 3.5
+    assert held_out["held out, with the effects"]["heading"] < 4.2
     table = pd.DataFrame(told["compare"]["manoeuvres"])
     late = [
         float(np.sqrt(np.mean(table[table.measure == f"overshoot_{k}_deg"].error_as_executed ** 2)))
         for k in (1, 2)
     ]
     assert late[0] < 0.8
-    assert late[1] < 2.0
+    assert late[1] < 1.5
     assert 3.2 < told["simulate"]["tactical_diameter_L"] < 3.8
 
 
