@@ -14,7 +14,7 @@ from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
-from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
+from pmmkit.diagnosis.free_running.left_out import judged, left_out_error, predicts
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
@@ -123,7 +123,11 @@ def contest_of(
             gain = fit.log_probability - null.log_probability - price * len(chosen)
             item = Named(names=chosen, gain=gain, fit=fit)
             # The linear problem may promise what the equations, far from there, do not keep.
-            if can_be(model, every, fit, speed) and item.error <= ahead.error:
+            if not can_be(model, every, fit, speed):
+                continue
+            # A base that moves by much may predict as well as an effect: where no error matters
+            # the evidence alone decides.
+            if item.error <= ahead.error or predicts(fit):
                 found.append(item)
         settled += found
         best = _next(found, ahead)

@@ -164,8 +164,22 @@ def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float
     windows : sequence of Question, optional
         From whose starts; by default `judged`, such as follow the sensors.
     """
-    question = fit.place.question
     asked = judged(fit.followed) if windows is None else windows
+    found = [
+        0.5 * math.log(x**2 + small**2)
+        for question in asked
+        for x, small in _beside_small(fit, question)
+    ]
+    return sum(found) / len(found)
+
+
+def predicts(fit: Fit) -> bool:
+    """Whether no error of records left out matters over windows."""
+    return all(x <= small for x, small in _beside_small(fit, fit.followed))
+
+
+def _beside_small(fit: Fit, question: Question) -> list[tuple[float, float]]:
+    """Errors of records that are left out one after another, each with what does not matter."""
     record, L = question.stretches[0].record, question.model.ship.L
     small = {
         "position": NEAR * L,
@@ -174,12 +188,8 @@ def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float
         "yaw_rate": AIMED * record.speed / L,
     }
     left_out = each([item.record for item in question.stretches])
-    found = [
-        0.5 * math.log(x**2 + small[name] ** 2)
-        for item in asked
-        for name, x in pooled(_predicted(fit, left_out, item)).items()
-    ]
-    return sum(found) / len(found)
+    found = pooled(_predicted(fit, left_out, question))
+    return [(x, small[name]) for name, x in found.items()]
 
 
 def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
