@@ -144,22 +144,6 @@ def numbers(text: str | None) -> Sequence[float] | None:
         raise typer.BadParameter(f"{text!r}: write numbers such as 6,9,12.") from None
 
 
-def areas(text: str | None) -> tuple[float, float] | None:
-    """Frontal and lateral area above water [m²].
-
-    Raises
-    ------
-    typer.BadParameter
-        If they are not two positive numbers.
-    """
-    found = numbers(text)
-    if found is None:
-        return None
-    if len(found) != 2 or min(found) <= 0.0:
-        raise typer.BadParameter(f"{text!r}: write two areas such as 0.135,0.52.")
-    return found[0], found[1]
-
-
 def patterns(given: Sequence[str] | None) -> list[str] | None:
     """Patterns of runs, each option holding one or several with commas between."""
     if not given:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import areas, patterns, sensors_of, stated, words
+from pmmkit.cli.options import numbers, patterns, sensors_of, stated, words
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
@@ -122,13 +122,19 @@ class Asked:
             wind=True,
         )
 
-    def settings(self, kept: Chosen | None) -> dict[str, Any]:
-        """Settings of a session about the records, with those held out."""
+    def system(self) -> dict[str, Any]:
+        """Settings of the question that the records are asked."""
         return {
             **stated(spread=self.spread),
             "windage": self.areas,
             "sensors": sensors_of(self.sensors),
             "window": self.judged,
+        }
+
+    def settings(self, kept: Chosen | None) -> dict[str, Any]:
+        """Settings of a session about the records, with those held out."""
+        return {
+            **self.system(),
             "held_out": kept.records if kept else (),
             "held_out_window": self.window if kept else None,
         }
@@ -157,7 +163,12 @@ class Asked:
     @property
     def areas(self) -> tuple[float, float] | None:
         """Frontal and lateral area above water [m²]."""
-        return areas(self.windage)
+        found = numbers(self.windage)
+        if found is None:
+            return None
+        if len(found) != 2 or min(found) <= 0.0:
+            raise typer.BadParameter(f"{self.windage!r}: write two areas such as 0.135,0.52.")
+        return found[0], found[1]
 
 
 def errors_table(errors: Mapping[str, Mapping[str, float]]) -> str:

@@ -154,8 +154,12 @@ def _taken_for_granted(system: FreeSystem, limits: Limits) -> tuple[str, ...]:
         f"Hours are those of the record, of a run-up of {RUN_UP:g} ship lengths, and "
         f"{limits.wait / 60.0:g} min to the next run."
     )
-    windy = any(item.wind_speed is not None for item in system.records)
-    return (time, "The wind is that of the last record of like speed.") if windy else (time,)
+    wind = "The wind is that of the last record of like speed."
+    return (time, wind) if _windy(system) else (time,)
+
+
+def _windy(system: FreeSystem) -> bool:
+    return any(item.wind_speed is not None for item in system.records)
 
 
 def _asked(
@@ -209,8 +213,7 @@ def _courses(system: FreeSystem, names: Sequence[str]) -> Sequence[float]:
     flows = any(
         name in CURRENT for item in system.every if item.name in names for name in item.values
     )
-    windy = any(item.wind_speed is not None for item in system.records)
-    return COURSES if windy or flows else COURSES[:1]
+    return COURSES if _windy(system) or flows else COURSES[:1]
 
 
 def _with_captive_tests(advice: Advice, model: Model, limits: Limits) -> Advice:

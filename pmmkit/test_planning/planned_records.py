@@ -50,11 +50,6 @@ class Sea:
     extrapolate: bool
     heel: float
 
-    @property
-    def windy(self) -> bool:
-        """Whether wind or current tell courses apart."""
-        return any(item.wind_speed is not None for item in self.records)
-
     def like(self, speed: float) -> FreeRecord:
         """The record whose approach is nearest in speed, the last of them."""
         return min(reversed(self.records), key=lambda item: abs(item.speed - speed))

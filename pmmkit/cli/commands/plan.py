@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, Given, areas, patterns, sensors_of, stated, stem, words
+from pmmkit.cli.options import Data, Given, stated, stem, words
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.records import Asked
 from pmmkit.cli.speeds import TypedSpeed, typed_list
 from pmmkit.errors import DataError
 from pmmkit.presentation import aligned
@@ -102,13 +103,9 @@ def plan(
     listed = None if speeds is None else typed_list(speeds)
     folder = results_folder(out, f"{stem(model if campaign is None else campaign)}-plan")
     opened = None if campaign is None else _opened(campaign, data, before)
-    of_records: dict[str, Any] = {
-        "records": patterns(records),
-        "channels": None if channels is None else words(channels),
-        "sensors": sensors_of(sensors),
-        "windage": areas(windage),
-        "spread": spread,
-    }
+    of_records = Asked(
+        runs=records, channels=channels, sensors=sensors, windage=windage, spread=spread
+    )
     if opened is not None and opened.kind == "free-running":
         _refuse_captive(
             runs=runs, hours=hours, noise=noise, given=words(given) or None, before=before or None
@@ -120,10 +117,10 @@ def plan(
             speeds=listed,
             effects=words(effects),
             floor=floor,
-            **of_records,
+            asked=of_records,
         )
         return _written(advice, _advice_lines(advice), folder)
-    if stated(**of_records):
+    if of_records.typed():
         raise DataError("Options of free-running records are of no use for captive tests.")
     allowed, options = _limits(opened, model, limits, listed)
     asked: dict[str, Any] = {
@@ -158,19 +155,15 @@ def _next_manoeuvre(
     file: Path | None,
     speeds: Sequence[TypedSpeed] | None,
     effects: Sequence[str],
-    records: Sequence[str] | None,
-    channels: Sequence[str] | None,
-    **settings: Any,
+    floor: float | None,
+    asked: Asked,
 ) -> Advice:
     from pmmkit.diagnosis.diagnose import complete_model
-    from pmmkit.identification.chosen import chosen_records
     from pmmkit.test_planning.manoeuvres import limits_of_records, next_manoeuvres
     from pmmkit.test_planning.plan_file import read_plan_file
 
     loaded = complete_model(model)
-    used = chosen_records(
-        campaign, loaded, runs=records, test_runs=None, channels=channels, rudder="auto", wind=True
-    )[0]
+    used, _ = asked.chosen(campaign, loaded)
     limits, options = limits_of_records(loaded, used.records), None
     if file is not None:
         limits, options = read_plan_file(file, campaign.ship, limits)
@@ -183,7 +176,7 @@ def _next_manoeuvre(
         limits=limits,
         options=options,
         progress=say,
-        **stated(**settings),
+        **stated(floor=floor, **asked.system()),
     )
 
 

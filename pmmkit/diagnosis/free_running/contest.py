@@ -14,7 +14,7 @@ from pmmkit.diagnosis.free_running.findings import Named, model_of
 from pmmkit.diagnosis.free_running.fits import Fit, Place, at_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.information import Forces
-from pmmkit.diagnosis.free_running.left_out import judged, left_out_error, predicts
+from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
 from pmmkit.models import Model
@@ -80,8 +80,31 @@ def price_of(question: Question) -> float:
     return math.log(2.0 * max(len(question.numbers.columns), 1))
 
 
+def base_alone(zero: Place) -> tuple[Place, Fit]:
+    """The base as far as it may move for the good of records left out.
+
+    A spread that makes these worse is none for any set: with it the values take over, by the
+    linear problem, what they do not explain.
+    """
+    count = len(zero.question.numbers.base.spreads)
+    place = within(zero, 1)
+    null = fitted(place, (), whole=True)
+    missed = left_out_error(null)
+    for number in range(2, count + 1):
+        wider = within(zero, number)
+        other = fitted(wider, (), whole=True)
+        if other.spread < wider.question.numbers.base.spreads[-1]:
+            break
+        error = left_out_error(other)
+        if error >= missed:
+            break
+        place, null, missed = wider, other, error
+    return place, null
+
+
 def contest_of(
     zero: Place,
+    null: Fit,
     model: Model,
     every: Sequence[FreeCandidate],
     speed: float,
@@ -93,8 +116,8 @@ def contest_of(
 
     Parameters
     ----------
-    zero : Place
-        The linear problem about the model as it is given.
+    zero, null : Place and Fit
+        The linear problem about the model as it is given, and the base alone, of `base_alone`.
     model : Model
         Complete, without the candidates.
     every : sequence of FreeCandidate
@@ -107,10 +130,7 @@ def contest_of(
         Is told what is being done.
     """
     names = [item.name for item in every]
-    question = zero.question
-    tell("The base alone")
-    zero, null = _base_alone(zero)
-    price = price_of(question)
+    price = price_of(zero.question)
     settled: list[Named] = []
     ahead = Named(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
@@ -127,7 +147,7 @@ def contest_of(
                 continue
             # A base that moves by much may predict as well as an effect: where no error matters
             # the evidence alone decides.
-            if item.error <= ahead.error or predicts(fit):
+            if item.error <= ahead.error or item.predicts:
                 found.append(item)
         settled += found
         best = _next(found, ahead)
@@ -207,28 +227,6 @@ def _front(sets: Sequence[Names], place: Place, ahead: Fit) -> list[tuple[Names,
 
     foreseen = sorted(sets, key=left_out)[:REFITTED]
     return list((dict.fromkeys(foreseen, ahead.forces) | found).items())
-
-
-def _base_alone(zero: Place) -> tuple[Place, Fit]:
-    """The base as far as it may move for the good of records left out.
-
-    A spread that makes these worse is none for any set: with it the values take over, by the
-    linear problem, what they do not explain.
-    """
-    count = len(zero.question.numbers.base.spreads)
-    place = within(zero, 1)
-    null = fitted(place, (), whole=True)
-    missed = left_out_error(null)
-    for number in range(2, count + 1):
-        wider = within(zero, number)
-        other = fitted(wider, (), whole=True)
-        if other.spread < wider.question.numbers.base.spreads[-1]:
-            break
-        error = left_out_error(other)
-        if error >= missed:
-            break
-        place, null, missed = wider, other, error
-    return place, null
 
 
 def steady(fit: Fit) -> Fit:

@@ -18,7 +18,14 @@ from pmmkit.diagnosis.findings import Diagnosis, Finding, Verdict
 from pmmkit.diagnosis.free_running.base import SPREAD
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.chance import chance_of
-from pmmkit.diagnosis.free_running.contest import MOST, Contest, can_be, contest_of, steady
+from pmmkit.diagnosis.free_running.contest import (
+    MOST,
+    Contest,
+    base_alone,
+    can_be,
+    contest_of,
+    steady,
+)
 from pmmkit.diagnosis.free_running.findings import (
     Named,
     coverage_of,
@@ -180,6 +187,7 @@ def answer(
     held_out_window: float | None = None,
     most: int = MOST,
     seed: int = 0,
+    contest: Contest | None = None,
 ) -> Diagnosis:
     """The verdict on records and a base that has some of the candidates already.
 
@@ -191,38 +199,14 @@ def answer(
         Candidates of the base: fitted in all hypotheses, and not asked.
     tolerance, held_out, held_out_window, most, seed
         As for `diagnose_free`.
+    contest : Contest, optional
+        Of `contest_about`, where it has been made.
     """
-    return answered(
-        system,
-        given,
-        tolerance=tolerance,
-        held_out=held_out,
-        held_out_window=held_out_window,
-        most=most,
-        seed=seed,
-    )[0]
-
-
-def answered(
-    system: FreeSystem,
-    given: Sequence[str] = (),
-    *,
-    tolerance: tuple[float, float] = TOLERANCE,
-    held_out: Sequence[FreeRecord] = (),
-    held_out_window: float | None = None,
-    most: int = MOST,
-    seed: int = 0,
-) -> tuple[Diagnosis, Contest]:
-    """The same with the contest that led to it, whose fits need not be made again."""
-    tell, records, speed = system.tell, system.records, system.speed
-    zero = having(system.place, given)
-    question = zero.question
-    every = tuple(item for item in system.every if item.name not in given)
-    model = system.model
-    for item in system.every:
-        if item.name in given:
-            model = item.added_to(model)
-    contest = contest_of(zero, model, every, speed, most=most, tell=tell)
+    records, speed = system.records, system.speed
+    model, every = _having(system, given)
+    if contest is None:
+        contest = contest_about(system, given, most=most)
+    question = contest.zero.question
     null, settled = contest.null, contest.settled
     best = settled[0] if settled else None
     seen = screen(null.known, question.numbers, null.spread)
@@ -251,7 +235,7 @@ def answered(
     change = moved(last)
     corrections = {name: x for name, x in change.items() if name in OUTSIDE}
     if held_out:
-        tell("Errors of the records held out")
+        system.tell("Errors of the records held out")
         errors |= held_out_errors(
             system.model,
             refitted,
@@ -266,7 +250,7 @@ def answered(
         screen(null.known.without([j]), question.numbers, null.spread) for j in range(len(records))
     ]
     covered = coverage_of(seen, fewer, every)
-    diagnosis = Diagnosis(
+    return Diagnosis(
         verdict=verdict,
         group=tuple(group) if told else (),
         flags=_flags(told, many, told and forced and left),
@@ -285,7 +269,30 @@ def answered(
         corrections=MappingProxyType(corrections),
         notes=_notes(question, last),
     )
-    return diagnosis, contest
+
+
+def contest_about(system: FreeSystem, given: Sequence[str] = (), *, most: int = MOST) -> Contest:
+    """All sets of effects against a base that has some of the candidates already.
+
+    Parameters
+    ----------
+    system, given, most
+        As for `answer`.
+    """
+    model, every = _having(system, given)
+    if given:
+        system.tell("The base alone")
+    zero, null = base_alone(having(system.place, given)) if given else system.alone
+    return contest_of(zero, null, model, every, system.speed, most=most, tell=system.tell)
+
+
+def _having(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[FreeCandidate, ...]]:
+    """The model with some of the candidates, and the others."""
+    model = system.model
+    for item in system.every:
+        if item.name in given:
+            model = item.added_to(model)
+    return model, tuple(item for item in system.every if item.name not in given)
 
 
 def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:

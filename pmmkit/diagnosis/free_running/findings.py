@@ -15,7 +15,7 @@ from pmmkit.diagnosis.findings import Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER, Names, Numbers, Screen
-from pmmkit.diagnosis.free_running.left_out import left_out_error
+from pmmkit.diagnosis.free_running.left_out import left_out_errors, mean_log
 from pmmkit.effects.effect import Parameter
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.equations.prepared import values_at
@@ -50,7 +50,16 @@ class Named:
     @cached_property
     def error(self) -> float:
         """Mean of ln of the errors of records that are left out."""
-        return left_out_error(self.fit)
+        return mean_log(self._left_out)
+
+    @property
+    def predicts(self) -> bool:
+        """Whether no error of records left out matters over windows."""
+        return all(x <= small for x, small in self._left_out[0])
+
+    @cached_property
+    def _left_out(self) -> list[list[tuple[float, float]]]:
+        return left_out_errors(self.fit)
 
 
 def moved(fit: Fit) -> dict[str, float]:

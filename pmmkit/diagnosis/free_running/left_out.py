@@ -164,22 +164,27 @@ def left_out_error(fit: Fit, windows: Sequence[Question] | None = None) -> float
     windows : sequence of Question, optional
         From whose starts; by default `judged`, such as follow the sensors.
     """
-    asked = judged(fit.followed) if windows is None else windows
-    found = [
-        0.5 * math.log(x**2 + small**2)
-        for question in asked
-        for x, small in _beside_small(fit, question)
-    ]
+    return mean_log(left_out_errors(fit, windows))
+
+
+def mean_log(errors: Sequence[Sequence[tuple[float, float]]]) -> float:
+    """Mean of ln of `left_out_errors`."""
+    found = [0.5 * math.log(x**2 + small**2) for own in errors for x, small in own]
     return sum(found) / len(found)
 
 
-def predicts(fit: Fit) -> bool:
-    """Whether no error of records left out matters over windows."""
-    return all(x <= small for x, small in _beside_small(fit, fit.followed))
+def left_out_errors(
+    fit: Fit, windows: Sequence[Question] | None = None
+) -> list[list[tuple[float, float]]]:
+    """Errors of records that are left out one after another, each with what does not matter.
+
+    A list for each of the windows, as for `left_out_error`.
+    """
+    asked = judged(fit.followed) if windows is None else windows
+    return [_beside_small(fit, question) for question in asked]
 
 
 def _beside_small(fit: Fit, question: Question) -> list[tuple[float, float]]:
-    """Errors of records that are left out one after another, each with what does not matter."""
     record, L = question.stretches[0].record, question.model.ship.L
     small = {
         "position": NEAR * L,

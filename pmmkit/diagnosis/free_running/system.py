@@ -10,7 +10,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
-from pmmkit.diagnosis.free_running.contest import contest_of, steady
+from pmmkit.diagnosis.free_running.contest import base_alone, steady
 from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
@@ -81,6 +81,13 @@ class FreeSystem:
         return first_place(question)
 
     @cached_property
+    def alone(self) -> tuple[Place, Fit]:
+        """The base without any effect, as far as it may move, and the linear problem of that."""
+        place = self.place
+        self.tell("The base alone")
+        return base_alone(place)
+
+    @cached_property
     def fit(self) -> Callable[[Names], Fit]:
         """The base fitted together with a set of candidates, each set once."""
         return cache(lambda names: steady(self._moving(names)))
@@ -94,8 +101,7 @@ class FreeSystem:
 
         def made(names: Names) -> Fit:
             if not names:
-                none = contest_of(self.place, self.model, (), self.speed, most=0, tell=self.tell)
-                return none.null
+                return self.alone[1]
             before = self._moving(names[:-1])
             self.tell(f"Fit with {' and '.join(names)}")
             return fitted(place_at(before.place.question, before.z), names, before.forces)

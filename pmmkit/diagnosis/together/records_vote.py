@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.diagnosis.free_running.contest import Contest, can_be, steady
-from pmmkit.diagnosis.free_running.diagnose import answered
+from pmmkit.diagnosis.free_running.diagnose import answer, contest_about
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
@@ -287,5 +287,6 @@ def records_vote(
         If there are fewer than two records.
     """
     system = free_system(model, records, **settings)
-    diagnosis, contest = answered(system, seed=seed, most=most)
+    contest = contest_about(system, most=most)
+    diagnosis = answer(system, seed=seed, contest=contest)
     return RecordsVote(name=name, system=system, diagnosis=diagnosis, contest=contest)
