@@ -39,6 +39,7 @@ EXCITES: Final = {
     "large motion": "drift beyond 17° or a yaw rate r' beyond 0.8",
     "sinkage": "measured sinkage",
     "wind": "measured wind",
+    "depth": "a stated depth of less than six draughts",
 }
 """What tests must hold to show an effect, and what that means."""
 

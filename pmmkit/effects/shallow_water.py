@@ -24,8 +24,17 @@ SHALLOW_WATER: Final = Effect(
         ),
         Parameter(name="lambda_Nv", text="on Nv", default=1.7, low=0.0),
         Parameter(name="lambda_Nr", text="on Yr and Nr", default=0.7, low=0.0),
+        Parameter(
+            name="share",
+            text="share of what the formulas add that this ship feels",
+            default=1.0,
+            typical=1.0,
+        ),
     ),
     needs=("depth",),
+    excites=("depth",),
+    not_captive="the tests of a campaign have one depth, and their table holds it",
+    check="the same manoeuvre in deep water",
     sources=("hirano_1985", "kijima_1990", "ankudinov_1990"),
     remark="added mass and products from the last; all as public programs quote them, not "
     "against their texts",
@@ -64,6 +73,7 @@ def factors(
     lambda_Yv: Any = 2.3,
     lambda_Nv: Any = 1.7,
     lambda_Nr: Any = 0.7,
+    share: Any = 1.0,
 ) -> dict[str, Any]:
     """What derivatives are multiplied by in water of a depth.
 
@@ -77,6 +87,8 @@ def factors(
         Block coefficient.
     lambda_Yv, lambda_Nv, lambda_Nr : float
         Powers of the effective aspect ratio.
+    share : float
+        Share of what the formulas add to 1: none leaves the derivatives of deep water.
 
     Returns
     -------
@@ -134,7 +146,7 @@ def factors(
         return K0 + first * K1 * b + second * K2 * b**2
 
     cross = 1.5 * strip(1 / 2, 1 / 3) - 0.5
-    return {
+    grown = {
         "Yv": (0.5 * math.pi * sway + c) / (0.5 * math.pi * k + c),
         "Yr": yaw / k,
         "Nv": turn / k,
@@ -149,6 +161,7 @@ def factors(
         "Yvdot": strip(2 / 3, 8 / 15),
         "Nrdot": strip(8 / 15, 40 / 105),
     }
+    return {name: 1.0 + share * (factor - 1.0) for name, factor in grown.items()}
 
 
 def apply(values: Mapping[str, Any], *, ship: Ship, depth: float, **powers: Any) -> dict[str, Any]:

@@ -160,7 +160,13 @@ def chosen_records(
 
     def records(chosen: Sequence[Run]) -> Chosen:
         return _records(
-            chosen, model, channels=channels, rudder=rudder, wind=wind, shortest=shortest
+            chosen,
+            model,
+            channels=channels,
+            rudder=rudder,
+            wind=wind,
+            shortest=shortest,
+            depth=campaign.water.depth,
         )
 
     return records(train), records(held) if held else None
@@ -198,6 +204,7 @@ def _records(
     rudder: Literal["auto", "measured", "ordered"],
     wind: bool,
     shortest: float | None,
+    depth: float | None,
 ) -> Chosen:
     """Usable segments of runs; every run that cannot be used at all is named at once."""
     records: list[FreeRecord] = []
@@ -210,7 +217,13 @@ def _records(
         cuts += [(run.id, cut) for cut in usable(loaded, shortest=least).cuts]
         try:
             records += free_records(
-                loaded, model, rudder=rudder, channels=channels, wind=wind, shortest=least
+                loaded,
+                model,
+                rudder=rudder,
+                channels=channels,
+                wind=wind,
+                shortest=least,
+                depth=depth,
             )
         except DataError as error:
             problems += error.problems

@@ -476,7 +476,7 @@ def _sailed(
 ) -> Mapping[str, Array]:
     """Motion of a model from the first state of a window."""
     ready, record = driven(model), item.record
-    binding = bound(ready, (), record.speed, extrapolate=extrapolate)
+    binding = bound(ready, (), record.speed, conditions=record.conditions, extrapolate=extrapolate)
     functions = compiled(binding.structure, ESTIMATING)
     k = binding.base.copy()
     functions.complete(k)

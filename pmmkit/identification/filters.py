@@ -198,7 +198,9 @@ def kalman(
     started = time.perf_counter()
     ready = driven(model)
     speed = records[0].speed
-    binding = bound(ready, prior.names, speed, extrapolate=extrapolate)
+    binding = bound(
+        ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
+    )
     pace = speed / ready.ship.L
     wander = wander or {}
     setup = _Setup(

@@ -33,6 +33,7 @@ def free_records(
     wind: bool = True,
     roll: bool = True,
     shortest: float | None = None,
+    depth: float | None = None,
 ) -> tuple[FreeRecord, ...]:
     """The usable segments of a free-running run.
 
@@ -54,6 +55,8 @@ def free_records(
     shortest : float, optional
         Segments shorter than this are left out [s]; by default ten ship lengths at the speed of
         the approach, or a third of the record where that is less.
+    depth : float, optional
+        Depth of the water [m], of the campaign.
 
     Returns
     -------
@@ -77,7 +80,8 @@ def free_records(
     lengths = 10.0 * model.ship.L / max(run.settings.speed, 1e-9)
     found = usable(run, shortest=shortest or min(lengths, float(np.nanmax(t) - np.nanmin(t)) / 3))
     return tuple(
-        _record(segment, model, rudder, channels, wind, roll) for segment in found.segments
+        _record(segment, model, rudder, channels, wind, roll).with_(depth=depth)
+        for segment in found.segments
     )
 
 

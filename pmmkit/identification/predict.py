@@ -132,7 +132,9 @@ def predict(
     errors = {}
     for item in references:
         record = item.record
-        binding = bound(ready, (), record.speed, extrapolate=extrapolate)
+        binding = bound(
+            ready, (), record.speed, conditions=record.conditions, extrapolate=extrapolate
+        )
         functions = compiled(binding.structure, ESTIMATING)
         k = binding.base.copy()
         k[Constant.current_x], k[Constant.current_y] = current

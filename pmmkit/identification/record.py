@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pmmkit.equations.layouts import InputField, OverGround, State
+from pmmkit.equations.prepared import Conditions
 from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.numerics import Array
 
@@ -47,6 +48,8 @@ class FreeRecord:
         where they are not given. A model that rolls goes by ``measured`` alone.
     speed : float
         Of the approach [m/s].
+    depth : float, optional
+        Of the water [m]; by default that of the model's water, deep if it has none.
     """
 
     name: str
@@ -60,6 +63,7 @@ class FreeRecord:
     bucket: Array | None = None
     roll: Array | None = None
     roll_rate: Array | None = None
+    depth: float | None = None
 
     def __post_init__(self) -> None:
         inputs = (self.delta, self.turns, *(x for x in self._optional.values() if x is not None))
@@ -96,6 +100,11 @@ class FreeRecord:
         return {
             field.name: getattr(self, field.name) for field in InputField if field not in controls
         }
+
+    @property
+    def conditions(self) -> Conditions:
+        """What surrounds the ship all along; wind is an input of each instant."""
+        return Conditions(depth=self.depth)
 
     @property
     def inputs(self) -> Array:

@@ -14,7 +14,6 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.added_mass import INERTIA, dimensional
 from pmmkit.effects.hull import HULL, RUDDER_POLYNOMIAL
 from pmmkit.effects.roll import ROLL
-from pmmkit.equations import CALM
 from pmmkit.equations.histories import rigid_body, water_forces
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import DataError, ModelError, Problem, Remedy, Way
@@ -174,7 +173,7 @@ def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:
         made = _rolling(model, levers)
         numbers = values_at(made, record.speed, extrapolate=extrapolate)
-        return water_forces(*packed(made, numbers, record.speed, CALM), along)["K"]
+        return water_forces(*packed(made, numbers, record.speed, record.conditions), along)["K"]
 
     none = moment(_Levers(), motion)
     assert record.roll is not None

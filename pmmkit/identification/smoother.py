@@ -134,7 +134,9 @@ def smooth(
     ready = driven(model)
     names = FORCES if model.rolls else FORCES[:3]
     known = sensors_of([record], sensors or {})
-    binding = bound(ready, names, record.speed, extrapolate=extrapolate)
+    binding = bound(
+        ready, names, record.speed, conditions=record.conditions, extrapolate=extrapolate
+    )
     states = binding.structure.states
     n, rows = len(states) + len(names), len(record)
     width = 2 * n * n + 2 * n + len(states) * n + len(names)
@@ -324,5 +326,6 @@ def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) 
         forces=MappingProxyType({name: forces[name] for name in smoothed.residual}),
         std=MappingProxyType(dict(smoothed.residual_std)),
         speed=record.speed,
+        conditions=record.conditions,
         correlated=max(round(2.0 * memory / pace / step), 1),
     )

@@ -308,7 +308,9 @@ def _problem(
 ) -> _Problem:
     ready = driven(model)
     speed, L = records[0].speed, ready.ship.L
-    binding = bound(ready, prior.names, speed, extrapolate=extrapolate)
+    binding = bound(
+        ready, prior.names, speed, conditions=records[0].conditions, extrapolate=extrapolate
+    )
     length = window or WINDOW * L / speed
     known = sensors_of(records, sensors)
     channels = tuple(known)

@@ -14,6 +14,7 @@ from pmmkit.diagnosis.free_running.findings import model_of, moved
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
+from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import ModelError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -124,6 +125,7 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
         speed=speed,
         wind_speed=None if like.wind_speed is None else np.mean(like.wind_speed) * still,
         wind_direction=None if like.wind_direction is None else _from(like) * still,
+        depth=like.depth,
         roll=roll,
         roll_rate=None if roll is None or like.roll_rate is None else np.gradient(roll, t),
     )
@@ -150,6 +152,8 @@ def _around(sea: Sea, like: FreeRecord, course: float) -> dict[str, Any]:
         "current_speed": math.hypot(north, east),
         "current_direction_deg": math.degrees(math.atan2(east, north) - course),
     }
+    if like.depth is not None and feels_depth(sea.model):
+        found["depth"] = like.depth
     if like.wind_speed is not None:
         found["wind_speed"] = float(np.mean(like.wind_speed))
         found["wind_direction_deg"] = math.degrees(_from(like) - course)

@@ -13,9 +13,8 @@ import numpy as np
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.conventions import CHANNELS
-from pmmkit.equations import CALM
 from pmmkit.equations.histories import water_forces
-from pmmkit.equations.prepared import packed, values_at
+from pmmkit.equations.prepared import feels_depth, packed, values_at
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.identification.binding import driven
 from pmmkit.identification.comparing import predicted_window
@@ -234,7 +233,8 @@ def compare_free(
         data = run.data
         held = run.with_(loader=lambda data=data: data)
         try:
-            records = reference(made, free_records(held, made), extrapolate=extrapolate)
+            found = free_records(held, made, depth=campaign.water.depth)
+            records = reference(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
@@ -300,7 +300,7 @@ def _compared(
     implied = implied_forces(model, smooth(model, record, extrapolate=extrapolate))
     ready = driven(model)
     numbers = values_at(ready, record.speed, extrapolate=extrapolate)
-    structure, k = packed(ready, numbers, record.speed, CALM, heeled=True)
+    structure, k = packed(ready, numbers, record.speed, record.conditions, heeled=True)
     said = water_forces(structure, k, implied.motion)
     names = tuple(whole.measured)
     return FreeRun(
@@ -338,6 +338,7 @@ def _sailed(model: Model, run: Run, campaign: Campaign, extrapolate: bool) -> Ma
             model,
             manoeuvre,
             speed=settings.speed,
+            depth=campaign.water.depth if feels_depth(model) else None,
             extrapolate=extrapolate,
             rudder_rate_deg=rate if math.isfinite(rate) else None,
             **asked,

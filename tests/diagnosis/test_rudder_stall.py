@@ -174,3 +174,23 @@ def test_a_stalled_rudder_is_named_and_its_values_found():
     for name, true in (("stall_loss", 0.3), ("stall_deg", 18.0 - BEGIN)):
         assert abs(finding.coefficients[name] - true) < 3.5 * finding.std[name]
     assert found.model.parts["rudder_mmg"].options["stall"] == "linear"
+
+
+@pytest.mark.slow
+def test_an_effect_whose_values_no_model_can_have_is_not_dropped_in_silence():
+    """A rudder that gains 90 % with each 10° beyond 15°, asked as one that gains beyond 18°: more
+    than the 100 % that a model takes."""
+    item = candidate(SHIP)
+    one = replace(
+        item,
+        moves={"stall_loss": item.moves["stall_loss"]},
+        typical={"stall_loss": item.typical["stall_loss"]},
+        begins={**item.begins, "rudder_mmg.stall_deg": 18.0},
+    )
+    records = sailed(stalling(SHIP, "linear", BEGIN, -0.9), 3, runs=((20.0, 20.0), (-20.0, 10.0)))
+    prior = prior_of(SHIP, ("Yv", "Nv", "Nr"), SPEED, spread=0.02)
+    found = diagnose_free(SHIP, records, prior=prior, candidates=[one], sensors=SENSORS, most=1)
+    assert found.group == ()
+    (said,) = (note for note in found.notes if note.startswith("rudder_stall"))
+    assert "no model can have" in said
+    assert "stall_loss" in said

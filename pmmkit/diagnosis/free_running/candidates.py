@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Literal
+from typing import Final, Literal
 
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import catalogue
@@ -16,6 +17,9 @@ from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.vessel import Sailing, moves_of, told
+
+DEEP: Final = 6.0
+"""Draughts from which the bottom adds at most 3 % to the linear derivatives."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +99,7 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
             "roll": model.rolls
             or (bool(records) and all(item.roll is not None for item in records)),
             "wind": bool(records) and all(item.wind_speed is not None for item in records),
+            "depth": any((item.depth or math.inf) < DEEP * model.ship.d for item in records),
         }.items()
         if there
     )

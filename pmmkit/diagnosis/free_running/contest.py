@@ -35,6 +35,25 @@ BLIND: Final = 10.0
 behind unknown forces that are quick."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Refused:
+    """A set that no ship can be: its evidence asks for values that a model may not have.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The set.
+    gain : float
+        ln of its odds against none.
+    why : str
+        The value, and the least or the most that there is.
+    """
+
+    names: Names
+    gain: float
+    why: str
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contest:
     """Sets of effects in the order of their evidence.
@@ -49,12 +68,15 @@ class Contest:
         Sets that were fitted through the equations, the best first.
     entries : tuple of Entry
         All sets.
+    refused : tuple of Refused
+        Sets that were in front where they were asked, but for values that no model can have.
     """
 
     null: Fit
     zero: Place
     settled: list[Named]
     entries: tuple[Entry, ...]
+    refused: tuple[Refused, ...] = ()
 
     def without(self, names: Names, left_out: str) -> Named:
         """A set of effects without one of them."""
@@ -132,18 +154,22 @@ def contest_of(
     names = [item.name for item in every]
     price = price_of(zero.question)
     settled: list[Named] = []
+    refused: list[Refused] = []
     ahead = Named(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
     for count in range(min(most, len(names))):
         tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
-        found = []
+        found: list[Named] = []
+        barred: list[Refused] = []
         for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
             tell(f"Fit with {' and '.join(chosen)}")
             fit = fitted(place, chosen, forces)
             gain = fit.log_probability - null.log_probability - price * len(chosen)
             item = Named(names=chosen, gain=gain, fit=fit)
             # The linear problem may promise what the equations, far from there, do not keep.
-            if not can_be(model, every, fit, speed):
+            why = why_not(model, every, fit, speed)
+            if why:
+                barred.append(Refused(names=chosen, gain=gain, why=why))
                 continue
             # A base that moves by much may predict as well as an effect: where no error matters
             # the evidence alone decides.
@@ -151,6 +177,7 @@ def contest_of(
                 found.append(item)
         settled += found
         best = _next(found, ahead)
+        refused += [item for item in barred if item.gain > (best or ahead).gain]
         if best is None:
             break
         ahead = best
@@ -169,6 +196,7 @@ def contest_of(
         zero=zero,
         settled=order,
         entries=tuple(Entry(names=n, log_evidence=gain, values=()) for n, gain in entries),
+        refused=tuple(sorted(refused, key=lambda item: -item.gain)),
     )
 
 
@@ -183,13 +211,13 @@ def _next(found: Sequence[Named], ahead: Named) -> Named | None:
     return min(lower, key=lambda item: item.error, default=best)
 
 
-def can_be(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> bool:
-    """Whether a model can have the values of a fit."""
+def why_not(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> str:
+    """What keeps a model from having the values of a fit; empty where it can have them."""
     try:
         model_of(model, every, fit, speed)
-    except ModelError:
-        return False
-    return True
+    except ModelError as error:
+        return str(error)
+    return ""
 
 
 def _larger(chosen: Names, names: Sequence[str]) -> list[Names]:

@@ -22,9 +22,9 @@ from pmmkit.diagnosis.free_running.contest import (
     MOST,
     Contest,
     base_alone,
-    can_be,
     contest_of,
     steady,
+    why_not,
 )
 from pmmkit.diagnosis.free_running.findings import (
     Named,
@@ -267,7 +267,7 @@ def answer(
         model=made,
         refitted=refitted,
         corrections=MappingProxyType(corrections),
-        notes=_notes(question, last),
+        notes=(*_notes(question, last), *_refused(contest)),
     )
 
 
@@ -298,7 +298,7 @@ def _having(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[Free
 def _possible(model: Model, every: Sequence[FreeCandidate], fit: Fit, speed: float) -> Fit:
     """The steady form of a fit, if there can be such a ship, else the fit."""
     found = steady(fit)
-    return found if can_be(model, every, found, speed) else fit
+    return fit if why_not(model, every, found, speed) else found
 
 
 def _errors(contest: Contest, refit: Fit, best: Fit | None) -> dict[str, dict[str, float]]:
@@ -362,6 +362,15 @@ def _findings(
         odds[name] = best.gain - rest.gain
         errors[name] = (pooled(predicted(rest.fit, each(records))), after)
     return findings_of(best, every, covered, odds, errors)
+
+
+def _refused(contest: Contest) -> tuple[str, ...]:
+    """What was in front but for values that no ship can have."""
+    return tuple(
+        f"{' + '.join(item.names)} would have had {item.gain:.1f} of ln evidence with values that "
+        f"no model can have: {item.why}"
+        for item in contest.refused
+    )
 
 
 def _notes(question: Question, last: Fit) -> tuple[str, ...]:

@@ -141,11 +141,11 @@ def stretches_of(
     ready = driven(model)
     own = [name for name in names if name in CURRENT or name not in OUTSIDE]
     at = {
-        speed: bound(ready, own, speed, extrapolate=extrapolate)
-        for speed in {record.speed for record in records}
+        place: bound(ready, own, place[0], conditions=place[1], extrapolate=extrapolate)
+        for place in {(record.speed, record.conditions) for record in records}
     }
     return tuple(
-        _stretch(ready, record, tuple(names), at[record.speed], sensors, window)
+        _stretch(ready, record, tuple(names), at[record.speed, record.conditions], sensors, window)
         for record in records
     )
 

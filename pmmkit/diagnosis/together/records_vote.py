@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.findings import Diagnosis
-from pmmkit.diagnosis.free_running.contest import Contest, can_be, steady
+from pmmkit.diagnosis.free_running.contest import Contest, steady, why_not
 from pmmkit.diagnosis.free_running.diagnose import answer, contest_about
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit, fitted, place_at
@@ -197,8 +197,8 @@ class RecordsVote:
                 found = fitted(place, order, near.forces)
             except (ModelError, SimulationError):
                 return None
-            possible = can_be(self.model, self.system.every, found, self.system.speed)
-            return found if possible and left_out_error(found) <= missed else None
+            barred = why_not(self.model, self.system.every, found, self.system.speed)
+            return found if not barred and left_out_error(found) <= missed else None
 
         return cache(made)
 

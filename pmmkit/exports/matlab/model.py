@@ -19,6 +19,7 @@ from pmmkit.exports.matlab.transcribe import Line, Unwritable, needed, transcrib
 from pmmkit.exports.matlab.words import heading, meaning
 from pmmkit.exports.text import WHICH_SPEED, is_matlab_name, matlab_name, number, row
 from pmmkit.models import Model
+from pmmkit.models.roles import parts_of
 from pmmkit.simulation.simulate import steering
 
 _ANY_FROUDE: Final = 0.2
@@ -182,8 +183,10 @@ def _effects(
     extra: dict[str, list[str]] = {}
     rates: dict[str, str] = {}
     signals: dict[str, str] = {}
-    if "shallow_water" in model.parts and model.water.depth is not None:
-        problems.append("shallow_water: it changes derivatives by the depth.")
+    if model.water.depth is not None:
+        problems += [
+            f"{name}: it changes derivatives by the depth." for name in parts_of(model, "depth")
+        ]
     for item in ready.structure.used:
         if why := _unfit(item):
             problems.append(f"{item.effect}: {why}.")
