@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from pmmkit.conventions import parse_derivative
 from pmmkit.effects.effect import BY_SPEED, Effect, Parameter
+from pmmkit.effects.roll import ROLL_PART
 from pmmkit.effects.rudder import stall_of_the_rudder
 from pmmkit.effects.seen import Move, Vessel
 
@@ -79,11 +80,16 @@ _HEEL_SAILED: Final = MappingProxyType(
 """All of them, and the moment of the roll rate: a ship that turns has them at once."""
 
 
-def heel_of_the_ship(_: Vessel) -> Mapping[str, Move]:
-    """Every derivative of heel and roll rate that sailing shows; in the prime system."""
+_HEEL_DRIVEN: Final = MappingProxyType({**_HEEL_SAILED, "Ypdot": 2.2e-4})
+"""And the side force of the roll's acceleration, which a ship that rolls has in her masses."""
+
+
+def heel_of_the_ship(vessel: Vessel) -> Mapping[str, Move]:
+    """Every derivative of heel and its rates that sailing shows; in the prime system."""
+    rolls = vessel.holds(ROLL_PART, "damping")
     return {
         label: Move(values=MappingProxyType({label: 1.0}), typical=size)
-        for label, size in _HEEL_SAILED.items()
+        for label, size in (_HEEL_SAILED if rolls else _HEEL_DRIVEN).items()
     }
 
 

@@ -283,6 +283,12 @@ def _motion(structure: Structure, extra: dict[str, list[str]], *, heeled: bool) 
         lines.append(f"K += (k[{Constant.coriolis_k}] + mass * k[{Constant.zG}]) * u * r")
     if heeled:
         lines += ["upright = cos(phi)", "level = v * upright"]
+    if heeled and not structure.rolls:
+        gain = f"k[{Constant.roll_acceleration}]"
+        lines += [
+            f"Y += (mass * k[{Constant.zG}] + k[{Constant.Ypdot}]) * {gain}",
+            f"N += k[{Constant.Npdot}] * {gain}",
+        ]
     across = "level" if heeled else "v"
     lines += [
         f"out[{State.x}] = u * ahead - {across} * aside + k[{Constant.current_x}]",

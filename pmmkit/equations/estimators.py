@@ -60,10 +60,12 @@ def blown(speed: float, direction: float, k: Array) -> None:
 
 
 def heeled(start: Array, stop: Array, share: float, k: Array) -> None:
-    """Set the measured heel and roll rate at a share of the way between two instants."""
+    """Set the measured heel and its two rates at a share of the way between two instants."""
     roll, rate = start[InputField.roll], start[InputField.roll_rate]
+    gain = start[InputField.roll_acceleration]
     k[Constant.roll] = roll + share * (stop[InputField.roll] - roll)
     k[Constant.roll_rate] = rate + share * (stop[InputField.roll_rate] - rate)
+    k[Constant.roll_acceleration] = gain + share * (stop[InputField.roll_acceleration] - gain)
 
 
 def advance(

@@ -65,14 +65,15 @@ Constant = IntEnum(
         "more_K",
         "roll",
         "roll_rate",
+        "roll_acceleration",
     ),
     start=0,
 )
 """The constants ``k`` that every model has; those of its effects follow. The engine fills in the
 mass of surge and the inverse of the mass matrix of sway, yaw and roll (i11 to i33). More forces
 [N, N m] than those of the effects are zero but in a filter that looks for what the effects lack.
-Heel [rad] and roll rate [rad/s] are those measured, where estimators drive a ship that does not
-roll by itself."""
+Heel [rad], roll rate [rad/s] and its rate [rad/s²] are those measured, where estimators drive a
+ship that does not roll by itself."""
 POLYNOMIAL: Final = -1
 """The last constant of the kernel for all polynomials says where its products begin."""
 
@@ -146,10 +147,19 @@ OutcomeField = IntEnum("OutcomeField", ("status", "revolutions"), start=0)
 
 InputField = IntEnum(
     "InputField",
-    ("rudder", "revolutions", "bucket", "wind_speed", "wind_direction", "roll", "roll_rate"),
+    (
+        "rudder",
+        "revolutions",
+        "bucket",
+        "wind_speed",
+        "wind_direction",
+        "roll",
+        "roll_rate",
+        "roll_acceleration",
+    ),
     start=0,
 )
-"""A row of the inputs of a filter; a ship that rolls by itself does not look at the last two."""
+"""A row of the inputs of a filter; a ship that rolls by itself does not look at the last three."""
 OverGround = IntEnum("OverGround", ("north", "east", "size"), start=100)
 """Kinds of measured columns beside the states, which are known by their places: the velocity over
 ground and its size."""

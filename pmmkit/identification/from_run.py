@@ -131,11 +131,12 @@ def _record(
         wind_direction=blowing[1] if blowing else None,
         roll=driven[0] if driven else None,
         roll_rate=driven[1] if driven else None,
+        roll_acceleration=driven[2] if driven else None,
     )
 
 
-def _roll(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array] | None:
-    """Heel [rad] and roll rate [rad/s] without their noise, gaps bridged by straight lines."""
+def _roll(t: Array, columns: Mapping[str, Array]) -> tuple[Array, Array, Array] | None:
+    """Heel [rad] and its rates [rad/s, rad/s²] without noise, gaps bridged by straight lines."""
     there = {name: np.isfinite(columns[name]) for name in ("phi", "p") if name in columns}
     if np.sum(there.get("phi", 0)) < 2:
         return None

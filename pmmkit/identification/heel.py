@@ -1,4 +1,4 @@
-"""The measured heel as an input: what is left of it and of its rate without the noise."""
+"""The measured heel as an input: what is left of it and of its rates without the noise."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ WIDTHS: Final = (5, 7, 9, 13, 17, 25, 33, 49, 65, 97, 129, 193, 257, 385)
 ORDER: Final = 3
 
 
-def measured_roll(t: Array, phi: Array, p: Array | None = None) -> tuple[Array, Array]:
-    """Heel and roll rate as inputs of a ship that does not roll by itself.
+def measured_roll(t: Array, phi: Array, p: Array | None = None) -> tuple[Array, Array, Array]:
+    """Heel and its rates as inputs of a ship that does not roll by itself.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def measured_roll(t: Array, phi: Array, p: Array | None = None) -> tuple[Array, 
 
     Returns
     -------
-    array (n,), array (n,)
-        Heel [rad] and roll rate [rad/s].
+    array (n,), array (n,), array (n,)
+        Heel [rad], roll rate [rad/s] and the rate of that [rad/s²].
 
     Notes
     -----
@@ -43,24 +43,27 @@ def measured_roll(t: Array, phi: Array, p: Array | None = None) -> tuple[Array, 
     >>> t = np.linspace(0.0, 100.0, 401)
     >>> truth = 0.1 * np.sin(0.3 * t)
     >>> noise = np.random.default_rng(0).normal(size=401)
-    >>> roll, rate = measured_roll(t, truth + 0.002 * noise)
+    >>> roll, rate, gain = measured_roll(t, truth + 0.002 * noise)
     >>> bool(np.std(roll - truth) < 0.001), bool(np.std(rate - 0.03 * np.cos(0.3 * t)) < 0.001)
     (True, True)
     """
     even = np.linspace(t[0], t[-1], len(t))
     at = even if np.allclose(even, t, rtol=0.0, atol=1e-6 * (even[1] - even[0])) else t
-    smooth, slope = _smoothed(np.interp(even, at, phi), even[1] - even[0])
-    rate = slope if p is None else _smoothed(np.interp(even, at, p), even[1] - even[0])[0]
-    return np.interp(at, even, smooth), np.interp(at, even, rate)
+    step = even[1] - even[0]
+    smooth, rate, gain = _smoothed(np.interp(even, at, phi), step)
+    if p is not None:
+        rate, gain, _ = _smoothed(np.interp(even, at, p), step)
+    return np.interp(at, even, smooth), np.interp(at, even, rate), np.interp(at, even, gain)
 
 
-def _smoothed(values: Array, step: float) -> tuple[Array, Array]:
-    """Values at equal steps [s] without noise, and their slopes."""
+def _smoothed(values: Array, step: float) -> tuple[Array, Array, Array]:
+    """Values at equal steps [s] without noise, their slopes, and the slopes of these."""
     from scipy.signal import savgol_coeffs, savgol_filter
 
     widths = [width for width in WIDTHS if width <= len(values)]
     if not widths:
-        return values, np.gradient(values, step)
+        slope = np.gradient(values, step)
+        return values, slope, np.gradient(slope, step)
 
     def left(width: int) -> float:
         own = savgol_coeffs(width, ORDER)[width // 2]
@@ -71,4 +74,5 @@ def _smoothed(values: Array, step: float) -> tuple[Array, Array]:
     return (
         savgol_filter(values, best, ORDER),
         savgol_filter(values, best, ORDER, deriv=1, delta=step),
+        savgol_filter(values, best, ORDER, deriv=2, delta=step),
     )

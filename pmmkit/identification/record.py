@@ -43,9 +43,10 @@ class FreeRecord:
         True wind over ground [m/s] and where it comes from, from north [rad].
     bucket : array (n,), optional
         Of waterjets, 0 up to 1 down.
-    roll, roll_rate : array (n,), optional
-        Heel to starboard [rad] and its rate [rad/s] as inputs of a model that does not roll; zero
-        where they are not given. A model that rolls goes by ``measured`` alone.
+    roll, roll_rate, roll_acceleration : array (n,), optional
+        Heel to starboard [rad], its rate [rad/s] and the rate of that [rad/s²] as inputs of a model
+        that does not roll; zero where they are not given. A model that rolls goes by ``measured``
+        alone.
     speed : float
         Of the approach [m/s].
     depth : float, optional
@@ -63,6 +64,7 @@ class FreeRecord:
     bucket: Array | None = None
     roll: Array | None = None
     roll_rate: Array | None = None
+    roll_acceleration: Array | None = None
     depth: float | None = None
 
     def __post_init__(self) -> None:
@@ -77,6 +79,7 @@ class FreeRecord:
             ("revolutions", self.turns),
             ("heel", self.roll),
             ("roll rate", self.roll_rate),
+            ("rate of the roll rate", self.roll_acceleration),
         ):
             if values is not None and not np.all(np.isfinite(values)):
                 raise DataError(

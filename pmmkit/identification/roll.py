@@ -166,9 +166,10 @@ class _History:
 
 
 def _history(model: Model, smoothed: Smoothed, extrapolate: bool) -> _History:
-    """Roll moments along the motion of a record, righting and damping left out."""
-    record, motion = smoothed.record, implied_forces(model, smoothed).motion
-    upright = {**motion, "phi": np.zeros(len(record)), "p": np.zeros(len(record))}
+    """Roll moments along the motion of a record, righting, damping and inertia left out."""
+    record, still = smoothed.record, np.zeros(len(smoothed.record))
+    motion = {**implied_forces(model, smoothed).motion, "pdot": still}
+    upright = {**motion, "phi": still, "p": still}
 
     def moment(levers: _Levers, along: Mapping[str, Array]) -> Array:
         made = _rolling(model, levers)

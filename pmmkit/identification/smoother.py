@@ -318,6 +318,8 @@ def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) 
         motion |= {"wind_speed": record.wind_speed, "wind_direction": record.wind_direction}
     if not model.rolls and record.roll is not None and record.roll_rate is not None:
         motion |= {"phi": record.roll, "p": record.roll_rate}
+        if record.roll_acceleration is not None:
+            motion |= {"pdot": record.roll_acceleration}
     forces = rigid_body(model.ship, motion)
     step = float(np.median(np.diff(record.t)))
     return ForceRecord(

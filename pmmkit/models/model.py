@@ -455,7 +455,7 @@ def _roll_problems(model: Model) -> list[str]:
 
 
 def needs_roll(name: str) -> bool:
-    """Whether a derivative belongs to roll: a K, or a factor of heel or roll rate.
+    """Whether a derivative belongs to roll: a K, or a factor of heel or its rates.
 
     Examples
     --------
@@ -466,22 +466,24 @@ def needs_roll(name: str) -> bool:
 
 
 def knows_heel(name: str) -> bool:
-    """Whether a derivative asks for heel or roll rate alone, which may be measured.
+    """Whether a derivative asks for heel or its rates alone, which may be measured.
 
     Examples
     --------
     >>> [knows_heel(name) for name in ("Kv", "Nvvphi", "Yp", "Ypdot", "Yv", "lx")]
-    [False, True, True, False, False, False]
+    [False, True, True, True, False, False]
     """
     known = _parsed(name)
     return (
-        known is not None and bool(known.count("p") or known.count("phi")) and known.channel != "K"
+        known is not None
+        and any(known.count(of_roll) for of_roll in ("phi", "p", "pdot"))
+        and known.channel != "K"
     )
 
 
 def _rolls_by_itself(name: str) -> bool:
     known = _parsed(name)
-    return known is not None and (known.channel == "K" or bool(known.count("pdot")))
+    return known is not None and known.channel == "K"
 
 
 def _parsed(name: str) -> Derivative | None:

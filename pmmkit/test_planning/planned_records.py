@@ -115,6 +115,7 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
     t = track.t[kept]
     shown = {name: x[kept] for name, x in _channels(track, course).items()}
     roll = None if like.roll is None else sea.heel * speed * shown["r"]
+    rate = None if roll is None or like.roll_rate is None else np.gradient(roll, t)
     still = np.ones(len(t))
     return FreeRecord(
         name=option.id,
@@ -127,7 +128,10 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
         wind_direction=None if like.wind_direction is None else _from(like) * still,
         depth=like.depth,
         roll=roll,
-        roll_rate=None if roll is None or like.roll_rate is None else np.gradient(roll, t),
+        roll_rate=rate,
+        roll_acceleration=(
+            None if rate is None or like.roll_acceleration is None else np.gradient(rate, t)
+        ),
     )
 
 

@@ -130,7 +130,9 @@ def record(case: Case, number: int, seed: int) -> FreeRecord:
     inputs: dict[str, Any] = {}
     if case.truth.rolls:
         seen = track.phi + HEEL * rng.normal(size=len(track))
-        inputs["roll"], inputs["roll_rate"] = measured_roll(track.t, seen)
+        inputs["roll"], inputs["roll_rate"], inputs["roll_acceleration"] = measured_roll(
+            track.t, seen
+        )
     if case.wind:
         inputs["wind_speed"] = np.full(len(track), case.wind["wind_speed"])
         angle_of_wind = math.radians(case.wind["wind_direction_deg"])
@@ -200,7 +202,9 @@ def play(name: str, seed: int) -> tuple[dict[str, float], dict[str, float], list
     off = np.random.default_rng(seed + 100).normal(size=len(true))
     prior = replace(prior, mean=true + prior.std * off)
     start = with_parameters(case.model, places(case.model, prior.names), prior.mean)
-    blind = [item.calm().with_(roll=None, roll_rate=None) for item in records]
+    blind = [
+        item.calm().with_(roll=None, roll_rate=None, roll_acceleration=None) for item in records
+    ]
     before = held(start, blind, prior, case, true)
     began = time.process_time()
     found = diagnose_free(start, records, prior=prior, sensors=case.sensors)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from pmmkit.diagnosis.free_running.candidates import candidates_for, excited
+from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.hull import HULL
 from pmmkit.identification.binding import bound
@@ -43,21 +45,25 @@ def test_heel_coupling_has_a_place_in_a_model_that_does_not_roll():
     assert "heel_coupling" not in {item.name for item in candidates_for(UPRIGHT, [BARE])}
     heel = found["heel_coupling"]
     made = heel.added_to(UPRIGHT)
-    assert {name: made.values(HULL)[name] for name in heel.values} == dict.fromkeys(
-        heel.values, 0.0
-    )
+    values = {**made.values(HULL), **made.values(INERTIA)}
+    assert {name: values[name] for name in heel.values} == dict.fromkeys(heel.values, 0.0)
     binding = bound(made, heel.values, 9.0)
     assert np.all(np.diff(binding.starts) == 1)
     assert not binding.structure.rolls
 
 
 def test_sailing_shows_more_of_heel_than_captive_tests():
-    """Son and Nomoto (1981) give twelve derivatives of heel and roll rate that are not zero."""
+    """Son and Nomoto (1981) give twelve derivatives of heel and roll rate that are not zero, and
+    the added mass that couples roll to sway, which a ship that rolls has among her masses."""
     found = {item.name: item for item in candidates_for(UPRIGHT, [HEELED])}
-    theirs = load_model("s175").values(HULL)
-    assert set(found["heel_coupling"].values) == {
-        name for name, x in theirs.items() if knows_heel(name) and x and name[0] != "K"
-    }
+    ship = load_model("s175")
+    hull = {name for name, x in ship.values(HULL).items() if knows_heel(name) and x}
+    assert set(found["heel_coupling"].values) == hull | {"Ypdot"}
+    assert ship.values(INERTIA)["Ypdot"] == pytest.approx(
+        found["heel_coupling"].typical["Ypdot"], rel=0.01
+    )
+    rolling = {item.name: item for item in candidates_for(ship, [HEELED])}
+    assert set(rolling["heel_coupling"].values) == hull
     assert len(effect_of("heel_coupling").coefficients) == 6
 
 

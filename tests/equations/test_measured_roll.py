@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import pmmkit as pk
+from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.hull import HULL
 from pmmkit.equations import CALM, prepare
 from pmmkit.equations.code_generation import ESTIMATING, module_text
 from pmmkit.equations.compilation import compiled
-from pmmkit.equations.histories import water_forces
+from pmmkit.equations.histories import rigid_body, water_forces
 from pmmkit.equations.layouts import Constant, InputField, OverGround, State
 from pmmkit.equations.prepared import packed, values_at
 from pmmkit.errors import MissingPartError, ModelError
@@ -66,6 +68,26 @@ def test_terms_of_the_measured_heel_act_with_their_forces():
     np.testing.assert_allclose(force["N"], ship.Izz * motion["rdot"], rtol=1e-9)
 
 
+def test_the_acceleration_of_the_measured_roll_pushes_sideways():
+    """Y = m(v' + ur - zG p'), with the added mass of sway that the roll moves."""
+    ship = replace(UPRIGHT.ship, zG=1.5)
+    model = replace(HEELED, ship=ship).with_values(INERTIA, Ypdot=2.2e-4, Npdot=-4e-5)
+    functions, structure, k = estimating(model)
+    states, pdot = some_states(), np.random.default_rng(3).uniform(-0.005, 0.005, 7)
+    out = np.empty_like(states)
+    inputs = driven(7, roll_acceleration=pdot)
+    functions.along(states, inputs, np.zeros((7, 3)), k, out)
+    motion = dict(zip(("x", "y", "psi", "u", "v", "r"), states.T, strict=True))
+    motion |= {f"{name}dot": out[:, State[name]] for name in ("u", "v", "r")}
+    motion |= {"pdot": pdot, "n": inputs[:, 1]}
+    force, body = water_forces(structure, k, motion), rigid_body(ship, motion)
+    for channel in "XYN":
+        np.testing.assert_allclose(force[channel], body[channel], rtol=1e-9)
+    still = np.empty_like(states)
+    functions.along(states, driven(7), np.zeros((7, 3)), k, still)
+    assert np.all(np.sign((out - still)[:, State.v]) == np.sign(pdot))
+
+
 def test_the_compass_of_a_heeled_ship_turns_slower():
     functions, _, k = estimating(UPRIGHT)
     states, heel = some_states(), np.linspace(-0.3, 0.3, 7)
@@ -78,10 +100,11 @@ def test_the_compass_of_a_heeled_ship_turns_slower():
     np.testing.assert_allclose(out[:, State.y], u * np.sin(psi) + level * np.cos(psi), rtol=1e-14)
 
 
-def test_heel_and_roll_rate_are_straight_lines_between_instants():
+def test_heel_and_its_rates_are_straight_lines_between_instants():
     functions, _, k = estimating(HEELED)
     t = np.array([0.0, 3.0, 8.0])
     inputs = driven(3, rudder=0.2, roll=[0.0, 0.2, -0.1], roll_rate=[0.01, -0.02, 0.03])
+    inputs[:, InputField.roll_acceleration] = 0.001, -0.003, 0.002
     start = some_states()[0]
     out = np.empty((3, 6))
     functions.windows(t, inputs, np.array([0, 3]), start[None], k.copy(), 0.05, out)
@@ -89,7 +112,8 @@ def test_heel_and_roll_rate_are_straight_lines_between_instants():
     def rates(time, y):
         found, here = np.empty(6), k.copy()
         here[Constant.roll] = np.interp(time, t, inputs[:, InputField.roll])
-        here[Constant.roll_rate] = np.interp(time, t, inputs[:, InputField.roll_rate])
+        for name in ("roll_rate", "roll_acceleration"):
+            here[Constant[name]] = np.interp(time, t, inputs[:, InputField[name]])
         functions.rates(y, 0.2, inputs[0, 1], 0.0, here, found)
         return found
 

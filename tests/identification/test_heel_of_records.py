@@ -73,7 +73,7 @@ def test_noise_falls_and_roll_stays_whatever_its_period(period):
     t = np.arange(0.0, 400.0, 0.5)
     truth, rate = 0.1 * np.sin(2 * np.pi * t / period), 0.2 * np.pi / period
     noise = dice(1)(math.radians(0.1), len(t))
-    roll, p = measured_roll(t, truth + noise)
+    roll, p, _ = measured_roll(t, truth + noise)
     inner = slice(20, -20)
     assert np.std((roll - truth)[inner]) < 0.75 * np.std(noise)
     errors = p - rate * np.cos(2 * np.pi * t / period)
@@ -83,15 +83,17 @@ def test_noise_falls_and_roll_stays_whatever_its_period(period):
 def test_a_heel_without_noise_is_left_as_it_is():
     t = np.arange(0.0, 200.0, 0.5)
     truth = 0.1 * np.sin(0.2 * t)
-    roll, p = measured_roll(t, truth)
+    roll, p, pdot = measured_roll(t, truth)
     np.testing.assert_allclose(roll, truth, atol=2e-6)
     np.testing.assert_allclose(p, 0.02 * np.cos(0.2 * t), atol=2e-5)
+    inner = slice(5, -5)
+    np.testing.assert_allclose(pdot[inner], -0.004 * np.sin(0.2 * t)[inner], atol=2e-5)
 
 
 def test_uneven_instants_give_the_same_roll():
     t = np.sort(np.random.default_rng(0).uniform(0.0, 200.0, 400))
     truth = 0.1 * np.sin(0.2 * t)
-    roll, p = measured_roll(t, truth + dice(1)(0.002, 400))
+    roll, p, _ = measured_roll(t, truth + dice(1)(0.002, 400))
     inner = slice(15, -15)
     assert np.std((roll - truth)[inner]) < 0.002
     assert np.std((p - 0.02 * np.cos(0.2 * t))[inner]) < 0.002
@@ -99,8 +101,9 @@ def test_uneven_instants_give_the_same_roll():
 
 def test_a_measured_roll_rate_is_taken_before_the_slope_of_the_heel():
     t = np.arange(0.0, 100.0, 0.5)
-    _, p = measured_roll(t, np.zeros(len(t)), 0.02 * np.cos(0.2 * t))
+    _, p, pdot = measured_roll(t, np.zeros(len(t)), 0.02 * np.cos(0.2 * t))
     np.testing.assert_allclose(p, 0.02 * np.cos(0.2 * t), atol=1e-5)
+    np.testing.assert_allclose(pdot, -0.004 * np.sin(0.2 * t), atol=1e-5)
 
 
 # Records
@@ -112,14 +115,15 @@ def test_a_model_that_does_not_roll_is_given_the_measured_heel():
     assert "phi" not in record.measured
     assert np.std(record.roll - track.phi) < 0.6 * NOISE["phi"]
     assert np.std(record.roll_rate - track.p) < 0.15 * np.std(track.p)
-    np.testing.assert_array_equal(record.inputs[:, -2:], np.c_[record.roll, record.roll_rate])
+    columns = np.c_[record.roll, record.roll_rate, record.roll_acceleration]
+    np.testing.assert_array_equal(record.inputs[:, -3:], columns)
     short = record.cut(20.0, 60.0)
-    assert len(short.roll) == len(short.roll_rate) == len(short)
+    assert len(short.roll) == len(short.roll_rate) == len(short.roll_acceleration) == len(short)
     thinned = record.at(slice(None, None, 3))
     np.testing.assert_array_equal(thinned.inputs, record.inputs[::3])
     (left,) = free_records(run, UPRIGHT, roll=False)
-    assert left.roll is left.roll_rate is None
-    assert np.all(left.inputs[:, -2:] == 0.0)
+    assert left.roll is left.roll_rate is left.roll_acceleration is None
+    assert np.all(left.inputs[:, -3:] == 0.0)
 
 
 def test_a_model_that_rolls_measures_by_the_heel():
@@ -205,7 +209,7 @@ def test_roll_asks_for_particulars_and_for_a_heel(records):
         with_roll(HEELED, records)
     with pytest.raises(ModelError, match=r"no Ixx.*\. State them: Ixx"):
         with_roll(replace(HEELED, ship=replace(HEELED.ship, GM=0.3)), records)
-    bare = [record.with_(roll=None, roll_rate=None) for record in records]
+    bare = [record.with_(roll=None, roll_rate=None, roll_acceleration=None) for record in records]
     with pytest.raises(DataError, match="column phi"):
         with_roll(HEELED, bare, GM=0.3, Ixx=1.5e9)
     with pytest.raises(ModelError, match="rolls already"):
@@ -232,6 +236,7 @@ def test_a_trajectory_fit_sees_the_velocity_over_ground_of_a_heeled_ship(model, 
         speed=10.0,
         roll=track.phi,
         roll_rate=track.p,
+        roll_acceleration=np.gradient(track.p, track.t),
     )
     sensors = dict.fromkeys(measured, 0.01) | {"psi": 0.003, "phi": 0.003, "r": 1e-4}
     found = fit_trajectories(
