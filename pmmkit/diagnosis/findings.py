@@ -352,8 +352,8 @@ class Diagnosis(Described):
 
     @property
     def not_testable(self) -> tuple[Visible, ...]:
-        """Effects that these runs cannot show."""
-        return tuple(item for item in self.covered if not item.shown)
+        """Effects that these runs cannot show at their usual size, but for those that are named."""
+        return tuple(item for item in self.covered if not item.shown and item.name not in self.best)
 
     @property
     def sentence(self) -> str:

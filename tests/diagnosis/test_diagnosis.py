@@ -107,6 +107,10 @@ def test_a_hidden_effect_is_named(effect):
     (finding,) = found.findings
     assert finding.effect == effect
     assert found.chance < 0.01
+    # What is larger than usual shows even where its usual size would not.
+    blind = replace(found, covered=tuple(replace(x, shown=False) for x in found.covered))
+    assert effect not in {item.name for item in blind.not_testable}
+    assert len(blind.not_testable) == len(found.covered) - 1
 
 
 @pytest.mark.slow
