@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Final
@@ -182,9 +182,12 @@ def contest_of(
             break
         ahead = best
         place = place_at(best.fit.place.question, best.fit.z)
-    order = sorted(
-        (item for item in settled if item.error < ahead.error + FALL), key=lambda item: -item.gain
-    )
+    order = _by_gain([item for item in settled if item.error < ahead.error + FALL])
+
+    def can_be(item: Named) -> bool:
+        return not why_not(model, every, item.fit, speed)
+
+    order = _thinned(order, null, price, can_be)
     gains = {
         chosen: first(chosen) - first(()) - price * len(chosen)
         for chosen in (*combinations(names, 1), *combinations(names, min(most, 2)))
@@ -198,6 +201,33 @@ def contest_of(
         entries=tuple(Entry(names=n, log_evidence=gain, values=()) for n, gain in entries),
         refused=tuple(sorted(refused, key=lambda item: -item.gain)),
     )
+
+
+def _by_gain(sets: Iterable[Named]) -> list[Named]:
+    return sorted(sets, key=lambda item: -item.gain)
+
+
+def _thinned(
+    order: list[Named], null: Fit, price: float, can_be: Callable[[Named], bool]
+) -> list[Named]:
+    """The order with sets of one effect less than the one in front, until none stands above it.
+
+    An effect that was taken in early may have nothing left to explain; and a set that is fitted
+    from where a larger one ended may end higher than from where the search came.
+    """
+    while order and len(order[0].names) > 1:
+        best, known = order[0], {item.names for item in order}
+        found = []
+        for rest in combinations(best.names, len(best.names) - 1):
+            if rest not in known:
+                fit = fitted(best.fit.place, rest, best.fit.forces)
+                gain = fit.log_probability - null.log_probability - price * len(rest)
+                found.append(Named(names=rest, gain=gain, fit=fit))
+        fair = [item for item in found if item.error < best.error + FALL and can_be(item)]
+        order = _by_gain([*order, *fair])
+        if order[0] is best:
+            break
+    return order
 
 
 def _next(found: Sequence[Named], ahead: Named) -> Named | None:
