@@ -229,7 +229,6 @@ def _of_records(
         tail=[
             "Root mean square errors over windows with the measured rudder:",
             errors_table(errors),
-            *found.notes,
             "",
         ],
     )
