@@ -11,6 +11,7 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.diagnose import complete_model
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.free_running.bands import band
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import MOST
 from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
@@ -169,6 +170,10 @@ def _sailed(fits: Mapping[str, Fit], record: int) -> Sailed:
         simulated={
             name: dict(zip(stretch.channels, shown.T, strict=True))
             for name, (_, shown) in found.items()
+        },
+        std={
+            name: dict(zip(stretch.channels, band(fit, record).T, strict=True))
+            for name, fit in fits.items()
         },
     )
 

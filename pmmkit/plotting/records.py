@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pmmkit.errors import DataError
 from pmmkit.escaping import figure_text
 from pmmkit.plotting import style
+from pmmkit.presentation import WIDE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,6 +95,8 @@ class Sailed:
         Measured channels [m, rad, m/s, rad/s].
     simulated : mapping of str to mapping of str to array (n,)
         What a model shows of them through the windows, by its name in words.
+    std : mapping of str to mapping of str to array (n,)
+        How far that may be off, as standard deviations.
     """
 
     name: str
@@ -101,6 +104,7 @@ class Sailed:
     begins: NDArray[np.int64]
     measured: Mapping[str, Array]
     simulated: Mapping[str, Mapping[str, Array]]
+    std: Mapping[str, Mapping[str, Array]]
 
 
 def before_and_after(records: Sequence[Sailed]) -> Figure:
@@ -166,16 +170,32 @@ def _track(axis: Axes, item: Sailed) -> None:
 def _over_time(axis: Axes, item: Sailed, channel: str) -> None:
     axis.plot(item.t, DEGREES * item.measured[channel], **_MEASURED)
     at = _whole(item)
-    for number, shown in enumerate(item.simulated.values()):
-        axis.plot(_cut(item.t, at), DEGREES * _cut(shown[channel], at), **_look(number))
+    for number, (name, shown) in enumerate(item.simulated.items()):
+        values = DEGREES * shown[channel]
+        axis.plot(_cut(item.t, at), _cut(values, at), **_look(number))
+        _band(axis, item, number, values, item.std[name][channel])
 
 
 def _off(axis: Axes, item: Sailed) -> None:
     at = _whole(item)
     axis.axhline(0.0, color=style.REFERENCE, lw=0.8)
-    for number, shown in enumerate(item.simulated.values()):
+    for number, (name, shown) in enumerate(item.simulated.items()):
         off = DEGREES * (shown["psi"] - item.measured["psi"])
         axis.plot(_cut(item.t, at), _cut(off, at), **_look(number))
+        _band(axis, item, number, np.zeros(len(item.t)), item.std[name]["psi"])
+
+
+def _band(axis: Axes, item: Sailed, number: int, middle: Array, std: Array) -> None:
+    """The 95 % interval about some values in degrees."""
+    at, half = _whole(item), WIDE * DEGREES * std
+    axis.fill_between(
+        _cut(item.t, at),
+        _cut(middle - half, at),
+        _cut(middle + half, at),
+        color=style.colour(2 - number),
+        alpha=0.18,
+        lw=0.0,
+    )
 
 
 _MEASURED: Final[dict[str, Any]] = {"color": style.REFERENCE, "lw": 2.5, "alpha": 0.6}

@@ -81,7 +81,9 @@ def _sailed(evidence: FreeRecords, session: Session) -> Section:
         paragraphs=[
             f"{counted(len(records), 'record').capitalize()} that the base misses most, each left "
             "out of the fit. The model sails with the measured inputs through windows, from a "
-            "start that the sensors tell for each window; lines break where a window begins."
+            "start that the sensors tell for each window; lines break where a window begins. "
+            "Bands are 95 % intervals: of the values by the other records, of the forces that "
+            "nothing explains, and of the start."
         ],
         figures=[
             drawn(

@@ -139,7 +139,7 @@ def predicted(fit: Fit, left_out: Sequence[Kept]) -> list[dict[str, float]]:
 def _predicted(fit: Fit, left_out: Sequence[Kept], question: Question) -> list[dict[str, float]]:
     found = []
     for item in left_out:
-        found += missed(question, _of_others(fit, item.records), item.records)
+        found += missed(question, of_others(fit, item.records)[0], item.records)
     return found
 
 
@@ -201,13 +201,13 @@ def left_out_windows(fit: Fit, record: int) -> tuple[Stretch, Array]:
     """A record in its windows, and what its channels (n, c) show by what the others say."""
     question = fit.followed
     stretch = question.stretches[record]
-    return stretch, through_windows(question, stretch, _of_others(fit, (record,)))
+    return stretch, through_windows(question, stretch, of_others(fit, (record,))[0])
 
 
-def _of_others(fit: Fit, records: Sequence[int]) -> Array:
-    """The numbers of a set fitted without some records."""
+def of_others(fit: Fit, records: Sequence[int]) -> tuple[Array, Array]:
+    """The numbers of a set fitted without some records, and their covariance."""
     P = fit.known.without(records).total
-    return probable(P, fit.place.question.numbers, fit.names, fit.spread)[0]
+    return probable(P, fit.place.question.numbers, fit.names, fit.spread)
 
 
 def missed(question: Question, z: Array, records: Sequence[int]) -> list[dict[str, float]]:
