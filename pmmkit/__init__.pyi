@@ -45,6 +45,7 @@ from pmmkit.reduction import Reduction as Reduction
 from pmmkit.reduction import contributions as contributions
 from pmmkit.reduction import reduce_campaign as reduce_campaign
 from pmmkit.report import write_report as write_report
+from pmmkit.seakeeping.seas import sea as sea
 from pmmkit.ship import Ship as Ship
 from pmmkit.ship import Water as Water
 from pmmkit.ship_library import load_ship as load_ship

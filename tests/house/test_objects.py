@@ -162,6 +162,7 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+    "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
 }
 LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
@@ -192,6 +193,7 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+    "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
 }
 DRAWN = (
