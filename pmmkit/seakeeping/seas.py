@@ -302,7 +302,12 @@ def sea_states() -> tuple[SeaState, ...]:
 
 
 def state_of(Hs: float) -> SeaState:
-    """The state of a sea by its significant height [m].
+    """The state of a sea.
+
+    Parameters
+    ----------
+    Hs : float
+        Significant wave height [m].
 
     Examples
     --------

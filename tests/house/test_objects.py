@@ -116,6 +116,11 @@ def trial():
 
 
 @cache
+def hull():
+    return pk.hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
+
+
+@cache
 def parts():
     screw = Part(effect="propeller", values={"D": 0.2, "wp": 0.35}, source="measured: tank <2>")
     blade = Part(effect="rudder_mmg", values={"area": 0.05}, source="library: a ship")
@@ -162,6 +167,8 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+    "Hull": hull,
+    "Rao": lambda: pk.rao(hull(), speeds=[0.0, 5.0], omega=[0.4, 0.6]),
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
 }
@@ -193,6 +200,8 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+    "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
+    "Rao": ("2 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
 }
