@@ -1,24 +1,34 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
+from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.motions import Rao, rao
 from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.particulars import hull_from_particulars
+from pmmkit.seakeeping.responses import AtPlace, Moments, Place, Response, response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 
 __all__ = [
+    "AddedResistance",
+    "AtPlace",
     "Hull",
     "Hydrostatics",
     "Loading",
+    "Moments",
+    "Place",
     "Rao",
+    "Response",
     "Sea",
     "SeaState",
     "Station",
+    "added_resistance",
+    "drift",
     "hull_from_particulars",
     "loading_of",
     "rao",
     "read_hull",
+    "response",
     "sea",
     "sea_states",
     "state_of",

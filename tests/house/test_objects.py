@@ -121,6 +121,18 @@ def hull():
 
 
 @cache
+def waved():
+    return pk.rao(hull(), speeds=[0.0, 5.0], omega=np.linspace(0.3, 2.0, 30))
+
+
+@cache
+def answered():
+    bow = pk.Place(name="bow", x=45.0, freeboard=5.0, draught=6.0)
+    waves = pk.sea("bretschneider", Hs=3.0, Tp=8.0)
+    return pk.response(waved(), waves, speed=5.0, places=[bow])
+
+
+@cache
 def parts():
     screw = Part(effect="propeller", values={"D": 0.2, "wp": 0.35}, source="measured: tank <2>")
     blade = Part(effect="rudder_mmg", values={"area": 0.05}, source="library: a ship")
@@ -168,7 +180,9 @@ MADE = {
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
     "Hull": hull,
-    "Rao": lambda: pk.rao(hull(), speeds=[0.0, 5.0], omega=[0.4, 0.6]),
+    "Rao": waved,
+    "Response": answered,
+    "AddedResistance": lambda: pk.added_resistance(waved()),
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
 }
@@ -201,7 +215,9 @@ SAID = {
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
-    "Rao": ("2 frequencies", "heave [m/m]", "180°", "GM is assumed"),
+    "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
+    "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
+    "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
 }

@@ -1,0 +1,407 @@
+"""Responses of a ship in a sea: significant and extreme values, comfort, wet decks, slamming."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from pmmkit.errors import DataError
+from pmmkit.numerics import Array
+from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.motions import MODES, Rao
+from pmmkit.seakeeping.seas import Sea
+from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves, vomiting_by_dose
+
+HOURS: Final = 3.0
+"""Duration over which an extreme value is expected [h]."""
+_ANGLES: Final = frozenset(("roll", "pitch", "yaw"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Moments:
+    """Spectral moments of a response over frequencies of encounter.
+
+    Parameters
+    ----------
+    m0, m2, m4 : float
+        ∫|H|²|ωₑ|ⁿ S dω, over the frequency of the waves [unit² (rad/s)ⁿ].
+    """
+
+    m0: float
+    m2: float
+    m4: float
+
+    @property
+    def significant(self) -> float:
+        """Significant amplitude 2√m₀: the mean of the highest third of the amplitudes."""
+        return 2 * math.sqrt(self.m0)
+
+    @property
+    def period(self) -> float:
+        """Mean period between zero crossings 2π√(m₀/m₂) [s]."""
+        return 2 * math.pi * math.sqrt(self.m0 / self.m2) if self.m2 > 0 else math.nan
+
+    def extreme(self, hours: float = HOURS) -> float:
+        """Most probable largest amplitude √(2 m₀ ln N) of N crossings in a duration [h]."""
+        count = 3600 * hours / self.period
+        return math.sqrt(2 * self.m0 * math.log(max(count, 1.0))) if self.m0 > 0 else 0.0
+
+    def exceeded(self, level: float) -> float:
+        """Probability that an amplitude is larger than a level (Rayleigh)."""
+        return math.exp(-(level**2) / (2 * self.m0)) if self.m0 > 0 else 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Place:
+    """A place on the ship at which motion matters.
+
+    Parameters
+    ----------
+    name : str
+        For reports.
+    x, y, z : float
+        Forward of midship, to port of the middle, above the water [m].
+    freeboard : float, optional
+        Height of the deck above still water [m]: for deck wetness.
+    draught : float, optional
+        Depth of the keel below still water [m]: for slamming.
+    """
+
+    name: str
+    x: float
+    y: float = 0.0
+    z: float = 0.0
+    freeboard: float | None = None
+    draught: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class AtPlace:
+    """What is felt at a place.
+
+    Parameters
+    ----------
+    place : Place
+        Where.
+    vertical, acceleration, relative : Moments
+        Vertical motion [m], vertical acceleration [m/s²], and motion against the wave [m].
+    incidence : float
+        Share of people that vomit within the exposure, by O'Hanlon and McCauley (1974) [%].
+    dose : float
+        Motion sickness dose value of ISO 2631-1 over the exposure [m/s^1.5].
+    dose_incidence : float
+        Km = 1/3 of the dose: share of people that vomit, unadapted adults [%].
+    wet, slam : float or None
+        Probability that a wave wets the deck, and that the keel comes out and slams.
+    wet_per_hour, slams_per_hour : float or None
+        How often.
+    """
+
+    place: Place
+    vertical: Moments
+    acceleration: Moments
+    relative: Moments
+    incidence: float
+    dose: float
+    dose_incidence: float
+    wet: float | None = None
+    slam: float | None = None
+    wet_per_hour: float | None = None
+    slams_per_hour: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Response(Described):
+    """What a ship does in a sea, at one speed and heading.
+
+    Parameters
+    ----------
+    ship : str
+        Its name.
+    sea : Sea
+        The sea.
+    speed : float
+        [m/s].
+    heading_deg : float
+        180 is head sea [deg].
+    motions : mapping of str to Moments
+        Of each motion that is known at all frequencies [m, rad].
+    places : tuple of AtPlace
+        What is felt.
+    hours : float
+        Exposure of the motion sickness, and duration of extremes [h].
+    notes : tuple of str
+        Where it ends.
+    """
+
+    ship: str
+    sea: Sea
+    speed: float
+    heading_deg: float
+    motions: dict[str, Moments]
+    places: tuple[AtPlace, ...] = ()
+    hours: float = HOURS
+    notes: tuple[str, ...] = field(default=())
+
+    def _headline(self) -> str:
+        return f"{self.ship} at {self.speed:.2f} m/s, {self.heading_deg:.0f}°: {self.sea!r:.50}"
+
+    def _sections(self) -> Sequence[Section]:
+        head = ["", "significant", f"largest in {self.hours:g} h", "period [s]"]
+        rows = []
+        for name, found in self.motions.items():
+            turn, unit = (180 / math.pi, "deg") if name in _ANGLES else (1.0, "m")
+            rows.append([f"{name} [{unit}]", *_cells(found, self.hours, turn)])
+        sections = [
+            Section(
+                title="Motions (amplitudes; the significant is 2√m₀)",
+                tables=[Grid(head=head, groups=[Group(rows=rows)])],
+            )
+        ]
+        for one in self.places:
+            rows = [
+                ["vertical motion [m]", *_cells(one.vertical, self.hours)],
+                ["vertical acceleration [m/s²]", *_cells(one.acceleration, self.hours)],
+                ["motion against the wave [m]", *_cells(one.relative, self.hours)],
+            ]
+            points = [
+                f"Motion sickness in {self.hours:g} h: {one.incidence:.1f} % (O'Hanlon and "
+                f"McCauley 1974), {one.dose_incidence:.1f} % (ISO 2631-1, dose {one.dose:.1f} "
+                "m/s^1.5)."
+            ]
+            if one.wet is not None and one.wet_per_hour is not None:
+                points.append(
+                    f"Deck wet by {one.wet:.2%} of waves, {one.wet_per_hour:.2f} an hour."
+                )
+            if one.slam is not None and one.slams_per_hour is not None:
+                points.append(
+                    f"Slams at {one.slam:.2%} of waves, {one.slams_per_hour:.2f} an hour."
+                )
+            sections.append(
+                Section(
+                    title=f"At {one.place.name}, {one.place.x:g} m forward of midship",
+                    points=points,
+                    tables=[Grid(head=head, groups=[Group(rows=rows)])],
+                )
+            )
+        if self.notes:
+            sections.append(Section(title="Notes", points=self.notes))
+        return sections
+
+    def rows(self) -> list[dict[str, object]]:
+        """One mapping for each value: where, what, significant, extreme, period [SI]."""
+        found = [("ship", name, moments) for name, moments in self.motions.items()]
+        for one in self.places:
+            found += [
+                (one.place.name, name, getattr(one, name))
+                for name in ("vertical", "acceleration", "relative")
+            ]
+        return [
+            {
+                "speed": self.speed,
+                "heading_deg": self.heading_deg,
+                "place": place,
+                "response": name,
+                "significant": moments.significant,
+                "extreme": moments.extreme(self.hours),
+                "period": moments.period,
+            }
+            for place, name, moments in found
+        ]
+
+
+def _cells(found: Moments, hours: float, turn: float = 1.0) -> list[str]:
+    return [
+        number(turn * found.significant, 3),
+        number(turn * found.extreme(hours), 3),
+        f"{found.period:.1f}",
+    ]
+
+
+def moments(transfer: Complex, encounter: Array, omega: Array, sea: Sea) -> Moments:
+    """Moments of a response in a long-crested sea, integrated over the frequency of the waves.
+
+    In following seas several waves share a frequency of encounter, so that a spectrum over it is
+    singular; its moments over ω are not.
+
+    Parameters
+    ----------
+    transfer : array of complex
+        Per metre of wave amplitude.
+    encounter, omega : array
+        Of the same shape: frequencies of encounter and of the waves [rad/s].
+    sea : Sea
+        Its spectrum is taken.
+
+    Examples
+    --------
+    >>> omega = np.linspace(0.2, 4.0, 400)
+    >>> wave = moments(np.ones(400) + 0j, omega, omega, Sea(Hs=3.0, Tp=9.0))
+    >>> round(2 * wave.significant, 2)
+    3.0
+    """
+    energy = np.abs(transfer) ** 2 * sea.spectrum(omega)
+    m0, m2, m4 = (float(np.trapezoid(energy * np.abs(encounter) ** n, omega)) for n in (0, 2, 4))
+    return Moments(m0=m0, m2=m2, m4=m4)
+
+
+def response(
+    rao: Rao,
+    sea: Sea,
+    *,
+    speed: float | None = None,
+    heading_deg: float | None = None,
+    places: Sequence[Place] = (),
+    hours: float = HOURS,
+) -> Response:
+    """What a ship does in a sea.
+
+    Parameters
+    ----------
+    rao : Rao
+        Transfer functions; for a short-crested sea at headings around the one that is asked.
+    sea : Sea
+        The sea.
+    speed, heading_deg : float, optional
+        One of those of `rao` [m/s, deg]; may be absent where it has one.
+    places : sequence of Place
+        Where motions are felt.
+    hours : float
+        Exposure of the motion sickness, and duration of extremes [h].
+
+    Returns
+    -------
+    Response
+
+    Raises
+    ------
+    DataError
+        If `rao` lacks the speed or a heading, or its frequencies leave out a part of the sea.
+    """
+    a = nearest(rao.speed, speed, "speed [m/s]")
+    mean = np.degrees(rao.heading)
+    b = nearest(mean, heading_deg, "heading_deg")
+    headings, shares = sea.directions(float(mean[b]), 13)
+    share = float(np.trapezoid(sea.spectrum(rao.omega), rao.omega)) / max(sea.moment(0), 1e-30)
+    if sea.Hs > 0 and share < 0.9:
+        raise DataError(
+            f"The frequencies {rao.omega[0]:.2f} to {rao.omega[-1]:.2f} rad/s hold {share:.0%} of "
+            f"the energy of the sea, whose peak is at {sea.peak:.2f} rad/s: compute more of them."
+        )
+    places_ = tuple(_at_place(rao, a, headings, shares, sea, place, hours) for place in places)
+    found, absent = {}, []
+    for mode in MODES:
+        one = _summed(rao, rao.mode(mode)[a], a, headings, shares, sea)
+        if math.isfinite(one.m0):
+            found[mode] = one
+        else:
+            absent.append(mode)
+    notes = [f"The frequencies hold {share:.1%} of the energy of the sea."]
+    if absent:
+        notes.append(
+            f"{', '.join(absent)}: not known where waves meet the ship too slowly, so not given."
+        )
+    return Response(
+        ship=rao.name,
+        sea=sea,
+        speed=float(rao.speed[a]),
+        heading_deg=float(mean[b]),
+        motions=found,
+        places=places_,
+        hours=hours,
+        notes=(*notes, *rao.notes),
+    )
+
+
+def nearest(values: Array, wanted: float | None, name: str) -> int:
+    """Index of a value that was asked, or of the only one; an error lists those there are."""
+    if wanted is None and values.size == 1:
+        return 0
+    if wanted is None:
+        raise DataError(f"Say which {name}: {', '.join(f'{x:g}' for x in values)}.")
+    place = int(np.argmin(np.abs(values - wanted)))
+    if abs(values[place] - wanted) > 1e-3 * max(1.0, abs(wanted)):
+        there = ", ".join(f"{x:.4g}" for x in values)
+        raise DataError(f"{name} {wanted:g} was not computed; there are {there}.")
+    return place
+
+
+def _summed(
+    rao: Rao, transfer: Complex, speed: int, headings: Array, shares: Array, sea: Sea
+) -> Moments:
+    """Moments of a response (headings, frequencies), summed over the directions of the sea."""
+    total = np.zeros(3)
+    for heading, share in zip(headings, shares, strict=True):
+        near, weight = _between(rao, float(heading))
+        for b, part in zip(near, weight, strict=True):
+            one = moments(transfer[b], rao.encounter[speed, b], rao.omega, sea)
+            total += share * part * np.array([one.m0, one.m2, one.m4])
+    return Moments(m0=float(total[0]), m2=float(total[1]), m4=float(total[2]))
+
+
+def _between(rao: Rao, heading_deg: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
+    """Headings that were computed beside one, with weights; port and starboard are alike."""
+    folded = abs((heading_deg + 180.0) % 360.0 - 180.0)
+    there = np.abs((np.degrees(rao.heading) + 180.0) % 360.0 - 180.0)
+    gap = np.abs(there - folded)
+    if gap.min() < 1e-6:
+        return (int(gap.argmin()),), (1.0,)
+    below, above = np.flatnonzero(there < folded), np.flatnonzero(there > folded)
+    if not below.size or not above.size:
+        raise DataError(
+            f"A short-crested sea needs headings on both sides of {folded:.0f}°: compute them from "
+            "0 to 180° in steps of 15° or so."
+        )
+    low, high = int(below[there[below].argmax()]), int(above[there[above].argmin()])
+    if there[high] - there[low] > 31.0:
+        raise DataError("A short-crested sea needs headings in steps of 30° or less.")
+    part = (folded - there[low]) / (there[high] - there[low])
+    return (low, high), (float(1 - part), float(part))
+
+
+def relative_motion(rao: Rao, place: Place) -> Complex:
+    """Vertical motion of a place against the undisturbed wave, (speeds, headings, frequencies)."""
+    forward = place.x - rao.strips.hull.hydrostatics.xB
+    k, beta = rao.wavenumber, rao.heading[:, None]
+    wave = np.exp(-1j * k * (forward * np.cos(beta) - place.y * np.sin(beta)))
+    return np.asarray(rao.at_point(place.x, place.y, place.z)[2] - wave)
+
+
+def _at_place(
+    rao: Rao, a: int, headings: Array, shares: Array, sea: Sea, place: Place, hours: float
+) -> AtPlace:
+    up, against = rao.at_point(place.x, place.y, place.z)[2, a], relative_motion(rao, place)[a]
+
+    def summed(transfer: Complex) -> Moments:
+        return _summed(rao, transfer, a, headings, shares, sea)
+
+    hard = -(rao.encounter[a] ** 2) * up
+    felt, relative = summed(hard), summed(against)
+    weighted = summed(hard * dose_weight(rao.encounter[a]))
+    dose = math.sqrt(weighted.m0 * 3600 * hours)
+    wet = slam = None
+    if place.freeboard is not None:
+        wet = relative.exceeded(place.freeboard)
+    if place.draught is not None:
+        # Ochi (1964): the keel comes out and enters faster than .093 √(gL)
+        fast = 0.093 * math.sqrt(rao.g * rao.L)
+        slam = relative.exceeded(place.draught) * math.exp(-(fast**2) / (2 * relative.m2))
+    waves = 3600 / relative.period
+    return AtPlace(
+        place=place,
+        vertical=summed(up),
+        acceleration=felt,
+        relative=relative,
+        incidence=incidence_in_waves(felt.m0, felt.m2, hours, rao.g),
+        dose=dose,
+        dose_incidence=vomiting_by_dose(dose),
+        wet=wet,
+        slam=slam,
+        wet_per_hour=None if wet is None else wet * waves,
+        slams_per_hour=None if slam is None else slam * waves,
+    )
