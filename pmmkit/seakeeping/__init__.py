@@ -3,11 +3,12 @@
 from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.loading import Loading, loading_of
-from pmmkit.seakeeping.motions import Rao, rao
+from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import AtPlace, Moments, Place, Response, response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
+from pmmkit.seakeeping.transfer import Rao
 
 __all__ = [
     "AddedResistance",
@@ -24,6 +25,7 @@ __all__ = [
     "Station",
     "added_resistance",
     "drift",
+    "frequencies",
     "hull_from_particulars",
     "loading_of",
     "rao",

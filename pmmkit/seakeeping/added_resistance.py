@@ -9,20 +9,26 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from pmmkit.numerics import Array
+from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
 from pmmkit.seakeeping.hull import Hull
-from pmmkit.seakeeping.motions import Rao
 from pmmkit.seakeeping.responses import nearest
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.sectional import HEAVE
 from pmmkit.seakeeping.strips import at_frequency
+from pmmkit.seakeeping.transfer import Rao
 
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+_PANELS: Final = 4
 LEAVES_OUT: Final[Mapping[str, str]] = MappingProxyType(
     {
         "Gerritsma-Beukelman": "Gerritsma and Beukelman (1972): the energy of the waves that "
@@ -81,6 +87,27 @@ class AddedResistance(Described):
             name: mean_force(values[a, b], self.rao.omega, sea)
             for name, values in self.methods.items()
         }
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row for each speed, heading and frequency [SI; N/m² for the methods]."""
+        import pandas as pd
+
+        axes = (self.rao.speed, np.degrees(self.rao.heading), self.rao.omega)
+        U, beta, w = np.meshgrid(*axes, indexing="ij")
+        columns = {"speed": U, "heading_deg": beta, "omega": w, **self.methods}
+        return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
+
+    def plot(self) -> Figure:
+        """Each method over the length of the waves, a panel for each speed and heading."""
+        names = self.rao.cases()[:_PANELS]
+        panels = {
+            f"R / ρgζ²B²/L\n{name}": {
+                method: values.reshape(-1, self.rao.omega.size)[place] / self.unit
+                for method, values in self.methods.items()
+            }
+            for place, name in enumerate(names)
+        }
+        return over_wave_length(2 * math.pi / self.rao.wavenumber / self.rao.L, panels)
 
     def _headline(self) -> str:
         return f"of {self.rao.name} by {len(self.methods)} methods"

@@ -1,10 +1,8 @@
-"""Motions of a ship in regular waves: transfer functions over speed, heading and frequency."""
+"""Motions of a ship in regular waves, over speed, heading and frequency."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -12,137 +10,16 @@ from numpy.typing import ArrayLike
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.presentation import Described, Grid, Group, Section, counted
 from pmmkit.seakeeping.arrays import Complex, Flags
 from pmmkit.seakeeping.hull import Hull
 from pmmkit.seakeeping.lengthwise import second, weights
 from pmmkit.seakeeping.loading import Loading, loading_of
+from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.strips import Strips, coefficients, excitation, strips_of
+from pmmkit.seakeeping.transfer import Rao
 
-MODES: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
 SLOW: Final = 0.4
 """ωₑ√(L/g) below which the terms U/ωₑ² of the theory have no meaning: motions are quasi-static."""
-
-
-@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class Rao(Described):
-    """Transfer functions of a ship in waves, per metre of wave amplitude (not of height).
-
-    Axes are those of `pmmkit.seakeeping.strips`: x forward, y to port, z up, from the water above
-    the centre of gravity; heading 180° is head sea; pitch is positive with the bow down.
-
-    Parameters
-    ----------
-    name : str
-        Of the ship.
-    L : float
-        Length between perpendiculars [m].
-    speed : array, shape (speeds,)
-        [m/s].
-    heading : array, shape (headings,)
-        [rad].
-    omega : array, shape (frequencies,)
-        Of the waves in a frame at rest [rad/s].
-    encounter : array, shape (speeds, headings, frequencies)
-        ωₑ = ω - kU cos β [rad/s]; negative where the ship overtakes the waves.
-    motion : array of complex, shape (6, speeds, headings, frequencies)
-        Surge, sway, heave [m/m], roll, pitch, yaw [rad/m].
-    force : array of complex, of the same shape
-        Of the waves [N/m], [N m/m].
-    quasi_static : array of bool, shape (speeds, headings, frequencies)
-        Where ωₑ is so low that heave, roll and pitch follow the wave, and surge, sway and yaw are
-        not computed (NaN).
-    strips : Strips
-        The sections.
-    loading : Loading
-        The mass.
-    rho, g : float
-        Density [kg/m³], gravity [m/s²].
-    notes : tuple of str
-        What is assumed, and where the theory ends.
-    """
-
-    name: str
-    L: float
-    speed: Array
-    heading: Array
-    omega: Array
-    encounter: Array
-    motion: Complex
-    force: Complex
-    quasi_static: Flags
-    strips: Strips
-    loading: Loading
-    rho: float
-    g: float
-    notes: tuple[str, ...] = ()
-
-    @property
-    def wavenumber(self) -> Array:
-        """k = ω²/g [1/m]."""
-        return self.omega**2 / self.g
-
-    def mode(self, name: str) -> Complex:
-        """The transfer function of one of `MODES`.
-
-        Parameters
-        ----------
-        name : str
-            Such as ``heave``.
-        """
-        if name not in MODES:
-            raise DataError(f"There is no motion {name!r}. There are {', '.join(MODES)}.")
-        return np.asarray(self.motion[MODES.index(name)])
-
-    def at_point(self, x: float, y: float = 0.0, z: float = 0.0) -> Complex:
-        """Motion of a point (x, y, z) of the ship [m/m], shape (3, speeds, headings, frequencies).
-
-        Parameters
-        ----------
-        x, y, z : float
-            Forward of midship, to port of the middle, above the water [m].
-        """
-        forward = x - self.strips.hull.hydrostatics.xB
-        s, r = self.motion[:3], self.motion[3:]
-        return np.stack(
-            [
-                s[0] + z * r[1] - y * r[2],
-                s[1] + forward * r[2] - z * r[0],
-                s[2] + y * r[0] - forward * r[1],
-            ]
-        )
-
-    def _headline(self) -> str:
-        froude = self.speed / math.sqrt(self.g * self.L)
-        return (
-            f"{self.name}: Fn {', '.join(f'{x:.3f}' for x in froude[:6])}, "
-            f"{counted(self.heading.size, 'heading')}, "
-            f"{self.omega.size} frequencies"
-        )
-
-    def _sections(self) -> Sequence[Section]:
-        rows = []
-        for i, speed in enumerate(self.speed):
-            for j, heading in enumerate(self.heading):
-                size = np.abs(self.motion[:, i, j])
-                peaks = [
-                    f"{np.nanmax(size[m]):.3f} at {self.omega[np.nanargmax(size[m])]:.2f}"
-                    if np.isfinite(size[m]).any()
-                    else None
-                    for m in (2, 3, 4)
-                ]
-                rows.append([f"{speed:.2f} m/s, {math.degrees(heading):.0f}°", *peaks])
-        shown = rows[:30]
-        head = ["speed, heading", "heave [m/m]", "roll [rad/m]", "pitch [rad/m]"]
-        more = [f"Shown are {len(shown)} of {len(rows)} speeds and headings."]
-        return [
-            Section(
-                title="Largest motions per metre of wave amplitude, at ω [rad/s]",
-                paragraphs=more if len(shown) < len(rows) else [],
-                tables=[Grid(head=head, groups=[Group(rows=shown)])],
-            ),
-            *([Section(title="Notes", points=self.notes)] if self.notes else []),
-        ]
 
 
 def rao(
@@ -169,7 +46,7 @@ def rao(
     headings_deg : array-like
         180 is head sea, 90 waves that run to starboard, 0 following sea [deg].
     omega : array-like, optional
-        Of the waves [rad/s], rising; where absent, 40 of wave lengths from 5 L to 0.2 L.
+        Of the waves [rad/s], rising; those of `frequencies` where absent.
     loading : Loading, optional
         The mass; where absent, assumed by `loading_of`.
     rho, g : float
@@ -218,13 +95,38 @@ def rao(
     )
 
 
+def frequencies(L: float, sea: Sea | None = None, *, g: float = 9.81, count: int = 40) -> Array:
+    """Frequencies of waves [rad/s] from five times the length of a ship to a fifth of it.
+
+    Parameters
+    ----------
+    L : float
+        Length of the ship [m].
+    sea : Sea, optional
+        A sea whose energy they hold, to 0.7 of its peak and to three times the peak.
+    g : float
+        Gravity [m/s²].
+    count : int
+        How many.
+
+    Examples
+    --------
+    >>> frequencies(100.0, count=3).round(3)
+    array([0.351, 0.785, 1.756])
+    """
+    low, high = (math.sqrt(2 * math.pi * g / (L * share)) for share in (5.0, 0.2))
+    if sea is not None:
+        low, high = min(low, 0.7 * sea.peak), max(high, 3.0 * sea.peak)
+    return np.geomspace(low, high, count)
+
+
 def _axes(
     hull: Hull, speeds: ArrayLike, headings_deg: ArrayLike, omega: ArrayLike | None, g: float
 ) -> tuple[Array, Array, Array]:
     U = np.atleast_1d(np.asarray(speeds, dtype=float))
     beta = np.radians(np.atleast_1d(np.asarray(headings_deg, dtype=float)))
     if omega is None:
-        omega = np.sqrt(2 * math.pi * g / hull.L / np.geomspace(5.0, 0.2, 40))
+        omega = frequencies(hull.L, g=g)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     wrong = []
     if not np.isfinite(U).all() or (U < 0.0).any():

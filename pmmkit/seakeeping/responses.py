@@ -11,14 +11,15 @@ import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.presentation import Cell, Described, Grid, Group, Section, counted, number
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.motions import MODES, Rao
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves, vomiting_by_dose
+from pmmkit.seakeeping.transfer import MODES, Rao
 
 HOURS: Final = 3.0
 """Duration over which an extreme value is expected [h]."""
+_NOTHING: Final = 1e-20  # of a motion that symmetry forbids, and rounding leaves
 _ANGLES: Final = frozenset(("roll", "pitch", "yaw"))
 
 
@@ -149,7 +150,7 @@ class Response(Described):
     notes: tuple[str, ...] = field(default=())
 
     def _headline(self) -> str:
-        return f"{self.ship} at {self.speed:.2f} m/s, {self.heading_deg:.0f}°: {self.sea!r:.50}"
+        return f"{self.ship} at {self.speed:.2f} m/s, {self.heading_deg:.0f}°: {self.sea.words}"
 
     def _sections(self) -> Sequence[Section]:
         head = ["", "significant", f"largest in {self.hours:g} h", "period [s]"]
@@ -215,7 +216,9 @@ class Response(Described):
         ]
 
 
-def _cells(found: Moments, hours: float, turn: float = 1.0) -> list[str]:
+def _cells(found: Moments, hours: float, turn: float = 1.0) -> list[Cell]:
+    if found.m0 < _NOTHING:
+        return ["0", "0", None]
     return [
         number(turn * found.significant, 3),
         number(turn * found.extreme(hours), 3),
@@ -306,6 +309,10 @@ def response(
         notes.append(
             f"{', '.join(absent)}: not known where waves meet the ship too slowly, so not given."
         )
+    if rao.notes:
+        notes.append(
+            f"The motions have {counted(len(rao.notes), 'note')} of their own: print them."
+        )
     return Response(
         ship=rao.name,
         sea=sea,
@@ -314,7 +321,7 @@ def response(
         motions=found,
         places=places_,
         hours=hours,
-        notes=(*notes, *rao.notes),
+        notes=tuple(notes),
     )
 
 

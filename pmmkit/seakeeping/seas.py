@@ -126,11 +126,22 @@ class Sea(Described):
         weights = np.cos(off) ** self.spreading
         return heading_deg + np.degrees(off), weights / weights.sum()
 
-    def _headline(self) -> str:
+    @property
+    def words(self) -> str:
+        """The sea in a line.
+
+        Examples
+        --------
+        >>> Sea(Hs=4.0, Tp=9.7, name="rough").words
+        'rough, Hs 4 m, Tp 9.7 s, long-crested'
+        """
         crests = f"cos^{self.spreading}" if self.spreading else "long-crested"
         peaked = f", γ {self.gamma:.3g}" if self.gamma != 1.0 else ""
         named = f"{self.name}, " if self.name else ""
         return f"{named}Hs {self.Hs:.3g} m, Tp {self.Tp:.3g} s{peaked}, {crests}"
+
+    def _headline(self) -> str:
+        return self.words
 
     def _sections(self) -> list[Section]:
         rows = [
