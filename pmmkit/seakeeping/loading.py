@@ -22,6 +22,9 @@ class Loading:
     roll_damping : float
         Of viscosity, lift and bilge keels, over the critical damping of roll [-]; it is added to
         that of waves.
+    roll_quadratic : float
+        What grows with the rate of roll, over critical damping, per rate [s/rad]; it needs the
+        height of the waves (`rao`).
     notes : tuple of str
         What was assumed.
     """
@@ -31,6 +34,7 @@ class Loading:
     kyy: float
     kzz: float
     roll_damping: float = 0.05
+    roll_quadratic: float = 0.0
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -41,6 +45,8 @@ class Loading:
         ]
         if not (math.isfinite(self.roll_damping) and 0.0 <= self.roll_damping < 1.0):
             wrong.append(f"roll_damping = {self.roll_damping:g} must lie between 0 and 1.")
+        if not (math.isfinite(self.roll_quadratic) and self.roll_quadratic >= 0.0):
+            wrong.append(f"roll_quadratic = {self.roll_quadratic:g} must not be below zero.")
         if wrong:
             raise DataError(wrong, title="Loading")
 
@@ -54,6 +60,7 @@ def loading_of(
     kyy: float | None = None,
     kzz: float | None = None,
     roll_damping: float | None = None,
+    roll_quadratic: float = 0.0,
 ) -> Loading:
     """A loading from what is known; the rest is assumed and said.
 
@@ -68,6 +75,8 @@ def loading_of(
         Radii of gyration [m]; 0.37 of the breadth, 0.25 of the length and that of pitch else.
     roll_damping : float, optional
         Over critical [-]; 0.05 where absent.
+    roll_quadratic : float
+        What grows with the rate of roll [s/rad].
 
     Returns
     -------
@@ -97,5 +106,6 @@ def loading_of(
         kyy=pitch,
         kzz=pitch if kzz is None else kzz,
         roll_damping=0.05 if roll_damping is None else roll_damping,
+        roll_quadratic=roll_quadratic,
         notes=tuple(notes),
     )

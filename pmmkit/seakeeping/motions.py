@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -18,6 +19,8 @@ from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.strips import Strips, coefficients, excitation, strips_of
 from pmmkit.seakeeping.transfer import Rao
 
+_ROUNDS: Final = 60
+_SETTLED: Final = 1e-6  # of critical damping
 SLOW: Final = 0.4
 """ωₑ√(L/g) below which the terms U/ωₑ² of the theory have no meaning: motions are quasi-static."""
 
@@ -29,6 +32,7 @@ def rao(
     headings_deg: ArrayLike = (180.0,),
     omega: ArrayLike | None = None,
     loading: Loading | None = None,
+    waves: float | Sea | None = None,
     rho: float = 1025.0,
     g: float = 9.81,
 ) -> Rao:
@@ -49,6 +53,9 @@ def rao(
         Of the waves [rad/s], rising; those of `frequencies` where absent.
     loading : Loading, optional
         The mass; where absent, assumed by `loading_of`.
+    waves : float or Sea, optional
+        Amplitude of the regular waves [m], or the long-crested sea, in which roll is damped: for a
+        `loading` with damping that grows with the rate, which is made linear there.
     rho, g : float
         Density [kg/m³], gravity [m/s²].
 
@@ -59,7 +66,8 @@ def rao(
     Raises
     ------
     DataError
-        If a speed, heading or frequency is out of range, or the ship is unstable in roll.
+        If a speed, heading or frequency is out of range, the ship is unstable in roll, or its
+        damping needs `waves`.
     """
     U, beta, w = _axes(hull, speeds, headings_deg, omega, g)
     mass = loading_of(hull) if loading is None else loading
@@ -67,16 +75,21 @@ def rao(
     strips = strips_of(hull, float(np.abs(encounter).max()), g=g)
     slow = np.abs(encounter) < SLOW * math.sqrt(g / hull.L)
     safe = np.where(slow, SLOW * math.sqrt(g / hull.L), encounter)
-    waves = excitation(strips, U, beta, w, safe)
-    force = (rho * np.where(slow, waves.froude_krylov, waves.total)).astype(np.complex128)
+    excited = excitation(strips, U, beta, w, safe)
+    force = (rho * np.where(slow, excited.froude_krylov, excited.total)).astype(np.complex128)
     added = rho * coefficients(strips, U[:, None, None], safe)
     inertia, stiffness = _mass(strips, mass, rho), rho * _stiffness(strips, mass)
     inertia_rolled = inertia[3, 3] + added[3, 3].real
     critical = 2 * np.sqrt(stiffness[3, 3] * inertia_rolled)
     still = stiffness[:, :, None, None, None].astype(complex)
     matrix = (still - safe**2 * (inertia[:, :, None, None, None] + added)).astype(np.complex128)
-    matrix[3, 3] += 1j * safe * mass.roll_damping * critical
-    motion = _solved(matrix, force, slow, stiffness, mass.KG - hull.draught)
+
+    def solved(damping: Array | float) -> Complex:
+        damped = matrix.copy()
+        damped[3, 3] += 1j * safe * damping * critical
+        return _solved(damped, force, slow, stiffness, mass.KG - hull.draught)
+
+    motion = _damped(solved, mass, waves, encounter, w)
     return Rao(
         name=hull.name,
         L=hull.L,
@@ -118,6 +131,42 @@ def frequencies(L: float, sea: Sea | None = None, *, g: float = 9.81, count: int
     if sea is not None:
         low, high = min(low, 0.7 * sea.peak), max(high, 3.0 * sea.peak)
     return np.geomspace(low, high, count)
+
+
+def _damped(
+    solved: Callable[[Array | float], Complex],
+    loading: Loading,
+    waves: float | Sea | None,
+    encounter: Array,
+    omega: Array,
+) -> Complex:
+    """Motions with a roll damping that is linear about their own size.
+
+    B₁ + 8/(3π) ωφ B₂ takes as much energy from a harmonic roll as the quadratic damping does,
+    B₁ + √(8/π) σ B₂ from a Gaussian one. It is found by iteration, half of each step taken.
+    """
+    motion = solved(loading.roll_damping)
+    if loading.roll_quadratic == 0.0:
+        return motion
+    if waves is None:
+        raise DataError(
+            "roll_quadratic makes the damping depend on the height of the waves: give waves=, the "
+            "amplitude of regular waves [m] or a sea."
+        )
+    damping: Array = np.full(encounter.shape, loading.roll_damping)
+    for _ in range(_ROUNDS):
+        rate = np.nan_to_num(np.abs(encounter * motion[3]))
+        if isinstance(waves, Sea):
+            energy = np.trapezoid(rate**2 * waves.spectrum(omega), omega, axis=-1)
+            felt = math.sqrt(8 / math.pi) * np.sqrt(energy)[..., None]
+        else:
+            felt = 8 / (3 * math.pi) * waves * rate
+        wanted = loading.roll_damping + loading.roll_quadratic * felt
+        if np.abs(wanted - damping).max() < _SETTLED:
+            break
+        damping = 0.5 * (damping + wanted)
+        motion = solved(damping)
+    return motion
 
 
 def _axes(

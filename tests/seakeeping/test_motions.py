@@ -7,7 +7,7 @@ import pytest
 from veres import read_transfer
 
 from pmmkit.errors import DataError
-from pmmkit.seakeeping import Loading, Rao, hull_from_particulars, loading_of, rao, read_hull
+from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, loading_of, rao, read_hull
 
 SHIP = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.65, xB=-0.5, xF=-2.0)
 
@@ -157,3 +157,53 @@ def test_what_cannot_be_is_refused(asked, says):
 def test_loadings_that_contradict_are_refused():
     with pytest.raises(DataError, match="contradict"):
         loading_of(SHIP, GM=1.0, KG=2.0)
+
+
+BEAM = {"speeds": 0.0, "headings_deg": 90.0}
+ROLLING = np.linspace(0.3, 0.7, 41)
+
+
+def rolled(waves=None, **damping):
+    return rao(
+        SHIP, **BEAM, omega=ROLLING, loading=loading_of(SHIP, GM=1.2, **damping), waves=waves
+    )
+
+
+def test_roll_at_resonance_falls_with_damping_and_far_above_it_does_not():
+    little, much = (
+        np.abs(rolled(roll_damping=damping).mode("roll")[0, 0]) for damping in (0.02, 0.1)
+    )
+    assert little.max() > 2.5 * much.max()
+    assert little[-1] == pytest.approx(much[-1], rel=0.1)
+
+
+def test_quadratic_damping_takes_the_energy_of_its_cube():
+    """Per cycle ∮B₂φ̇²|φ̇|dt = (8/3π)·π·B₂(ωφ)³/ω: its linear form is found again by hand."""
+    found = rolled(waves=2.0, roll_damping=0.02, roll_quadratic=0.5)
+    peak = int(np.argmax(np.abs(found.mode("roll"))))
+    amplitude = 2.0 * np.abs(found.mode("roll")[0, 0, peak])
+    t = np.linspace(0, 2 * np.pi / ROLLING[peak], 4001)
+    rate = ROLLING[peak] * amplitude * np.cos(ROLLING[peak] * t)
+    equivalent = 0.02 + np.trapezoid(0.5 * np.abs(rate) ** 3, t) / np.trapezoid(rate**2, t)
+    linear = rolled(roll_damping=equivalent)
+    assert np.abs(linear.mode("roll")[0, 0, peak]) == pytest.approx(amplitude / 2.0, rel=1e-4)
+
+
+def test_higher_waves_roll_less_for_their_height():
+    low, high = (rolled(waves=a, roll_damping=0.02, roll_quadratic=0.5) for a in (0.2, 3.0))
+    assert np.abs(low.mode("roll")).max() > 1.2 * np.abs(high.mode("roll")).max()
+
+
+def test_in_a_sea_the_damping_is_that_of_its_own_rate_of_roll():
+    """B₁ + √(8/π) σ B₂, the same at all frequencies."""
+    waves = Sea(Hs=4.0, Tp=12.0)
+    found = rolled(waves=waves, roll_damping=0.02, roll_quadratic=0.5)
+    rate = np.abs(ROLLING * found.mode("roll")[0, 0])
+    sigma = np.sqrt(np.trapezoid(rate**2 * waves.spectrum(ROLLING), ROLLING))
+    linear = rolled(roll_damping=0.02 + 0.5 * np.sqrt(8 / np.pi) * sigma)
+    np.testing.assert_allclose(linear.motion, found.motion, rtol=1e-4, atol=1e-9)
+
+
+def test_quadratic_damping_without_waves_is_refused():
+    with pytest.raises(DataError, match="waves="):
+        rolled(roll_quadratic=0.5)
