@@ -2,6 +2,7 @@
 
 from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
+from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
@@ -27,6 +28,8 @@ __all__ = [
     "drift",
     "frequencies",
     "hull_from_particulars",
+    "hulls",
+    "load_hull",
     "loading_of",
     "rao",
     "read_hull",

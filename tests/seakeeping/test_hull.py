@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from pmmkit.errors import DataError
-from pmmkit.seakeeping import Hull, Station, hull_from_particulars, read_hull
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.seakeeping import Hull, Station, hull_from_particulars, hulls, load_hull, read_hull
 from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, lewis, misfit
 
 X = np.linspace(-50.0, 50.0, 21)
@@ -142,3 +142,31 @@ def test_a_csv_needs_its_length(tmp_path):
     (tmp_path / "hull.csv").write_text("x,y,z\n")
     with pytest.raises(DataError, match="Give L"):
         read_hull(tmp_path / "hull.csv", draught=5.0)
+
+
+@pytest.mark.parametrize("name", [*hulls(), "kvlcc2", "s175"])
+def test_every_hull_by_name_floats(name):
+    hull = load_hull(name)
+    assert hull.hydrostatics.volume > 0
+    assert "not the ship's" in hull.notes[0]
+
+
+def test_the_tanker_has_the_displacement_that_is_stated():
+    """312 698.9 m³; CWL .886; the centre of gravity .534 L from the after perpendicular."""
+    found = load_hull("tanker-320").hydrostatics
+    assert found.volume == pytest.approx(312698.9, rel=2e-3)
+    assert found.waterplane == pytest.approx(0.886 * 320 * 58, rel=5e-3)
+    assert (found.xB + 160) / 320 == pytest.approx(0.534, abs=2e-3)
+
+
+def test_particulars_in_a_file_are_checked(tmp_path):
+    (tmp_path / "own.toml").write_text('name = "x"\nL = 100.0\nB = "wide"\nsheer = 2.0\n')
+    with pytest.raises(DataError, match="lacks d") as caught:
+        load_hull(tmp_path / "own.toml")
+    assert "sheer is not known" in str(caught.value)
+    assert "B must be a finite number" in str(caught.value)
+
+
+def test_a_name_that_is_not_there_is_answered_with_those_there_are():
+    with pytest.raises(UnknownNameError, match="tanker-320"):
+        load_hull("tanker-321")

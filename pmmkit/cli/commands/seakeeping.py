@@ -17,15 +17,17 @@ from pmmkit.cli.speeds import FROUDE, typed_list
 if TYPE_CHECKING:
     from pmmkit.seakeeping import AddedResistance, Hull, Rao, Response, Sea
 
-EXAMPLE: Final = "pmmkit seakeeping kvlcc2 --speeds '15.5 kn' --headings 180,135,45 --hs 4 --tp 9.7"
+EXAMPLE: Final = (
+    "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
+)
 
 
 def seakeeping(
     ship: Annotated[
         str,
         typer.Argument(
-            help="Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), or a library "
-            "ship, whose sections are then assumed."
+            help="Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), particulars "
+            "(.toml), tanker-320, or a library ship; sections of the last three are assumed."
         ),
     ],
     speeds: Annotated[
@@ -117,17 +119,13 @@ def seakeeping(
 
 
 def _hull(ship: str, draught: float | None, length: float | None) -> Hull:
-    from pmmkit.seakeeping import hull_from_particulars, read_hull
-    from pmmkit.ship_library import load_ship
+    from pmmkit.seakeeping import load_hull, read_hull
 
-    if Path(ship).suffix.lower() in (".csv", ".mgf"):
-        if draught is None:
-            raise typer.BadParameter("A hull from a file needs --draught [m].")
-        return read_hull(ship, draught=draught, L=length)
-    known = load_ship(ship)
-    return hull_from_particulars(
-        name=known.name, L=known.L, B=known.B, d=known.d, block=known.block, xB=known.xG
-    )
+    if Path(ship).suffix.lower() not in (".csv", ".mgf"):
+        return load_hull(ship)
+    if draught is None:
+        raise typer.BadParameter("A hull from a file needs --draught [m].")
+    return read_hull(ship, draught=draught, L=length)
 
 
 def _speeds(text: str, L: float) -> list[float]:
