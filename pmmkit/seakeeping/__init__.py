@@ -1,6 +1,6 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
-from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift
+from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift, drift_table
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
@@ -26,6 +26,7 @@ __all__ = [
     "Station",
     "added_resistance",
     "drift",
+    "drift_table",
     "frequencies",
     "hull_from_particulars",
     "hulls",

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, number
@@ -298,6 +299,44 @@ def drift(rao: Rao) -> Array:
     lever = rao.strips.hull.hydrostatics.xF
     across = -np.sin(beta) * pushed
     return np.stack([np.cos(beta) * pushed, across, lever * across]) + reflected_force(rao)
+
+
+def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
+    """Mean drift of a sea as the table that a manoeuvring model takes.
+
+    Parameters
+    ----------
+    rao : Rao
+        Motions at headings from 0 to 180°.
+    sea : Sea
+        Its period counts; forces go with the square of its height, which the model has.
+    speed : float, optional
+        One of those of `rao` [m/s].
+
+    Returns
+    -------
+    dict
+        ``angle_deg`` from which the waves come, from the bow, to starboard; ``DX``, ``DY`` over
+        ρgHs²L and ``DN`` over ρgHs²L², x forward, y to starboard.
+
+    Raises
+    ------
+    DataError
+        If headings do not reach from 0 to 180°.
+    """
+    a = nearest(rao.speed, speed, "speed [m/s]")
+    headings = np.degrees(rao.heading)
+    if headings.min() > 1e-6 or headings.max() < 180.0 - 1e-6 or (headings > 180.0 + 1e-6).any():
+        raise DataError("A table of drift needs headings from 0 to 180°, both ends among them.")
+    scale = rao.rho * rao.g * sea.Hs**2 * rao.L
+    found = drift(rao)[:, a]
+    order = np.argsort(-headings)
+    # waves of heading β run to starboard; those from starboard are their mirror, and y turns round
+    X, Y, N = (
+        tuple(mean_force(values[b], rao.omega, sea) / size for b in order)
+        for values, size in zip(found, (scale, scale, scale * rao.L), strict=True)
+    )
+    return {"angle_deg": tuple((180.0 - headings[order]).tolist()), "DX": X, "DY": Y, "DN": N}
 
 
 def _waterline(hull: Hull) -> tuple[Array, Array, Array]:

@@ -20,7 +20,7 @@ from pmmkit.seakeeping.transfer import MODES, Rao
 HOURS: Final = 3.0
 """Duration over which an extreme value is expected [h]."""
 _NOTHING: Final = 1e-20  # of a motion that symmetry forbids, and rounding leaves
-_ANGLES: Final = frozenset(("roll", "pitch", "yaw"))
+_ANGLES: Final = frozenset(MODES[3:])
 
 
 @dataclass(frozen=True, kw_only=True)
