@@ -1,13 +1,15 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
-from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance, drift, drift_table
+from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance
+from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
+from pmmkit.seakeeping.mean_drift import drift, drift_table
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.particulars import hull_from_particulars
-from pmmkit.seakeeping.responses import AtPlace, Moments, Place, Response, response
+from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.transfer import Rao
 

@@ -19,8 +19,8 @@ from pmmkit.seakeeping import (
     response,
     sea,
 )
-from pmmkit.seakeeping.added_resistance import plate_reflection, reflected_force
 from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
+from pmmkit.seakeeping.mean_drift import plate_reflection, reflected_force
 from pmmkit.seakeeping.responses import moments
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves
 
