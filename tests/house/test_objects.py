@@ -22,6 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
+from pmmkit.seakeeping import loading_of, roll_damping
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -126,6 +127,12 @@ def waved():
 
 
 @cache
+def damped():
+    ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
+    return roll_damping(ship, loading_of(ship, GM=1.0))
+
+
+@cache
 def answered():
     bow = pk.Place(name="bow", x=45.0, freeboard=5.0, draught=6.0)
     waves = pk.sea("bretschneider", Hs=3.0, Tp=8.0)
@@ -182,6 +189,7 @@ MADE = {
     "Hull": hull,
     "Rao": waved,
     "Response": answered,
+    "RollDamping": damped,
     "AddedResistance": lambda: pk.added_resistance(waved()),
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
@@ -217,6 +225,7 @@ SAID = {
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
+    "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
     "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
