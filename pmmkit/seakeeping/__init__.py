@@ -7,6 +7,7 @@ from pmmkit.seakeeping.ikeda import RollDamping, roll_damping
 from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.mean_drift import drift, drift_table
+from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.particulars import hull_from_particulars
@@ -20,18 +21,23 @@ __all__ = [
     "Hull",
     "Hydrostatics",
     "Loading",
+    "Measured",
     "Moments",
     "Place",
     "Rao",
+    "RaoComparison",
     "Response",
     "RollDamping",
     "Sea",
     "SeaState",
     "Station",
     "added_resistance",
+    "beside",
     "drift",
     "drift_table",
     "frequencies",
+    "from_irregular",
+    "from_regular",
     "hull_from_particulars",
     "hulls",
     "load_hull",

@@ -22,7 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
-from pmmkit.seakeeping import loading_of, roll_damping
+from pmmkit.seakeeping import Measured, beside, loading_of, roll_damping
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -127,6 +127,15 @@ def waved():
 
 
 @cache
+def beaten():
+    head, heave = waved(), np.abs(waved().mode("heave")[1, 0])
+    found = Measured(
+        encounter=head.encounter[1, 0], transfer=1.02 * heave + 0j, std=0.01 * heave + 1e-12
+    )
+    return beside(found, head, "heave", speed=5.0)
+
+
+@cache
 def damped():
     ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
     return roll_damping(ship, loading_of(ship, GM=1.0))
@@ -190,6 +199,7 @@ MADE = {
     "Rao": waved,
     "Response": answered,
     "RollDamping": damped,
+    "RaoComparison": beaten,
     "AddedResistance": lambda: pk.added_resistance(waved()),
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
@@ -225,6 +235,7 @@ SAID = {
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
+    "RaoComparison": ("heave of ship", "measured", "+2.0"),
     "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
     "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
