@@ -3,7 +3,7 @@
 from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
-from pmmkit.seakeeping.ikeda import RollDamping, roll_damping
+from pmmkit.seakeeping.ikeda import RollDamping, ikeda_damping
 from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.mean_drift import drift, drift_table
@@ -40,12 +40,12 @@ __all__ = [
     "from_regular",
     "hull_from_particulars",
     "hulls",
+    "ikeda_damping",
     "load_hull",
     "loading_of",
     "rao",
     "read_hull",
     "response",
-    "roll_damping",
     "sea",
     "sea_states",
     "state_of",

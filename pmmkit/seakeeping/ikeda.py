@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.errors import DataError, Problem, Remedy, setting
+from pmmkit.errors import DataError, Problem
 from pmmkit.presentation import Described, Grid, Group, Section
 from pmmkit.seakeeping.hull import Hull
 from pmmkit.seakeeping.loading import Loading
@@ -77,7 +77,7 @@ class RollDamping(Described):
         ]
 
 
-def roll_damping(
+def ikeda_damping(
     hull: Hull,
     loading: Loading,
     *,
@@ -133,7 +133,7 @@ def roll_damping(
         raise DataError(
             Problem(
                 message=f"Ikeda's formulas do not hold for this ship: {'; '.join(wrong)}.",
-                remedy=Remedy("Give {}.", (setting("roll_damping", 0.05),)),
+                remedy="Give the loading a roll_damping of your own, such as 0.05 of critical.",
             )
         )
     omega = _natural(hull, loading, g)

@@ -22,7 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
-from pmmkit.seakeeping import Measured, beside, loading_of, roll_damping
+from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -138,7 +138,7 @@ def beaten():
 @cache
 def damped():
     ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
-    return roll_damping(ship, loading_of(ship, GM=1.0))
+    return ikeda_damping(ship, loading_of(ship, GM=1.0))
 
 
 @cache
