@@ -14,6 +14,7 @@ from pmmkit.cli import main
 SEA = ["--hs", "4", "--tp", "9.7"]
 
 
+@pytest.mark.slow
 def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, capsys):
     order = ["seakeeping", "kvlcc2", "--speeds", "15.5 kn", "--headings", "180,45", *SEA]
     status, content, _ = said(
@@ -41,6 +42,7 @@ def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, cap
     np.testing.assert_allclose([float(row["heave"]) for row in rows], stored, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_hull_from_offsets(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     lines = ["x,breadth,draught,area"]

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from few_stations import thinned
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -21,7 +22,7 @@ FACTORS = {"kx": 1.0, "ky": 1.0, "kn": 1.0}
 
 @pytest.fixture(scope="module")
 def table():
-    hull, sea = load_hull("s175"), Sea(Hs=1.0, Tp=8.0)
+    hull, sea = thinned(load_hull("s175")), Sea(Hs=1.0, Tp=8.0)
     found = rao(
         hull, speeds=8.0, headings_deg=np.arange(0, 181, 15), omega=frequencies(hull.L, sea)
     )

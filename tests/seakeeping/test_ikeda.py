@@ -6,11 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from few_stations import thinned
 
 from pmmkit.errors import DataError
 from pmmkit.seakeeping import Loading, hull_from_particulars, ikeda_damping, loading_of, rao
 
-HULL = hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
+HULL = thinned(
+    hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
+)
 LOADING = loading_of(HULL, GM=1.0, kxx=8.33)
 KEELS = {"keel_breadth": 0.45, "keel_length": 43.75}
 
@@ -26,6 +29,7 @@ def test_linear_and_quadratic_part_give_the_whole_at_the_amplitude():
     assert equivalent == pytest.approx(parts(found))
 
 
+@pytest.mark.slow
 def test_sizes_are_those_of_a_ship_like_s175():
     """Bare a hundredth or so of critical at rest, keels double it, speed lifts it."""
     bare, keeled = (ikeda_damping(HULL, LOADING, **keels) for keels in ({}, KEELS))
@@ -37,6 +41,7 @@ def test_sizes_are_those_of_a_ship_like_s175():
     assert 2 * math.pi / bare.omega == pytest.approx(18.0, abs=1.5)
 
 
+@pytest.mark.slow
 def test_lift_grows_with_speed_and_eddies_with_the_amplitude():
     slow, fast = (ikeda_damping(HULL, LOADING, speed=speed).lift for speed in (4.0, 8.0))
     assert fast == pytest.approx(2 * slow)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from few_stations import thinned
 
 from pmmkit.errors import DataError
 from pmmkit.seakeeping import (
@@ -16,7 +17,7 @@ from pmmkit.seakeeping import (
     rao,
 )
 
-SHIP = hull_from_particulars(name="model", L=4.0, B=0.7, d=0.25, block=0.65)
+SHIP = thinned(hull_from_particulars(name="model", L=4.0, B=0.7, d=0.25, block=0.65))
 OMEGA = np.linspace(2.0, 8.0, 61)
 
 
@@ -29,6 +30,7 @@ def waves_met(omega, speed=1.2):
     return omega + omega**2 * speed / 9.81
 
 
+@pytest.mark.slow
 def test_regular_waves_give_amplitude_and_phase_within_their_uncertainty():
     rng = np.random.default_rng(5)
     t = np.arange(0.0, 40.0, 0.02)
@@ -44,6 +46,7 @@ def test_regular_waves_give_amplitude_and_phase_within_their_uncertainty():
     assert abs(np.mean(off)) < 0.5
 
 
+@pytest.mark.slow
 def test_irregular_waves_give_back_the_computed_transfer_function(computed):
     """Waves and heave of 200 components each, met at speed; sampled and read by cross-spectra."""
     rng = np.random.default_rng(8)

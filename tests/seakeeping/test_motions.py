@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from few_stations import thinned
 from veres import read_transfer
 
 from pmmkit.errors import DataError
 from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, loading_of, rao, read_hull
 
-SHIP = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.65, xB=-0.5, xF=-2.0)
+SHIP = thinned(
+    hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.65, xB=-0.5, xF=-2.0)
+)
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +59,7 @@ def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, head
         assert apart(s175, veres, 5, speed, heading, over_slope=True) < 0.035
 
 
+@pytest.mark.slow
 def test_roll_of_s175_above_its_resonance(s175, veres):
     """Near resonance it hangs on a damping that VERES does not state."""
     above = s175.omega > 0.6
@@ -177,6 +181,7 @@ def test_roll_at_resonance_falls_with_damping_and_far_above_it_does_not():
     assert little[-1] == pytest.approx(much[-1], rel=0.1)
 
 
+@pytest.mark.slow
 def test_quadratic_damping_takes_the_energy_of_its_cube():
     """Per cycle ∮B₂φ̇²|φ̇|dt = (8/3π)·π·B₂(ωφ)³/ω: its linear form is found again by hand."""
     found = rolled(waves=2.0, roll_damping=0.02, roll_quadratic=0.5)
@@ -189,11 +194,13 @@ def test_quadratic_damping_takes_the_energy_of_its_cube():
     assert np.abs(linear.mode("roll")[0, 0, peak]) == pytest.approx(amplitude / 2.0, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_higher_waves_roll_less_for_their_height():
     low, high = (rolled(waves=a, roll_damping=0.02, roll_quadratic=0.5) for a in (0.2, 3.0))
     assert np.abs(low.mode("roll")).max() > 1.2 * np.abs(high.mode("roll")).max()
 
 
+@pytest.mark.slow
 def test_in_a_sea_the_damping_is_that_of_its_own_rate_of_roll():
     """B₁ + √(8/π) σ B₂, the same at all frequencies."""
     waves = Sea(Hs=4.0, Tp=12.0)

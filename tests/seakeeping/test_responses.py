@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from few_stations import thinned
 
 from pmmkit.errors import DataError
 from pmmkit.seakeeping import (
@@ -25,7 +26,7 @@ from pmmkit.seakeeping.responses import moments
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves
 
 OMEGA = np.linspace(0.25, 2.2, 60)
-SHIP = hull_from_particulars(name="ship", L=150.0, B=24.0, d=8.5, block=0.68)
+SHIP = thinned(hull_from_particulars(name="ship", L=150.0, B=24.0, d=8.5, block=0.68))
 
 
 @pytest.fixture(scope="module")

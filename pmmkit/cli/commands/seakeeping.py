@@ -85,6 +85,7 @@ def seakeeping(
     elif tp is not None or t1 is not None:
         raise typer.BadParameter("--hs is needed beside a period.")
     courses = numbers(headings) or ()
+    places = [_place(text) for text in place or ()]
     found = rao(
         hull,
         speeds=_speeds(speeds, hull.L),
@@ -93,7 +94,6 @@ def seakeeping(
         loading=loading,
     )
     added = added_resistance(found)
-    places = [_place(text) for text in place or ()]
     answers = [
         response(found, waves, speed=speed, heading_deg=heading, places=places, hours=hours)
         for speed in (found.speed.tolist() if waves else ())
