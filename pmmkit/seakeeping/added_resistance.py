@@ -16,7 +16,7 @@ import numpy as np
 from pmmkit.numerics import Array
 from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, number
-from pmmkit.seakeeping.asked import nearest
+from pmmkit.seakeeping.asked import between, nearest
 from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
 from pmmkit.seakeeping.hull import Hull
 from pmmkit.seakeeping.mean_drift import drift, mean_force, radiated_force
@@ -71,21 +71,25 @@ class AddedResistance(Described):
     def mean(
         self, sea: Sea, *, speed: float | None = None, heading_deg: float | None = None
     ) -> dict[str, float]:
-        """Mean added resistance in a long-crested sea, 2∫S (R/ζ²) dω [N], by each method.
+        """Mean added resistance in a sea, 2∫S (R/ζ²) dω [N], by each method.
 
         Parameters
         ----------
         sea : Sea
-            The sea.
+            The sea; a short-crested one needs headings around that of its mean.
         speed, heading_deg : float, optional
             One of those that were computed [m/s, deg].
         """
         a = nearest(self.rao.speed, speed, "speed [m/s]")
         b = nearest(np.degrees(self.rao.heading), heading_deg, "heading_deg")
-        return {
-            name: mean_force(values[a, b], self.rao.omega, sea)
-            for name, values in self.methods.items()
-        }
+        found = dict.fromkeys(self.methods, 0.0)
+        for heading, share in zip(
+            *sea.directions(float(np.degrees(self.rao.heading[b]))), strict=True
+        ):
+            for c, part in zip(*between(self.rao.heading, float(heading)), strict=True):
+                for name, values in self.methods.items():
+                    found[name] += share * part * mean_force(values[a, c], self.rao.omega, sea)
+        return {name: float(value) for name, value in found.items()}
 
     def to_pandas(self) -> pd.DataFrame:
         """One row for each speed, heading and frequency [SI; N/m² for the methods]."""

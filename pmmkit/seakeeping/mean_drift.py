@@ -172,10 +172,12 @@ def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, 
     Raises
     ------
     DataError
-        If headings do not reach from 0 to 180°.
+        If headings do not reach from 0 to 180°, or the sea is short-crested.
     """
     a = nearest(rao.speed, speed, "speed [m/s]")
     headings = np.degrees(rao.heading)
+    if sea.spreading is not None:
+        raise DataError("A table of drift is that of a long-crested sea: leave out spreading.")
     if headings.min() > 1e-6 or headings.max() < 180.0 - 1e-6 or (headings > 180.0 + 1e-6).any():
         raise DataError("A table of drift needs headings from 0 to 180°, both ends among them.")
     scale = rao.rho * rao.g * sea.Hs**2 * rao.L

@@ -12,7 +12,7 @@ from pmmkit.numerics import Array
 from pmmkit.presentation import counted
 from pmmkit.seakeeping.answers import HOURS, AtPlace, Moments, Place, Response
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.asked import nearest
+from pmmkit.seakeeping.asked import between, nearest
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves, vomiting_by_dose
 from pmmkit.seakeeping.transfer import MODES, Rao
@@ -123,31 +123,11 @@ def _summed(
     """Moments of a response (headings, frequencies), summed over the directions of the sea."""
     total = np.zeros(3)
     for heading, share in zip(headings, shares, strict=True):
-        near, weight = _between(rao, float(heading))
+        near, weight = between(rao.heading, float(heading))
         for b, part in zip(near, weight, strict=True):
             one = moments(transfer[b], rao.encounter[speed, b], rao.omega, sea)
             total += share * part * np.array([one.m0, one.m2, one.m4])
     return Moments(m0=float(total[0]), m2=float(total[1]), m4=float(total[2]))
-
-
-def _between(rao: Rao, heading_deg: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
-    """Headings that were computed beside one, with weights; port and starboard are alike."""
-    folded = abs((heading_deg + 180.0) % 360.0 - 180.0)
-    there = np.abs((np.degrees(rao.heading) + 180.0) % 360.0 - 180.0)
-    gap = np.abs(there - folded)
-    if gap.min() < 1e-6:
-        return (int(gap.argmin()),), (1.0,)
-    below, above = np.flatnonzero(there < folded), np.flatnonzero(there > folded)
-    if not below.size or not above.size:
-        raise DataError(
-            f"A short-crested sea needs headings on both sides of {folded:.0f}°: compute them from "
-            "0 to 180° in steps of 15° or so."
-        )
-    low, high = int(below[there[below].argmax()]), int(above[there[above].argmin()])
-    if there[high] - there[low] > 31.0:
-        raise DataError("A short-crested sea needs headings in steps of 30° or less.")
-    part = (folded - there[low]) / (there[high] - there[low])
-    return (low, high), (float(1 - part), float(part))
 
 
 def relative_motion(rao: Rao, place: Place) -> Complex:

@@ -15,6 +15,7 @@ from pmmkit.seakeeping import (
     Sea,
     added_resistance,
     drift,
+    drift_table,
     hull_from_particulars,
     rao,
     response,
@@ -177,3 +178,25 @@ def test_a_ship_out_of_range_has_no_stawave2():
     form = Form(L=50.0, B=10.0, d=3.0, block=0.6, kyy=0.25, entrance=15.0, run=15.0)
     U = np.array([0.2 * math.sqrt(9.81 * 50)])
     assert np.isnan(stawave2(form, U, np.array([math.pi]), OMEGA, 1025.0, 9.81)).all()
+
+
+def test_added_resistance_of_a_short_crested_sea_is_the_mean_over_its_directions(moved):
+    found, waves = added_resistance(moved), Sea(Hs=3.0, Tp=9.0)
+    spread = replace(waves, spreading=2)
+    short = found.mean(spread, speed=8.0, heading_deg=180)["SNNM"]
+    each = [found.mean(waves, speed=8.0, heading_deg=x)["SNNM"] for x in (90, 120, 150, 180)]
+    assert min(each) < short < max(each)
+    narrow = found.mean(replace(waves, spreading=2000), speed=8.0, heading_deg=180)["SNNM"]
+    assert narrow == pytest.approx(each[-1], rel=1e-6)
+
+
+def test_a_table_of_drift_is_of_a_long_crested_sea_over_all_headings(moved):
+    table = drift_table(moved, Sea(Hs=1.0, Tp=9.0), speed=8.0)
+    assert table["angle_deg"] == pytest.approx(np.arange(0, 181, 30))
+    assert table["DY"][0] == pytest.approx(0.0, abs=1e-9)
+    twice = drift_table(moved, Sea(Hs=2.0, Tp=9.0), speed=8.0)
+    assert twice["DX"] == pytest.approx(table["DX"])
+    with pytest.raises(DataError, match="spreading"):
+        drift_table(moved, Sea(Hs=1.0, Tp=9.0, spreading=2), speed=8.0)
+    with pytest.raises(DataError, match="both ends"):
+        drift_table(rao(SHIP, speeds=8.0, omega=OMEGA), Sea(Hs=1.0, Tp=9.0))
