@@ -10,12 +10,14 @@ from pmmkit.seakeeping.mean_drift import drift, drift_table
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
+from pmmkit.seakeeping.operability import LIMITS, Operability, operability
 from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.transfer import Rao
 
 __all__ = [
+    "LIMITS",
     "AddedResistance",
     "AtPlace",
     "Hull",
@@ -23,6 +25,7 @@ __all__ = [
     "Loading",
     "Measured",
     "Moments",
+    "Operability",
     "Place",
     "Rao",
     "RaoComparison",
@@ -43,6 +46,7 @@ __all__ = [
     "ikeda_damping",
     "load_hull",
     "loading_of",
+    "operability",
     "rao",
     "read_hull",
     "response",

@@ -22,7 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
-from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of
+from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -136,6 +136,11 @@ def beaten():
 
 
 @cache
+def judged():
+    return operability(waved(), pk.sea("bretschneider", Hs=3.0, Tp=8.0))
+
+
+@cache
 def damped():
     ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
     return ikeda_damping(ship, loading_of(ship, GM=1.0))
@@ -199,6 +204,7 @@ MADE = {
     "Rao": waved,
     "Response": answered,
     "RollDamping": damped,
+    "Operability": judged,
     "RaoComparison": beaten,
     "AddedResistance": lambda: pk.added_resistance(waved()),
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
@@ -236,6 +242,7 @@ SAID = {
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
     "RaoComparison": ("heave of ship", "measured", "+2.0"),
+    "Operability": ("roll_deg", "Allowed", "180°", "Hs 3 m"),
     "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
     "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),

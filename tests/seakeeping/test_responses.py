@@ -9,14 +9,16 @@ import numpy as np
 import pytest
 from few_stations import thinned
 
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.seakeeping import (
+    LIMITS,
     Place,
     Sea,
     added_resistance,
     drift,
     drift_table,
     hull_from_particulars,
+    operability,
     rao,
     response,
     sea,
@@ -200,3 +202,20 @@ def test_a_table_of_drift_is_of_a_long_crested_sea_over_all_headings(moved):
         drift_table(moved, Sea(Hs=1.0, Tp=9.0, spreading=2), speed=8.0)
     with pytest.raises(DataError, match="both ends"):
         drift_table(rao(SHIP, speeds=8.0, omega=OMEGA), Sea(Hs=1.0, Tp=9.0))
+
+
+def test_operability_is_each_value_over_its_limit(moved):
+    bow, waves = Place(name="bow", x=70.0, freeboard=6.0, draught=8.5), Sea(Hs=4.0, Tp=9.0)
+    found = operability(moved, waves, places=[bow])
+    assert set(found.ratios) == set(LIMITS)
+    one = response(moved, waves, speed=8.0, heading_deg=180, places=[bow])
+    wanted = math.sqrt(one.places[0].acceleration.m0) / LIMITS["acceleration"]
+    assert found.ratios["acceleration"][1, -1] == pytest.approx(wanted)
+    calm = operability(moved, Sea(Hs=0.1, Tp=9.0), places=[bow])
+    storm = operability(moved, Sea(Hs=14.0, Tp=12.0), places=[bow])
+    assert storm.share < found.share <= calm.share == 1.0
+    assert found.plot().axes
+    with pytest.raises(UnknownNameError, match="roll_deg"):
+        operability(moved, waves, limits={"heel": 3.0})
+    with pytest.raises(DataError, match="nothing to judge"):
+        operability(moved, waves, limits={"wet": 0.05})
