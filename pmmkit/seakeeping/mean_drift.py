@@ -6,17 +6,22 @@ Forces are means of second order over the square of the amplitude of the wave [N
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import numpy as np
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
+from pmmkit.seakeeping.arrays import Complex
 from pmmkit.seakeeping.asked import nearest
 from pmmkit.seakeeping.hull import Hull
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.sectional import HEAVE
+from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY
 from pmmkit.seakeeping.strips import at_frequency
 from pmmkit.seakeeping.transfer import Rao
+
+_TURNED: Final = np.array([-1j, -1.0, -1.0])
+"""Elevation beside the section over what `Sections.far` holds: a source lags by a quarter."""
 
 
 def mean_force(values: Array, omega: Array, sea: Sea) -> float:
@@ -77,7 +82,7 @@ def radiated_force(rao: Rao) -> Array:
 
 
 def reflected_force(rao: Rao) -> Array:
-    """Mean force of waves that the side of the ship reflects: X, Y (port) and N [N/m², N m/m²].
+    """Mean force ahead of waves that the sides of the ship reflect [N/m²].
 
     Faltinsen's (1980) asymptote for waves that are short beside the ship, over the part of the
     waterline that the waves strike: ½ρg (c² + 2ωU/g c n_x) on the normal, with c the cosine of
@@ -90,18 +95,16 @@ def reflected_force(rao: Rao) -> Array:
 
     Returns
     -------
-    array, shape (3, speeds, headings, frequencies)
+    array, shape (speeds, headings, frequencies)
     """
-    middle, normal, length = _waterline(rao.strips.hull)
+    normal, length = _waterline(rao.strips.hull)
     direction = np.stack([np.cos(rao.heading), -np.sin(rao.heading)], axis=-1)
     strike = np.maximum(-direction @ normal.T, 0.0)
-    lever = middle[:, 0] * normal[:, 1] - middle[:, 1] * normal[:, 0]
-    arms = -np.column_stack([normal, lever]) * length[:, None]
-    still = (strike**2) @ arms
-    moving = (strike * normal[:, 0]) @ arms
+    ahead = -normal[:, 0] * length
+    still, moving = strike**2 @ ahead, strike @ (ahead * normal[:, 0])
     share = plate_reflection(rao.wavenumber * rao.strips.hull.draught)
-    ahead = 2 * np.multiply.outer(rao.speed, rao.omega) / rao.g
-    found = still.T[:, None, :, None] + moving.T[:, None, :, None] * ahead[None, :, None, :]
+    fast = 2 * np.multiply.outer(rao.speed, rao.omega)[:, None] / rao.g
+    found = still[:, None] + moving[:, None] * fast
     return np.asarray(0.5 * rao.rho * rao.g * found * share)
 
 
@@ -126,13 +129,68 @@ def plate_reflection(depth: Array) -> Array:
     return np.asarray(grown / (grown + shrunk))
 
 
+def scattering(far: Complex) -> tuple[Complex, Complex]:
+    """Waves that a fixed section sends back and lets through, over those that meet it.
+
+    The waves of heave and of sway say both: each part of the incident wave, even or odd, comes
+    back whole and out of phase (Newman 1975), so that energy is kept.
+
+    Parameters
+    ----------
+    far : array of complex, shape (2 or more, …)
+        Elevation sent out to the side of the incident wave over the motion, heave and sway first.
+    """
+    even, odd = (-far[row] / far[row].conj() for row in (HEAVE, SWAY))
+    return 0.5 * (even + odd), 0.5 * (even - odd)
+
+
+def scattered_force(rao: Rao) -> Array:
+    """Mean side force and moment about midship of a ship whose sections scatter waves.
+
+    Each section meets the wave squarely and moves as the ship does: ¼ρg(1 + |R|² - |T|²) for a
+    wave of unit amplitude (Maruo 1960), times sin²β. At speed it sends out waves of the frequency
+    of encounter, in waves from abaft the beam of that of the wave, which is higher.
+
+    Parameters
+    ----------
+    rao : Rao
+        The motions; those that are not known are taken for none.
+
+    Returns
+    -------
+    array, shape (2, speeds, headings, frequencies)
+        Y to port [N/m²] and N [N m/m²].
+    """
+    strips = rao.strips
+    x = strips.x
+    felt = np.maximum(np.abs(rao.encounter), rao.omega)
+    sent = np.stack(
+        [
+            [at_frequency(strips, strips.sections.far[mode, :, s], felt) for s in range(x.size)]
+            for mode in (HEAVE, SWAY, ROLL)
+        ]
+    )
+    sent = np.moveaxis(sent, 1, -1) * _TURNED[:, None, None, None, None]
+    back, through = scattering(sent)
+    along = np.multiply.outer(np.cos(rao.heading), rao.wavenumber)[..., None]
+    lead = np.exp(1j * along * x)
+    motion = np.nan_to_num(rao.motion)[..., None]
+    even = (motion[2] - x * motion[4]) * sent[HEAVE] * lead
+    side = np.where(np.sin(rao.heading) < 0.0, -1.0, 1.0)[:, None, None]  # 1: they meet port
+    odd = ((motion[1] + x * motion[5]) * sent[SWAY] + motion[3] * sent[ROLL]) * lead * side
+    energy = 1 + np.abs(back + even + odd) ** 2 - np.abs(through + even - odd) ** 2
+    across = np.sin(rao.heading)[:, None, None]
+    local = -0.25 * rao.rho * rao.g * across * np.abs(across) * energy
+    return np.stack([np.trapezoid(local, x), np.trapezoid(local * strips.hull.x, x)])
+
+
 def drift(rao: Rao) -> Array:
     """Mean drift X (forward), Y (port) and N about midship of waves [N/m², N m/m²].
 
-    The energy that heave and pitch send out pushes along the waves, in long waves; what the sides
-    reflect pushes along their normals, in short ones; the two are blended by the energy that a
-    plate of the draught reflects. Sway and roll send out waves too, which is left out: in beam
-    seas about half as long as the ship the force is too small by a quarter.
+    X: the energy that heave and pitch send out pushes along the waves, in long waves; what the
+    sides reflect pushes along their normals, in short ones; the two are blended by the energy that
+    a plate of the draught reflects. In waves from abaft the beam, where their energy divided by the
+    frequency of encounter grows beyond reason, it is divided by that of the wave. Y and N: what the sections scatter (`scattered_force`).
 
     Parameters
     ----------
@@ -144,11 +202,9 @@ def drift(rao: Rao) -> Array:
     array, shape (3, speeds, headings, frequencies)
     """
     share = plate_reflection(rao.wavenumber * rao.strips.hull.draught)
-    pushed = (1 - share) * radiated_force(rao)
-    beta = rao.heading[:, None]
-    lever = rao.strips.hull.hydrostatics.xF
-    across = -np.sin(beta) * pushed
-    return np.stack([np.cos(beta) * pushed, across, lever * across]) + reflected_force(rao)
+    met = np.minimum(np.abs(rao.encounter) / rao.omega, 1.0)
+    pushed = (1 - share) * met * np.cos(rao.heading)[:, None] * radiated_force(rao)
+    return np.stack([pushed + reflected_force(rao), *scattered_force(rao)])
 
 
 def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, tuple[float, ...]]:
@@ -191,8 +247,8 @@ def drift_table(rao: Rao, sea: Sea, *, speed: float | None = None) -> dict[str, 
     return {"angle_deg": tuple((180.0 - headings[order]).tolist()), "DX": X, "DY": Y, "DN": N}
 
 
-def _waterline(hull: Hull) -> tuple[Array, Array, Array]:
-    """Middles (x, y), outward normals and lengths of the pieces of the whole waterline."""
+def _waterline(hull: Hull) -> tuple[Array, Array]:
+    """Outward normals and lengths of the pieces of the whole waterline."""
     x = np.r_[hull.x[0], hull.x, hull.x[-1]]
     y = np.r_[0.0, hull.breadths / 2, 0.0]
     step = np.column_stack([np.diff(x), np.diff(y)])
@@ -200,10 +256,4 @@ def _waterline(hull: Hull) -> tuple[Array, Array, Array]:
     whole = length > 1e-12
     step, length = step[whole], length[whole]
     port = np.column_stack([-step[:, 1], step[:, 0]]) / length[:, None]
-    middle = np.column_stack([(x[1:] + x[:-1]) / 2, (y[1:] + y[:-1]) / 2])[whole]
-    mirror = np.array([1.0, -1.0])
-    return (
-        np.concatenate([middle, middle * mirror]),
-        np.concatenate([port, port * mirror]),
-        np.concatenate([length, length]),
-    )
+    return np.concatenate([port, port * np.array([1.0, -1.0])]), np.concatenate([length, length])

@@ -55,7 +55,7 @@ def test_the_table_pushes_along_the_waves(table):
     assert len(table["angle_deg"]) == 13
     X = [push(1, angle, table)[0] for angle in (0.0, 45.0)]
     assert max(X) < 0
-    assert push(1, 90.0, table)[1] < -0.5 * abs(push(0, 90.0, None)[1])
+    assert push(1, 90.0, table)[1] < -0.15 * abs(push(0, 90.0, None)[1])
     assert push(1, 180.0, table)[1] == pytest.approx(0.0, abs=1.0)
 
 

@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from few_stations import thinned
+from hypothesis import given
+from hypothesis import strategies as st
 
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.seakeeping import (
@@ -24,8 +26,9 @@ from pmmkit.seakeeping import (
     sea,
 )
 from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
-from pmmkit.seakeeping.mean_drift import plate_reflection, reflected_force
+from pmmkit.seakeeping.mean_drift import plate_reflection, scattering
 from pmmkit.seakeeping.responses import moments
+from pmmkit.seakeeping.sectional import solve
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves
 
 OMEGA = np.linspace(0.25, 2.2, 60)
@@ -123,12 +126,34 @@ def test_what_was_not_computed_is_refused(moved):
 
 
 def test_short_waves_are_reflected_in_full_by_a_wall(moved):
-    """In beam seas ½ρgζ² over the length, without speed; nothing on a ship that runs along."""
-    found = reflected_force(moved)[:, 0, 3, -1]
-    wall = 0.5 * 1025 * 9.81 * 150.0
-    assert -found[1] == pytest.approx(wall, rel=0.12)  # waves run to starboard, y is to port
-    assert abs(found[0]) < 0.01 * wall
+    """In beam seas ½ρgζ² over the length; waves run to starboard, y is to port."""
+    wall = 0.5 * 1025 * 9.81 * (SHIP.x[-1] - SHIP.x[0])
+    X, Y, _ = drift(moved)[:, 0, 3]
+    assert -Y[-1] == pytest.approx(wall, rel=0.1)
+    assert abs(X[-1]) < 0.02 * wall
     assert plate_reflection(np.array([5.0]))[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_long_waves_carry_the_ship_and_push_nothing(moved):
+    """A ship that moves with the water scatters nothing; heave at resonance does."""
+    Y = -drift(moved)[1, 0, 3] / (0.5 * 1025 * 9.81 * 150.0)
+    assert np.abs(Y[OMEGA < 0.5]).max() < 0.02
+    assert Y.min() > -0.02
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-3.1, 3.1), st.floats(0.01, 3.0))
+def test_a_fixed_section_keeps_the_energy_of_the_waves(heave, sway, size):
+    back, through = scattering(size * np.exp(1j * np.array([[heave], [sway]])))
+    assert np.abs(back) ** 2 + np.abs(through) ** 2 == pytest.approx(1.0)
+
+
+def test_a_half_circle_lets_long_waves_through_and_sends_short_ones_back():
+    far = solve(np.array([[1.0, 0.0, 0.0]]), np.array([1e-3, 0.5, 5.0])).far[:, :, 0]
+    back, through = scattering(far * np.array([[-1j], [-1], [-1]]))
+    assert np.abs(back[0]) < 0.01
+    assert np.abs(through[0] - 1) < 0.01
+    assert np.abs(through[2]) < 0.05
+    assert 0.2 < np.abs(back[1]) < 0.95
 
 
 def test_drift_is_alike_on_both_sides():
