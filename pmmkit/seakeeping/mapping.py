@@ -22,6 +22,7 @@ _POINTS: Final = 120
 _COUNTS: Final = (3, 5, 7, 9, 12)
 _AREA_KEPT: Final = 0.003  # enough: more coefficients follow corners of offsets and flare
 _AREA_LOST: Final = 0.05
+_SMOOTH: Final = 0.02
 _NECK: Final = 0.7
 _FULL: Final = 0.9
 _STEPS: Final = 60
@@ -117,7 +118,7 @@ def _resampled(points: Complex, count: int) -> Complex:
     )
 
 
-def fitted(contour: Complex, count: int) -> Array:
+def fitted(contour: Complex, count: int, smooth: float = 0.0) -> Array:
     """The map with so many coefficients that lies closest to a contour, by least squares.
 
     Distances are taken along the normal of the map (Gauss and Newton); keel and waterline weigh
@@ -129,6 +130,8 @@ def fitted(contour: Complex, count: int) -> Array:
         w = y + ix [m] from the keel to the water.
     count : int
         Coefficients, 3 or more.
+    smooth : float
+        How much high coefficients are held down, which keeps the map of a hollow section sound.
 
     Examples
     --------
@@ -145,6 +148,7 @@ def fitted(contour: Complex, count: int) -> Array:
     theta = np.linspace(0.0, 0.5 * math.pi, points.size)
     weight = np.ones(points.size)
     weight[[0, -1]] = _WATERLINE
+    held = smooth * math.sqrt(points.size) * np.diag(np.where(powers < -1, powers, 0.0))
     change = math.inf
     for _ in range(_STEPS):
         for _ in range(3):
@@ -156,7 +160,11 @@ def fitted(contour: Complex, count: int) -> Array:
         normal = -1j * tangent / np.abs(tangent)
         basis = (np.exp(1j * np.outer(theta, powers)) * normal.conj()[:, None]).real
         miss = ((points - at(map_, theta)) * normal.conj()).real
-        step = np.linalg.lstsq(basis * weight[:, None], miss * weight, rcond=1e-10)[0]
+        rows, wanted = (
+            np.vstack([basis * weight[:, None], held]),
+            np.r_[miss * weight, -held @ map_],
+        )
+        step = np.linalg.lstsq(rows, wanted, rcond=1e-10)[0]
         largest = float(np.abs(step).max())
         map_ = map_ + step * min(1.0, 0.2 * draught / max(largest, 1e-12))
         if largest < _STILL * draught or largest > 10 * change:
@@ -210,24 +218,34 @@ def fit_sections(contours: Sequence[Complex], labels: Sequence[str]) -> Fit:
     for contour, label in zip(contours, labels, strict=True):
         wanted = float(-2 * np.trapezoid(contour.imag, contour.real))
         breadth, depth = float(2 * contour[-1].imag), float(contour.real.max())
-        best, map_ = _AREA_LOST, None
         necked = breadth < _NECK * 2 * float(contour.imag.max())
-        for count in () if necked else _COUNTS:
-            tried = fitted(contour, count)
-            lost = abs(float(area(tried)) / wanted - 1)
-            if lost < best and is_conformal(tried):
-                best, map_ = lost, tried
-            if best < _AREA_KEPT:
-                break
+        map_ = None if necked else _closest(contour, wanted)
         if map_ is not None:
             worst = max(worst, misfit(map_, contour))
         else:
             wide = max(breadth, wanted / (_FULL * depth))
             full = max(wanted / (wide * depth), lewis_area_range(wide, depth)[0])
             map_ = lewis(wide, depth, full * wide * depth)
+            why = "is necked above a bulb" if necked else "has no conformal map"
             notes.append(
-                f"{label} {'is necked above a bulb' if necked else 'has no conformal map'}: to the "
-                f"flow it is a Lewis form {wide:.3g} m wide at the water, not {breadth:.3g} m."
+                f"{label} {why}: to the flow it is a Lewis form {wide:.3g} m wide at the water, "
+                f"not {breadth:.3g} m, with {full * wide * depth / wanted:.2f} of its area."
             )
         rows.append(np.pad(map_, (0, _COUNTS[-1] - map_.size)))
     return Fit(maps=np.array(rows), misfit=worst, notes=tuple(notes))
+
+
+def _closest(contour: Complex, wanted: float) -> Array | None:
+    """The sound map with the fewest coefficients that keeps an area [m²], None if there is none."""
+    for smooth in (0.0, _SMOOTH):
+        best, found = _AREA_LOST, None
+        for count in _COUNTS:
+            tried = fitted(contour, count, smooth)
+            lost = abs(float(area(tried)) / wanted - 1)
+            if lost < best and is_conformal(tried):
+                best, found = lost, tried
+            if best < _AREA_KEPT:
+                break
+        if found is not None:
+            return found
+    return None

@@ -189,8 +189,9 @@ def drift(rao: Rao) -> Array:
 
     X: the energy that heave and pitch send out pushes along the waves, in long waves; what the
     sides reflect pushes along their normals, in short ones; the two are blended by the energy that
-    a plate of the draught reflects. In waves from abaft the beam, where their energy divided by the
-    frequency of encounter grows beyond reason, it is divided by that of the wave. Y and N: what the sections scatter (`scattered_force`).
+    a plate of the draught reflects. In waves from abaft the beam, where energy over the frequency
+    of encounter grows beyond reason, it is taken over that of the wave. Y and N: what the sections
+    scatter (`scattered_force`).
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import pytest
 
 from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.seakeeping import Hull, Station, hull_from_particulars, hulls, load_hull, read_hull
-from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, lewis, misfit
+from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, is_conformal, lewis, misfit
 
 X = np.linspace(-50.0, 50.0, 21)
 
@@ -170,3 +170,20 @@ def test_particulars_in_a_file_are_checked(tmp_path):
 def test_a_name_that_is_not_there_is_answered_with_those_there_are():
     with pytest.raises(UnknownNameError, match="tanker-320"):
         load_hull("tanker-321")
+
+
+def test_a_hollow_section_with_flare_is_followed_by_a_smoother_map():
+    """A skeg under a flare has corners that no unsmoothed map of few coefficients follows."""
+    contour = Station(x=0.0, y=np.array([0, 1, 9.0]), z=np.array([0, 3, 5.5])).contour(5.0)
+    found = fit_sections([contour], ["it"])
+    assert found.notes == ()
+    assert area(found.maps)[0] == pytest.approx(19.8, rel=0.01)
+    assert is_conformal(found.maps[0])
+
+
+def test_a_bulb_under_a_neck_is_a_lewis_form_of_its_area_and_the_note_says_so():
+    y, z = np.array([0, 6, 1, 1.0]), np.array([0, 2, 5, 9.0])
+    contour = Station(x=0.0, y=y, z=z).contour(6.0)
+    found = fit_sections([contour], ["it"])
+    assert area(found.maps)[0] == pytest.approx(-2 * np.trapezoid(contour.imag, contour.real))
+    assert "necked above a bulb" in found.notes[0]
