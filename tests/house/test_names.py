@@ -107,6 +107,7 @@ REGISTRIES = {
             "identification/sparse/request.py": OTHER_WORDS,
             "models/scale.py": BY_NAME,
             "reduction/parts.py": BY_NAME,
+            "seakeeping/transfer.py": "a motion of that name",
             "simulation/simulate.py": BY_NAME,
             "testing/effects.py": "what records hold: roll",
             "validation/prediction.py": OTHER_WORDS,

@@ -22,6 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
+from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -116,6 +117,43 @@ def trial():
 
 
 @cache
+def hull():
+    return pk.hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
+
+
+@cache
+def waved():
+    return pk.rao(hull(), speeds=[0.0, 5.0], omega=np.linspace(0.3, 2.0, 30))
+
+
+@cache
+def beaten():
+    head, heave = waved(), np.abs(waved().mode("heave")[1, 0])
+    found = Measured(
+        encounter=head.encounter[1, 0], transfer=1.02 * heave + 0j, std=0.01 * heave + 1e-12
+    )
+    return beside(found, head, "heave", speed=5.0)
+
+
+@cache
+def judged():
+    return operability(waved(), pk.sea("bretschneider", Hs=3.0, Tp=8.0))
+
+
+@cache
+def damped():
+    ship = pk.hull_from_particulars(name="ship", L=175.0, B=25.4, d=9.5, block=0.57, midship=0.966)
+    return ikeda_damping(ship, loading_of(ship, GM=1.0))
+
+
+@cache
+def answered():
+    bow = pk.Place(name="bow", x=45.0, freeboard=5.0, draught=6.0)
+    waves = pk.sea("bretschneider", Hs=3.0, Tp=8.0)
+    return pk.response(waved(), waves, speed=5.0, places=[bow])
+
+
+@cache
 def parts():
     screw = Part(effect="propeller", values={"D": 0.2, "wp": 0.35}, source="measured: tank <2>")
     blade = Part(effect="rudder_mmg", values={"area": 0.05}, source="library: a ship")
@@ -162,6 +200,14 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+    "Hull": hull,
+    "Rao": waved,
+    "Response": answered,
+    "RollDamping": damped,
+    "Operability": judged,
+    "RaoComparison": beaten,
+    "AddedResistance": lambda: pk.added_resistance(waved()),
+    "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
 }
 LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
@@ -192,6 +238,14 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+    "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
+    "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
+    "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
+    "RaoComparison": ("heave of ship", "measured", "+2.0"),
+    "Operability": ("roll_deg", "Allowed", "180°", "Hs 3 m"),
+    "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
+    "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
+    "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
 }
 DRAWN = (

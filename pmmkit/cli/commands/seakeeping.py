@@ -1,0 +1,193 @@
+"""``pmmkit seakeeping``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Final
+
+import typer
+
+from pmmkit.cli.options import DrawFigures, numbers, stem, words
+from pmmkit.cli.output import Outcome
+from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.speeds import FROUDE, typed_list
+
+if TYPE_CHECKING:
+    from pmmkit.seakeeping import AddedResistance, Hull, Rao, Response, Sea
+
+EXAMPLE: Final = (
+    "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
+)
+
+
+def seakeeping(
+    ship: Annotated[
+        str,
+        typer.Argument(
+            help="Offsets (.csv with x,y,z or x,breadth,draught,area; .mgf of ShipX), particulars "
+            "(.toml), tanker-320, or a library ship; sections of the last three are assumed."
+        ),
+    ],
+    speeds: Annotated[
+        str, typer.Option(help="Speeds such as '10,15.5 kn', '8' [m/s] or 'Fn 0.2'.")
+    ] = "0",
+    headings: Annotated[
+        str, typer.Option(help="Headings in degrees: 180 is head sea, 0 following.")
+    ] = "180",
+    draught: Annotated[
+        float | None, typer.Option(help="Draught of a hull from a file [m].")
+    ] = None,
+    length: Annotated[
+        float | None, typer.Option(help="Length between perpendiculars of a CSV [m].")
+    ] = None,
+    gm: Annotated[float | None, typer.Option(help="Metacentric height [m].")] = None,
+    gyration: Annotated[
+        str | None, typer.Option(help="Radii of gyration roll,pitch,yaw [m].")
+    ] = None,
+    roll_damping: Annotated[
+        float | None, typer.Option(help="Over critical, beside that of waves; 0.05 if absent.")
+    ] = None,
+    omega: Annotated[
+        str | None, typer.Option(help="Frequencies of the waves [rad/s]; if absent 40 from 5 L on.")
+    ] = None,
+    spectrum: Annotated[
+        str, typer.Option(help="bretschneider, ittc, jonswap or pierson_moskowitz.")
+    ] = "bretschneider",
+    hs: Annotated[float | None, typer.Option(help="Significant wave height [m].")] = None,
+    tp: Annotated[float | None, typer.Option(help="Peak period [s].")] = None,
+    t1: Annotated[float | None, typer.Option(help="Mean period [s], in place of --tp.")] = None,
+    place: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A place: name,x[,freeboard[,draught]], m forward of midship; may be repeated."
+        ),
+    ] = None,
+    hours: Annotated[float, typer.Option(help="Exposure and duration of extremes [h].")] = 3.0,
+    figures: DrawFigures = True,
+    out: Out = None,
+) -> Outcome:
+    """Motions of a ship in waves, responses in a sea, and added resistance by several methods."""
+    from pmmkit.files import write_results
+    from pmmkit.seakeeping import added_resistance, frequencies, loading_of, rao, response, sea
+
+    folder = results_folder(out, f"{stem(ship)}-seakeeping")
+    hull = _hull(ship, draught, length)
+    radii = numbers(gyration) or ()
+    if len(radii) not in (0, 3):
+        raise typer.BadParameter(f"--gyration {gyration!r}: write roll,pitch,yaw in m.")
+    given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
+    loading = loading_of(hull, GM=gm, roll_damping=roll_damping, **given)
+    waves = None
+    if hs is not None:
+        waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1)
+    elif tp is not None or t1 is not None:
+        raise typer.BadParameter("--hs is needed beside a period.")
+    courses = numbers(headings) or ()
+    places = [_place(text) for text in place or ()]
+    found = rao(
+        hull,
+        speeds=_speeds(speeds, hull.L),
+        headings_deg=courses,
+        omega=numbers(omega) or frequencies(hull.L, waves),
+        loading=loading,
+    )
+    added = added_resistance(found)
+    answers = [
+        response(found, waves, speed=speed, heading_deg=heading, places=places, hours=hours)
+        for speed in (found.speed.tolist() if waves else ())
+        for heading in courses
+        if waves
+    ]
+    files = write_results(folder, _files(found, added, answers, waves, figures=figures))
+    lines = [str(found), "", str(added)]
+    for answer in answers:
+        lines += ["", str(answer)]
+    lines += [*_means(answers, added), f"Results: {folder}"]
+    return Outcome(
+        content={
+            "out": str(folder),
+            "files": files,
+            "ship": found.name,
+            "notes": list(found.notes),
+            "responses": [row for answer in answers for row in answer.rows()],
+            "mean_added_resistance": _resistances(answers, added),
+        },
+        lines=lines,
+    )
+
+
+def _hull(ship: str, draught: float | None, length: float | None) -> Hull:
+    from pmmkit.seakeeping import load_hull, read_hull
+
+    if Path(ship).suffix.lower() not in (".csv", ".mgf"):
+        return load_hull(ship)
+    if draught is None:
+        raise typer.BadParameter("A hull from a file needs --draught [m].")
+    return read_hull(ship, draught=draught, L=length)
+
+
+def _speeds(text: str, L: float) -> list[float]:
+    from math import sqrt
+
+    return [
+        speed.value * sqrt(9.81 * L) if speed.unit == FROUDE else speed.without_ship()
+        for speed in typed_list(text)
+    ]
+
+
+def _place(text: str) -> Any:
+    from pmmkit.seakeeping import Place
+
+    name, *rest = words(text)
+    try:
+        values = [float(part) for part in rest]
+    except ValueError:
+        values = []
+    if not 1 <= len(values) <= 3:
+        raise typer.BadParameter(f"--place {text!r}: write name,x[,freeboard[,draught]] in m.")
+    x, freeboard, draught = [*values, None, None][:3]
+    assert x is not None
+    return Place(name=name, x=x, freeboard=freeboard, draught=draught)
+
+
+def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[str, Any]]:
+    return [
+        {
+            "speed": answer.speed,
+            "heading_deg": answer.heading_deg,
+            **added.mean(answer.sea, speed=answer.speed, heading_deg=answer.heading_deg),
+        }
+        for answer in answers
+    ]
+
+
+def _means(answers: list[Response], added: AddedResistance) -> list[str]:
+    lines = ["", "Mean added resistance in the sea [kN]:"] if answers else []
+    for row in _resistances(answers, added):
+        told = ", ".join(
+            f"{name} {value / 1e3:.0f}" if value == value else f"{name} -"
+            for name, value in row.items()
+            if name not in ("speed", "heading_deg")
+        )
+        lines.append(f"  {row['speed']:.2f} m/s, {row['heading_deg']:.0f}°: {told}")
+    return [*lines, ""]
+
+
+def _files(
+    found: Rao, added: AddedResistance, answers: list[Response], waves: Sea | None, *, figures: bool
+) -> Iterator[tuple[str, Any]]:
+    import pandas as pd
+
+    from pmmkit.plotting.style import save
+
+    yield "rao.csv", found.to_pandas()
+    yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
+    yield "added_resistance.csv", added.to_pandas()
+    if waves is not None:
+        yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
+        yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
+    if figures:
+        yield "rao.svg", partial(save, found.plot())
+        yield "added_resistance.svg", partial(save, added.plot())

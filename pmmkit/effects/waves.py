@@ -1,0 +1,137 @@
+"""Mean drift of waves on a ship that manoeuvres."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from pmmkit.effects.effect import Effect, Parameter
+from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, pi, sin, where
+from pmmkit.effects.seen import Vessel
+
+
+def drift(
+    psi: float,
+    L: float,
+    B: float,
+    rho: float,
+    g: float,
+    coefficients: int,
+    Hs: float,
+    from_deg: float,
+    kx: float,
+    ky: float,
+    kn: float,
+    angle_deg: Sequence[float],
+    DX: Sequence[float],
+    DY: Sequence[float],
+    DN: Sequence[float],
+) -> tuple[float, float, float]:
+    """X, Y [N] and N [N m] of a sea past midship.
+
+    Notes
+    -----
+    X = kx ρgHs² L DX, Y = ky ρgHs² L DY, N = kn ρgHs² L² DN, over the angle γ from which the waves
+    come, from the bow, positive to starboard. Waves from starboard push to port: DY < 0. Tables
+    reach over 0 to 180°; waves from port mirror them. ``reflected``: waves that are short beside
+    the ship, whose energy a wall sends back, DX = -(B/L) cos γ |cos γ|/16,
+    DY = -sin γ |sin γ|/16, and no moment.
+
+    Examples
+    --------
+    A sea of 4 m from starboard on 100 m of wall: ρgHs²L/16 to port.
+
+    >>> none = (0.0,)
+    >>> X, Y, N = drift(0.0, 100.0, 20.0, 1025.0, 9.81, 0, 4.0, 90.0, 1.0, 1.0, 1.0,
+    ...                 none, none, none, none)
+    >>> round(Y / 1e3)
+    -1006
+    """
+    bearing = from_deg * pi / 180.0 - psi
+    across, ahead = sin(bearing), cos(bearing)
+    size = rho * g * Hs * Hs * L
+    if coefficients == 0:
+        return (
+            -kx * size * B / L * ahead * fabs(ahead) / 16.0,
+            -ky * size * across * fabs(across) / 16.0,
+            0.0,
+        )
+    angle = atan2(across, ahead)
+    degrees = fabs(angle) * 180.0 / pi
+    side = where(angle < 0.0, -size, size)
+    return (
+        kx * size * interpolate(degrees, angle_deg, DX),
+        ky * side * interpolate(degrees, angle_deg, DY),
+        kn * side * L * interpolate(degrees, angle_deg, DN),
+    )
+
+
+def some_sea(vessel: Vessel) -> Mapping[str, float]:
+    """A significant height of a hundredth of the length, where nothing is known of the sea [m]."""
+    return {"Hs": 0.01 * vessel.ship.L}
+
+
+_TABLE: Final = ("coefficients", "table")
+_UNKNOWN: Final = "the sea is not among what records hold: give it with the part"
+WAVE_DRIFT: Final = Effect(
+    name="wave_drift",
+    family="environment",
+    kind="force",
+    estimates=some_sea,
+    not_captive="a tank is calm while a model is towed",
+    not_free_running=_UNKNOWN,
+    check="the same run in a calm",
+    summary="Mean force of a sea on the ship, by a table over the angle of the waves.",
+    parameters=(
+        Parameter(name="Hs", text="significant wave height", unit="m", low=0.0),
+        Parameter(
+            name="from_deg",
+            text="where the waves come from, from the heading of the approach, to starboard",
+            unit="deg",
+            default=0.0,
+        ),
+        Parameter(
+            name="kx",
+            text="factor on the surge force",
+            default=1.0,
+            typical=0.3,
+            expected=1.0,
+            uncertain=True,
+        ),
+        Parameter(
+            name="ky",
+            text="factor on the sway force",
+            default=1.0,
+            typical=0.3,
+            expected=1.0,
+            uncertain=True,
+        ),
+        Parameter(
+            name="kn",
+            text="factor on the yaw moment",
+            default=1.0,
+            typical=0.7,
+            expected=1.0,
+            uncertain=True,
+        ),
+        Parameter(
+            name="angle_deg",
+            text="angles 0 to 180 from which the waves come, from starboard, ascending",
+            unit="deg",
+            form=_TABLE,
+            table=True,
+        ),
+        Parameter(name="DX", text="X over ρgHs²L, ahead positive", form=_TABLE, table=True),
+        Parameter(name="DY", text="Y over ρgHs²L, to starboard positive", form=_TABLE, table=True),
+        Parameter(
+            name="DN", text="N over ρgHs²L², bow to starboard positive", form=_TABLE, table=True
+        ),
+    ),
+    options={"coefficients": ("reflected", "table")},
+    force=drift,
+    outputs=("X", "Y", "N"),
+    sources=("faltinsen_1980",),
+    remark="reflection of short waves; tables are those of `pmmkit.seakeeping.drift_table`, at one "
+    "speed and one period of the waves",
+)
+EFFECTS: Final = (WAVE_DRIFT,)

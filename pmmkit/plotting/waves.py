@@ -1,0 +1,94 @@
+"""Curves over the length of waves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pmmkit.escaping import figure_text
+from pmmkit.numerics import Array
+from pmmkit.plotting import style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def over_wave_length(
+    ratio: Array, panels: Mapping[str, Mapping[str, Array]], *, longest: float = 3.5
+) -> Figure:
+    """Panels one below the other, over the length of the waves to that of the ship.
+
+    Parameters
+    ----------
+    ratio : array
+        λ/L.
+    panels : mapping of str to mapping of str to array
+        Label of the ordinate of each panel, and its curves by name.
+    longest : float
+        λ/L at which the axis ends.
+
+    Returns
+    -------
+    Figure
+    """
+    with style.styled():
+        figure = style.canvas(2.1 * len(panels) + 0.9)
+        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        for axis, (label, curves) in zip(axes, panels.items(), strict=True):
+            for number, (name, values) in enumerate(curves.items()):
+                axis.plot(
+                    ratio,
+                    values,
+                    color=style.colour(number),
+                    ls=style.dash(number),
+                    label=figure_text(name),
+                )
+            axis.set_ylabel(label)
+        axes[-1].set_xlabel("wave length / ship length")
+        axes[-1].set_xlim(0.0, min(longest, float(np.max(ratio))))
+        style.legend_below(figure, [*axes], 3)
+    return figure
+
+
+def polar(heading_deg: Array, curves: Mapping[str, Array], *, limit: float, label: str) -> Figure:
+    """Curves around a ship whose bow is up, over where the waves come from; port mirrors starboard.
+
+    Parameters
+    ----------
+    heading_deg : array
+        Headings to the waves from 0 to 180, 180 is head sea [deg].
+    curves : mapping of str to array
+        Values at the headings, by name.
+    limit : float
+        A circle that is drawn as a limit.
+    label : str
+        What the radius is.
+
+    Returns
+    -------
+    Figure
+    """
+    order = np.argsort(-heading_deg)
+    bearing = np.radians(180.0 - heading_deg[order])
+    around = np.concatenate([bearing, 2 * np.pi - bearing[::-1]])
+    with style.styled():
+        figure = style.canvas(6.0)
+        axis: Any = figure.add_subplot(projection="polar")
+        axis.set_theta_zero_location("N")
+        axis.set_theta_direction(-1)
+        for number, (name, values) in enumerate(curves.items()):
+            axis.plot(
+                around,
+                np.concatenate([values[order], values[order][::-1]]),
+                color=style.colour(number),
+                ls=style.dash(number),
+                label=figure_text(name),
+            )
+        circle = np.linspace(0.0, 2 * np.pi, 181)
+        axis.plot(circle, np.full(181, limit), color=style.LIMIT, lw=1.0, label="limit")
+        axis.set_ylim(bottom=0.0)
+        axis.set_title(f"waves from …° off the bow; {label}")
+        style.legend_below(figure, [axis], 3)
+    return figure

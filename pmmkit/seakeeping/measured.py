@@ -1,0 +1,225 @@
+"""Transfer functions from measured records, beside those that were computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pmmkit.errors import DataError
+from pmmkit.numerics import Array, rms
+from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.asked import nearest
+from pmmkit.seakeeping.transfer import Rao
+from pmmkit.signals import estimate_frequency, harmonics
+
+_ORDER: Final = 3
+_COHERENT: Final = 0.3
+_ENERGY: Final = 0.02  # of the peak of the spectrum, below which a frequency tells nothing
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Measured:
+    """A transfer function that was measured.
+
+    Parameters
+    ----------
+    encounter : array
+        Frequencies of encounter [rad/s].
+    transfer : array of complex
+        Motion over the wave at the probe; it leads the wave where its phase is positive.
+    std : array
+        Standard uncertainty of its amplitude.
+    """
+
+    encounter: Array
+    transfer: Complex
+    std: Array
+
+
+def from_regular(t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, encounter: float) -> Measured:
+    """The transfer function at one frequency from a run in regular waves.
+
+    Harmonics and their uncertainty are those of captive tests: whole cycles, and noise that is
+    correlated in time.
+
+    Parameters
+    ----------
+    t : array
+        Time [s], transients left out.
+    wave, motion : array
+        Elevation at a probe that moves with the ship [m], and the motion [m or rad].
+    encounter : float
+        Frequency of encounter [rad/s], to a quarter; the record says it closer.
+
+    Returns
+    -------
+    Measured
+        Of one frequency.
+
+    Examples
+    --------
+    >>> t = np.arange(0.0, 120.0, 0.05)
+    >>> found = from_regular(t, np.cos(0.7 * t), 0.5 * np.cos(0.7 * t + 1.0), encounter=0.7)
+    >>> abs(found.transfer).round(3), np.angle(found.transfer).round(3)
+    (array([0.5]), array([1.]))
+    """
+    clock = np.asarray(t, dtype=float)
+    channels = np.stack([np.asarray(wave, dtype=float), np.asarray(motion, dtype=float)])
+    omega, _ = estimate_frequency(clock, channels[:1], encounter)
+    cycle = 2 * math.pi / omega
+    whole = clock - clock[0] < math.floor((clock[-1] - clock[0]) / cycle) * cycle - 1e-9
+    found = harmonics(omega * clock[whole], channels[:, whole], order=_ORDER)
+    size = found.coefficients[:, 1] - 1j * found.coefficients[:, 2]
+    spread = np.sqrt(np.mean(found.std[:, 1:3] ** 2, axis=1)) / np.abs(size)
+    if np.abs(size[0]) < 3 * np.abs(size[0]) * spread[0]:
+        raise DataError(f"The probe shows no waves at {omega:.3f} rad/s.")
+    transfer = size[1] / size[0]
+    return Measured(
+        encounter=np.array([omega]),
+        transfer=np.array([transfer]),
+        std=np.array([abs(transfer) * math.hypot(*spread)]),
+    )
+
+
+def from_irregular(
+    t: ArrayLike, wave: ArrayLike, motion: ArrayLike, *, segments: int = 16
+) -> Measured:
+    """The transfer function from a run in irregular waves, by cross-spectra.
+
+    Parameters
+    ----------
+    t : array
+        Time at even steps [s].
+    wave, motion : array
+        Elevation at a probe that moves with the ship [m], and the motion [m or rad].
+    segments : int
+        Into which the record is divided (Welch, half overlapping).
+
+    Returns
+    -------
+    Measured
+        At frequencies where the waves have energy and the motion goes with them (coherence above
+        0.3). Its uncertainty follows from the coherence and the number of segments.
+    """
+    from scipy.signal import csd
+
+    clock = np.asarray(t, dtype=float)
+    steps = np.diff(clock)
+    step = float(np.mean(steps))
+    if steps.size < 16 * segments or np.abs(steps - step).max() > 1e-3 * step:
+        raise DataError(
+            f"Cross-spectra need even time steps and 16 or more samples for each of {segments} "
+            "segments: interpolate the record, or ask for fewer segments."
+        )
+    length = 2 * clock.size // (segments + 1)
+    x, y = (np.asarray(values, dtype=float) for values in (wave, motion))
+    settings = {"fs": 1 / step, "nperseg": length}
+    frequency, across = csd(x, y, **settings)
+    _, own = csd(x, x, **settings)
+    _, moved = csd(y, y, **settings)
+    own, moved = own.real, moved.real
+    coherence = np.abs(across) ** 2 / np.maximum(own * moved, 1e-300)
+    kept = (own > _ENERGY * own.max()) & (coherence > _COHERENT) & (frequency > 0)
+    if not kept.any():
+        raise DataError("No frequency has waves that the motion goes with.")
+    transfer = (across[kept] / own[kept]).astype(np.complex128)
+    # half overlapping Hann segments count for about .95 of as many that do not overlap
+    noise = np.sqrt((1 - coherence[kept]) / (2 * 0.95 * segments * coherence[kept]))
+    return Measured(
+        encounter=2 * math.pi * frequency[kept], transfer=transfer, std=np.abs(transfer) * noise
+    )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class RaoComparison(Described):
+    """A measured transfer function beside the computed one.
+
+    Parameters
+    ----------
+    name, mode : str
+        The ship, and the motion.
+    encounter, measured, std, computed : array
+        Frequencies [rad/s]; amplitudes with their standard uncertainty, and what was computed.
+    """
+
+    name: str
+    mode: str
+    encounter: Array
+    measured: Array
+    std: Array
+    computed: Array
+
+    @property
+    def score(self) -> Array:
+        """Difference over the standard uncertainty of the measurement."""
+        return (self.measured - self.computed) / self.std
+
+    def _headline(self) -> str:
+        off = rms(self.measured - self.computed)
+        return f"{self.mode} of {self.name}: {self.encounter.size} frequencies, rms {off:.3g}"
+
+    def _sections(self) -> Sequence[Section]:
+        rows = [
+            [f"{w:.3f}", number(m, 3), number(s, 2), number(c, 3), f"{z:+.1f}"]
+            for w, m, s, c, z in zip(
+                self.encounter, self.measured, self.std, self.computed, self.score, strict=True
+            )
+        ]
+        head = ["ωe [rad/s]", "measured", "standard uncertainty", "computed", "off by (std)"]
+        return [Section(tables=[Grid(head=head, groups=[Group(rows=rows[:60])])])]
+
+
+def beside(
+    measured: Measured,
+    rao: Rao,
+    mode: str,
+    *,
+    speed: float | None = None,
+    heading_deg: float | None = None,
+) -> RaoComparison:
+    """Amplitudes that were measured beside those computed at the same frequency of encounter.
+
+    Parameters
+    ----------
+    measured : Measured
+        Of one run, or of several put together.
+    rao : Rao
+        The motions; at a heading in which each frequency of encounter belongs to one wave.
+    mode : str
+        The motion that was measured, such as ``heave``.
+    speed, heading_deg : float, optional
+        One of those of `rao` [m/s, deg].
+
+    Returns
+    -------
+    RaoComparison
+        Of the frequencies that both have.
+    """
+    a = nearest(rao.speed, speed, "speed [m/s]")
+    b = nearest(np.degrees(rao.heading), heading_deg, "heading_deg")
+    encounter = rao.encounter[a, b]
+    if (np.diff(encounter) <= 0.0).any():
+        raise DataError(
+            "In following seas waves of several lengths share a frequency of encounter: a record "
+            "of the ship alone does not tell them apart."
+        )
+    there = (measured.encounter >= encounter[0]) & (measured.encounter <= encounter[-1])
+    if not there.any():
+        raise DataError(
+            f"No measured frequency lies between {encounter[0]:.3f} and {encounter[-1]:.3f} rad/s."
+        )
+    computed = np.interp(measured.encounter[there], encounter, np.abs(rao.mode(mode)[a, b]))
+    return RaoComparison(
+        name=rao.name,
+        mode=mode,
+        encounter=measured.encounter[there],
+        measured=np.abs(measured.transfer[there]),
+        std=measured.std[there],
+        computed=computed,
+    )

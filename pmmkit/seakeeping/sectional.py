@@ -1,0 +1,170 @@
+"""Added mass, damping and potentials of sections that oscillate at the free surface.
+
+Ursell's method (1949) on conformal maps, for heave as in Tasai (1959), for sway and roll as in
+Tasai (1961): a source (heave) or a dipole (sway, roll) at the origin and multipoles that satisfy
+the condition of the free surface each by itself, whose strengths follow from the stream function
+on the section. It has no irregular frequencies. The section lies in w = y + ix, y down, x outward;
+time is e^(iωt); deep water.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.mapping import at, slope
+
+MULTIPOLES: Final = 14  # energy is kept to 0.1 % up to Ka = 2, 0.5 % at 5
+NODES: Final = 36
+HEAVE, SWAY, ROLL = 0, 1, 2
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sections:
+    """What sections do in water when they oscillate.
+
+    Parameters
+    ----------
+    wavenumber : array, shape (frequencies,)
+        K = ω²/g [1/m].
+    points, weights : array of complex, shape (sections, nodes)
+        Points w = y + ix [m] of half of each section, and dw [m] by which sums integrate along it.
+    potentials : array of complex, shape (3, frequencies, sections, nodes)
+        Of unit velocity in heave, sway and roll, of the signs of `normals`, at the points
+        [m²/s per m/s; per rad/s for roll].
+    added : array of complex, shape (3, 3, frequencies, sections)
+        a - ib/ω over ρ [m²; m³ and m⁴ where roll takes part], symmetric (Timman and Newman 1962).
+    far : array of complex, shape (3, frequencies, sections)
+        Amplitude of the waves sent out over that of the motion [-; m for roll].
+    """
+
+    wavenumber: Array
+    points: Complex
+    weights: Complex
+    potentials: Complex
+    added: Complex
+    far: Complex
+
+
+def normals(points: Complex, weights: Complex) -> Array:
+    """The normals times arc length, out of the body: up, outward, out·n_up + depth·n_out.
+
+    Up is against the depth; roll is positive where the outward side rises.
+    """
+    up, out = -weights.imag, -weights.real
+    return np.stack([up, out, points.imag * up + points.real * out])
+
+
+def solve(maps: Array, wavenumber: Array) -> Sections:
+    """The radiation problems of sections for all frequencies at once.
+
+    Parameters
+    ----------
+    maps : array, shape (sections, coefficients)
+        Of `pmmkit.seakeeping.mapping`.
+    wavenumber : array, shape (frequencies,)
+        K = ω²/g [1/m], positive.
+
+    Returns
+    -------
+    Sections
+
+    Examples
+    --------
+    A half circle of radius 1 m at Ka = 1 (Ursell 1949):
+
+    >>> found = solve(np.array([[1.0, 0.0, 0.0]]), np.array([1.0]))
+    >>> heave = found.added[0, 0, 0, 0] / (np.pi / 2)
+    >>> f"{heave.real:.3f} {-heave.imag:.3f}"
+    '0.605 0.397'
+    """
+    nodes, gauss = np.polynomial.legendre.leggauss(NODES)
+    theta = 0.25 * math.pi * (nodes + 1)
+    points = at(maps, theta)
+    weights = slope(maps, theta) * (0.25 * math.pi * gauss)
+    even = _multipoles(maps, theta, wavenumber, odd=False)
+    odd = _multipoles(maps, theta, wavenumber, odd=True)
+    stream = (-points.imag, -points.real, -0.5 * np.abs(points) ** 2)
+    heave, source = _strengths(even, stream[:1])
+    across, dipole = _strengths(odd, stream[1:], free=True)
+    potentials = np.concatenate([heave, across])
+    # the source sends out waves of π K, the dipole of π K², per unit of their strength
+    far = math.pi * np.concatenate(
+        [wavenumber[:, None] * source, wavenumber[:, None] ** 2 * dipole]
+    )
+    added = -2 * np.einsum("jfsn,isn->ijfs", potentials, normals(points, weights))
+    even_odd = np.equal.outer(np.arange(3) == HEAVE, np.arange(3) == HEAVE)
+    return Sections(
+        wavenumber=wavenumber,
+        points=points,
+        weights=weights,
+        potentials=potentials,
+        added=added * even_odd[:, :, None, None],
+        far=far.astype(np.complex128),
+    )
+
+
+def _multipoles(maps: Array, theta: Array, wavenumber: Array, *, odd: bool) -> Complex:
+    """Complex potentials on the sections, shape (2, functions, frequencies, sections, nodes).
+
+    The first of two is what is in phase, the second what sends out waves (of the first function
+    only): each is φ + iψ, the i of the plane.
+    """
+    points = at(maps, theta)
+    K = wavenumber[:, None, None]
+    decay = np.exp(-K * points)
+    source = decay * _exponential_integral(-K * points) - 1j * math.pi * decay
+    if odd:
+        first = np.stack([1j * (-1 / points - K * source), 1j * K * math.pi * decay])
+    else:
+        first = np.stack([source, -math.pi * decay])
+    order = np.arange(1, MULTIPOLES + 1)
+    power = 2 * order + (1 if odd else 0)
+    n = np.arange(maps.shape[1])
+    below = power[:, None] + 2 * n - 1
+    circle = np.exp(-1j * np.multiply.outer(below, theta))
+    ratio = (2 * n - 1) / below
+    tail = np.einsum("sn,mn,mnt->mst", maps, ratio, circle)
+    lead = np.exp(-1j * np.multiply.outer(power, theta))
+    found = lead[:, None, None, :] - K * tail[:, None]
+    found = np.broadcast_to(found, (MULTIPOLES, *source.shape))
+    found = (1j if odd else 1.0) * found
+    return np.stack(
+        [
+            np.concatenate([first[0][None], found]),
+            np.concatenate([first[1][None], np.zeros_like(found)]),
+        ]
+    )
+
+
+def _exponential_integral(z: Complex) -> Complex:
+    from scipy.special import exp1
+
+    return np.asarray(exp1(z))
+
+
+def _strengths(
+    functions: Complex, stream: tuple[Array, ...], *, free: bool = False
+) -> tuple[Complex, Complex]:
+    """Potentials at the nodes and the strength of the first function, by least squares.
+
+    The stream function on the section is known up to a constant, which is free where the potential
+    is odd.
+    """
+    in_phase, outgoing = functions
+    columns = np.moveaxis(in_phase.imag + 1j * outgoing.imag, 0, -1)
+    if free:
+        columns = np.concatenate([columns, np.ones((*columns.shape[:-1], 1))], axis=-1)
+    size = np.linalg.norm(columns, axis=-2, keepdims=True)
+    q, r = np.linalg.qr(columns / size)
+    wanted = np.stack(stream, axis=-1)[None]
+    found = np.linalg.solve(r, np.swapaxes(q.conj(), -1, -2) @ wanted) / np.swapaxes(size, -1, -2)
+    kept = found[..., : in_phase.shape[0], :]
+    values = np.moveaxis(in_phase.real + 1j * outgoing.real, 0, -1)
+    potentials = np.moveaxis(values @ kept, -1, 0)
+    return potentials, np.moveaxis(kept[..., 0, :], -1, 0)

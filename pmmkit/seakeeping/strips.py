@@ -1,0 +1,271 @@
+"""Strip theory of Salvesen, Tuck and Faltinsen (1970): coefficients and excitation of a whole hull.
+
+Axes: x forward, y to port, z up, from the water above the centre of gravity; time e^(iωt); waves
+ζ = e^(iωt - ik(x cos β - y sin β)): heading β is 0 following, 180° head, and at 90° waves run to
+starboard. Modes are 1 surge … 6 yaw; pitch is positive with the bow down.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+
+from pmmkit.numerics import Array
+from pmmkit.seakeeping.arrays import Complex
+from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.lengthwise import second, weights
+from pmmkit.seakeeping.mapping import Fit, fit_sections
+from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY, Sections, normals, solve
+
+GRID: Final = 64
+_ACROSS: Final = {(1, 1): (SWAY, SWAY), (1, 3): (SWAY, ROLL), (3, 3): (ROLL, ROLL)}
+_PANELS: Final = 30
+_LOWEST: Final = 0.05  # √(L/g) times the lowest frequency of the grid
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Strips:
+    """A hull with the radiation of its sections on a grid of frequencies.
+
+    Parameters
+    ----------
+    hull : Hull
+        The hull.
+    fit : Fit
+        Maps of its sections.
+    omega : array
+        The grid [rad/s], in equal steps of the logarithm.
+    sections : Sections
+        Solutions at the grid.
+    g : float
+        Gravity [m/s²].
+    """
+
+    hull: Hull
+    fit: Fit
+    omega: Array
+    sections: Sections
+    g: float
+
+    @cached_property
+    def x(self) -> Array:
+        """Stations forward of the centre of gravity [m]."""
+        return self.hull.x - self.hull.hydrostatics.xB
+
+    @cached_property
+    def panels(self) -> tuple[Complex, Complex]:
+        """Midpoints w and steps dw [m] of small pieces of half of each section, true to offsets."""
+        ends = np.array([_divided(contour) for contour in self.hull.contours])
+        return 0.5 * (ends[:, 1:] + ends[:, :-1]), np.diff(ends, axis=1)
+
+
+def strips_of(hull: Hull, highest: float, *, g: float = 9.81) -> Strips:
+    """The sections of a hull solved from long waves up to a frequency of encounter.
+
+    Parameters
+    ----------
+    hull : Hull
+        The hull.
+    highest : float
+        Largest frequency of encounter that will be asked [rad/s].
+    g : float
+        Gravity [m/s²].
+    """
+    fit = fit_sections(hull.contours, [f"The section at x = {x:g} m" for x in hull.x])
+    scale = math.sqrt(g / hull.L)
+    omega = np.geomspace(_LOWEST * scale, max(1.01 * highest, scale), GRID)
+    return Strips(hull=hull, fit=fit, omega=omega, sections=solve(fit.maps, omega**2 / g), g=g)
+
+
+def _divided(contour: Complex) -> Complex:
+    along = np.r_[0.0, np.cumsum(np.abs(np.diff(contour)))]
+    places = np.linspace(0.0, along[-1], _PANELS + 1)
+    return np.asarray(
+        np.interp(places, along, contour.real) + 1j * np.interp(places, along, contour.imag)
+    )
+
+
+def at_frequency(strips: Strips, values: Complex, omega: Array) -> Complex:
+    """What stands on the grid (first axis) at frequencies, by cubics through four neighbours.
+
+    Parameters
+    ----------
+    strips : Strips
+        With the grid.
+    values : array, shape (grid, …)
+        Of complex numbers at positive frequencies; negative ones give the conjugate.
+    omega : array
+        Frequencies, whose last axes are those of `values` after the grid.
+    """
+    place = np.log(np.maximum(np.abs(omega), strips.omega[0]) / strips.omega[0])
+    place = place / math.log(strips.omega[1] / strips.omega[0])
+    first = np.clip(np.floor(place).astype(int) - 1, 0, strips.omega.size - 4)
+    t = np.clip(place - first, 0.0, 3.0)
+    shares = (
+        -(t - 1) * (t - 2) * (t - 3) / 6,
+        t * (t - 2) * (t - 3) / 2,
+        -t * (t - 1) * (t - 3) / 2,
+        t * (t - 1) * (t - 2) / 6,
+    )
+    if values.ndim == 1:
+        found = sum(share * values[first + k] for k, share in enumerate(shares))
+    else:
+        cells = np.indices(omega.shape[-(values.ndim - 1) :])
+        found = sum(share * values[(first + k, *cells)] for k, share in enumerate(shares))
+    return np.asarray(np.where(omega < 0.0, np.conj(found), found))
+
+
+def coefficients(strips: Strips, speed: Array, omega: Array) -> Complex:
+    """a - ib/ω over ρ of the hull, shape (6, 6, …).
+
+    Parameters
+    ----------
+    strips : Strips
+        The hull.
+    speed, omega : array
+        Speed [m/s] and frequency of encounter with its sign [rad/s], broadcast together.
+    """
+    x, added = strips.x, strips.sections.added
+    level, tilted = weights(x, np.zeros(1))[:, 0].real
+    squared = second(x)
+    U, w = np.broadcast_arrays(speed, omega)
+    drift = U / (1j * w)  # STF's U/iω
+    found = np.zeros((6, 6, *w.shape), dtype=complex)
+
+    def whole(i: int, j: int, by: Array) -> Complex:
+        return at_frequency(strips, added[i, j] @ by, w)
+
+    def end(i: int, j: int) -> Complex:
+        return at_frequency(strips, added[i, j, :, 0], w)
+
+    xA = x[0]
+    t, tA, tx, txx = (
+        whole(HEAVE, HEAVE, level),
+        end(HEAVE, HEAVE),
+        whole(HEAVE, HEAVE, tilted),
+        whole(HEAVE, HEAVE, squared),
+    )
+    found[2, 2] = t + drift * tA
+    found[2, 4] = -tx + drift * t - drift * xA * tA + drift**2 * tA
+    found[4, 2] = -tx - drift * t - drift * xA * tA
+    found[4, 4] = txx - drift**2 * t + drift * xA**2 * tA - drift**2 * xA * tA
+    for (m, n), (i, j) in _ACROSS.items():
+        found[m, n] = found[n, m] = whole(i, j, level) + drift * end(i, j)
+    for m, j in ((1, SWAY), (3, ROLL)):
+        t, tA, tx = whole(SWAY, j, level), end(SWAY, j), whole(SWAY, j, tilted)
+        found[m, 5] = tx - drift * t + drift * xA * tA - drift**2 * tA
+        found[5, m] = tx + drift * t + drift * xA * tA
+    t, tA = whole(SWAY, SWAY, level), end(SWAY, SWAY)
+    found[5, 5] = (
+        whole(SWAY, SWAY, squared) - drift**2 * t + drift * xA**2 * tA - drift**2 * xA * tA
+    )
+    return found
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Excitation:
+    """What waves of unit amplitude do to a hull, over ρ.
+
+    Parameters
+    ----------
+    froude_krylov, total : array of complex, shape (6, speeds, headings, frequencies)
+        By the pressure of the wave alone, and with what the hull diffracts [m³/s²; m⁴/s²].
+    """
+
+    froude_krylov: Complex
+    total: Complex
+
+
+def excitation(
+    strips: Strips, speed: Array, heading: Array, omega: Array, encounter: Array
+) -> Excitation:
+    """Forces of waves: pressure of the wave, and diffraction by Haskind's relation.
+
+    Diffraction is that of sections at the frequency of encounter, in two dimensions.
+
+    Parameters
+    ----------
+    strips : Strips
+        The hull.
+    speed, heading, omega : array
+        Axes of the result [m/s, rad, rad/s].
+    encounter : array, shape (speeds, headings, frequencies)
+        [rad/s].
+    """
+    k = omega**2 / strips.g
+    across = np.sin(heading)
+    along = np.multiply.outer(np.cos(heading), k)
+    level, tilted = weights(strips.x, along)
+    first = np.exp(-1j * along * strips.x[0])
+    direct = -strips.g * _projected(*strips.panels, k, across)
+    w = np.zeros((6, *along.shape), dtype=complex)
+    for mode, row in ((2, HEAVE), (1, SWAY), (3, ROLL)):
+        w[mode] = np.sum(level * direct[row], axis=-1)
+    w[4] = -np.sum(tilted * direct[HEAVE], axis=-1)
+    w[5] = np.sum(tilted * direct[SWAY], axis=-1)
+    w[0] = _surge(strips, k, along, across)
+    incident = np.broadcast_to(w[:, None], (6, *encounter.shape))
+
+    points, steps = strips.sections.points, strips.sections.weights
+    even, odd = _waves(points, steps, k, across)
+    drift = speed[:, None, None] / (1j * encounter)
+    scale = encounter * omega
+    total = incident.copy()
+    for mode, row, shape in ((2, HEAVE, even), (1, SWAY, odd), (3, ROLL, odd)):
+        force = scale * _summed(strips, row, shape, np.stack([level, tilted]), encounter)
+        ends = np.zeros_like(level)[None]
+        ends[..., 0] = first
+        (aft,) = scale * _summed(strips, row, shape, ends, encounter)
+        total[mode] += force[0] + drift * aft
+        if mode != 3:
+            turning = force[1] + drift * (force[0] + strips.x[0] * aft)
+            total[4 if mode == 2 else 5] += -turning if mode == 2 else turning
+    return Excitation(froude_krylov=incident, total=total)
+
+
+def _summed(strips: Strips, row: int, shape: Complex, by: Complex, encounter: Array) -> Complex:
+    """∫∫ potential times wave over sections and, with weights `by`, along the hull."""
+    overtaken = encounter < 0.0  # there the potential is the conjugate, the wave is not
+    found = []
+    for wave, weight in ((shape, by), (shape.conj(), by.conj())):
+        local = np.einsum("fsn,hwsn->fhws", strips.sections.potentials[row], wave, optimize=True)
+        sums = np.einsum("fhws,bhws->bfhw", local, weight, optimize=True)
+        found.append(np.stack([at_frequency(strips, one, np.abs(encounter)) for one in sums]))
+        if not overtaken.any():
+            return found[0]
+    return np.where(overtaken, found[1].conj(), found[0])
+
+
+def _waves(points: Complex, steps: Complex, k: Array, across: Array) -> tuple[Complex, Complex]:
+    """The wave's velocity through whole sections: even and odd over the breadth, by node."""
+    up, out, _ = normals(points, steps)
+    decay = np.exp(-np.multiply.outer(k, points.real))
+    phase = np.multiply.outer(np.multiply.outer(across, k), points.imag)
+    side = across[:, None, None, None]
+    even = 2 * decay * (np.cos(phase) * up - side * np.sin(phase) * out)
+    odd = 2j * decay * (np.sin(phase) * up + side * np.cos(phase) * out)
+    return even, odd
+
+
+def _projected(points: Complex, steps: Complex, k: Array, across: Array) -> Complex:
+    """∫ of the wave's pressure over ρg on the normals: (3, headings, frequencies, stations)."""
+    up, out, turn = normals(points, steps)
+    decay = np.exp(-np.multiply.outer(k, points.real))
+    phase = np.multiply.outer(np.multiply.outer(across, k), points.imag)
+    even, odd = 2 * decay * np.cos(phase), 2j * decay * np.sin(phase)
+    return np.stack([np.sum(even * up, -1), np.sum(odd * out, -1), np.sum(odd * turn, -1)])
+
+
+def _surge(strips: Strips, k: Array, along: Array, across: Array) -> Complex:
+    """Pressure of the wave on the ends: ik cos β ∫∫ over the areas of sections."""
+    points, steps = strips.panels
+    decay = np.exp(-np.multiply.outer(k, points.real))
+    half = np.multiply.outer(np.multiply.outer(across, k), points.imag)
+    width = 2 * points.imag * np.sinc(half / math.pi)
+    inside = np.sum(decay * width * -steps.real, axis=-1)
+    level = weights(strips.x, along)[0]
+    return np.asarray(strips.g * 1j * along * np.sum(level * inside, axis=-1))

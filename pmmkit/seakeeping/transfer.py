@@ -1,0 +1,232 @@
+"""Transfer functions of a ship in waves, as a table, a dataset and figures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from pmmkit.errors import DataError
+from pmmkit.numerics import Array
+from pmmkit.plotting.waves import over_wave_length
+from pmmkit.presentation import Described, Grid, Group, Section, counted
+from pmmkit.seakeeping.arrays import Complex, Flags
+from pmmkit.seakeeping.loading import Loading
+from pmmkit.seakeeping.strips import Strips
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+MODES: Final = ("surge", "sway", "heave", "roll", "pitch", "yaw")
+_CURVES: Final = 8
+
+
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class Rao(Described):
+    """Transfer functions of a ship in waves, per metre of wave amplitude (not of height).
+
+    Axes are those of `pmmkit.seakeeping.strips`: x forward, y to port, z up, from the water above
+    the centre of gravity; heading 180° is head sea; pitch is positive with the bow down.
+
+    Parameters
+    ----------
+    name : str
+        Of the ship.
+    L : float
+        Length between perpendiculars [m].
+    speed : array, shape (speeds,)
+        [m/s].
+    heading : array, shape (headings,)
+        [rad].
+    omega : array, shape (frequencies,)
+        Of the waves in a frame at rest [rad/s].
+    encounter : array, shape (speeds, headings, frequencies)
+        ωₑ = ω - kU cos β [rad/s]; negative where the ship overtakes the waves.
+    motion : array of complex, shape (6, speeds, headings, frequencies)
+        Surge, sway, heave [m/m], roll, pitch, yaw [rad/m].
+    force : array of complex, of the same shape
+        Of the waves [N/m], [N m/m].
+    quasi_static : array of bool, shape (speeds, headings, frequencies)
+        Where ωₑ is so low that heave, roll and pitch follow the wave, and surge, sway and yaw are
+        not computed (NaN).
+    strips : Strips
+        The sections.
+    loading : Loading
+        The mass.
+    rho, g : float
+        Density [kg/m³], gravity [m/s²].
+    notes : tuple of str
+        What is assumed, and where the theory ends.
+    """
+
+    name: str
+    L: float
+    speed: Array
+    heading: Array
+    omega: Array
+    encounter: Array
+    motion: Complex
+    force: Complex
+    quasi_static: Flags
+    strips: Strips
+    loading: Loading
+    rho: float
+    g: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def wavenumber(self) -> Array:
+        """k = ω²/g [1/m]."""
+        return self.omega**2 / self.g
+
+    def mode(self, name: str) -> Complex:
+        """The transfer function of one of `MODES`.
+
+        Parameters
+        ----------
+        name : str
+            Such as ``heave``.
+        """
+        if name not in MODES:
+            raise DataError(f"There is no motion {name!r}. There are {', '.join(MODES)}.")
+        return np.asarray(self.motion[MODES.index(name)])
+
+    def at_point(self, x: float, y: float = 0.0, z: float = 0.0) -> Complex:
+        """Motion of a point (x, y, z) of the ship [m/m], shape (3, speeds, headings, frequencies).
+
+        Parameters
+        ----------
+        x, y, z : float
+            Forward of midship, to port of the middle, above the water [m].
+        """
+        forward = x - self.strips.hull.hydrostatics.xB
+        s, r = self.motion[:3], self.motion[3:]
+        return np.stack(
+            [
+                s[0] + z * r[1] - y * r[2],
+                s[1] + forward * r[2] - z * r[0],
+                s[2] + y * r[0] - forward * r[1],
+            ]
+        )
+
+    def cases(self) -> list[str]:
+        """Speeds and headings in words, in the order of the arrays."""
+        return [
+            f"{speed:.2f} m/s, {math.degrees(heading):.0f}°"
+            for speed in self.speed
+            for heading in self.heading
+        ]
+
+    def to_xarray(self) -> xr.Dataset:
+        """Amplitudes and phases over speed, heading and frequency, with units and long names."""
+        import xarray as xr
+
+        axes = ("speed", "heading", "omega")
+        data: dict[str, object] = {
+            "encounter_frequency": (
+                axes,
+                self.encounter,
+                {"units": "rad s-1", "long_name": "frequency of encounter"},
+            ),
+            "quasi_static": (
+                axes,
+                self.quasi_static.astype(np.int8),
+                {"units": "1", "long_name": "motions follow the wave"},
+            ),
+        }
+        for number, mode in enumerate(MODES):
+            unit = "m m-1" if number < 3 else "rad m-1"
+            lead = {"units": "rad", "long_name": f"lead of {mode} over the crest above the origin"}
+            size = {"units": unit, "long_name": f"amplitude of {mode} per wave amplitude"}
+            data[f"{mode}_amplitude"] = (axes, np.abs(self.motion[number]), size)
+            data[f"{mode}_phase"] = (axes, np.angle(self.motion[number]), lead)
+        frequency = "sea_surface_wave_angular_frequency"
+        coords = {
+            "speed": ("speed", self.speed, {"units": "m s-1", "long_name": "speed of the ship"}),
+            "heading": (
+                "heading",
+                np.degrees(self.heading),
+                {"units": "degree", "long_name": "heading to the waves, 180 is head sea"},
+            ),
+            "omega": ("omega", self.omega, {"units": "rad s-1", "long_name": frequency}),
+        }
+        attributes = {
+            "Conventions": "CF-1.8",
+            "title": f"Motions of {self.name} in regular waves",
+            "axes": "x forward, y to port, z up; pitch positive with the bow down",
+            "length_m": self.L,
+            "notes": " ".join(self.notes),
+        }
+        return xr.Dataset(data, coords=coords, attrs=attributes)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row for each speed, heading and frequency [SI; heading in degrees]."""
+        import pandas as pd
+
+        U, beta, w = np.meshgrid(self.speed, np.degrees(self.heading), self.omega, indexing="ij")
+        columns = {
+            "speed": U,
+            "heading_deg": beta,
+            "omega": w,
+            "encounter": self.encounter,
+            "wave_length_L": 2 * math.pi * self.g / w**2 / self.L,
+        }
+        for number, mode in enumerate(MODES):
+            columns[mode] = np.abs(self.motion[number])
+            columns[f"{mode}_phase"] = np.angle(self.motion[number])
+        return pd.DataFrame({name: values.ravel() for name, values in columns.items()})
+
+    def plot(self) -> Figure:
+        """Heave, pitch and roll over the length of the waves; angles over the slope of the wave."""
+        shown = self.cases()[:_CURVES]
+        k = self.wavenumber
+
+        def curves(mode: int, over: Array) -> dict[str, Array]:
+            flat = np.abs(self.motion[mode]).reshape(-1, self.omega.size) / over
+            return dict(zip(shown, flat, strict=False))
+
+        return over_wave_length(
+            2 * math.pi / k / self.L,
+            {
+                "heave / ζ": curves(2, np.ones_like(k)),
+                "pitch / kζ": curves(4, k),
+                "roll / kζ": curves(3, k),
+            },
+        )
+
+    def _headline(self) -> str:
+        froude = self.speed / math.sqrt(self.g * self.L)
+        return (
+            f"{self.name}: Fn {', '.join(f'{x:.3f}' for x in froude[:6])}, "
+            f"{counted(self.heading.size, 'heading')}, "
+            f"{self.omega.size} frequencies"
+        )
+
+    def _sections(self) -> Sequence[Section]:
+        rows = []
+        for i, speed in enumerate(self.speed):
+            for j, heading in enumerate(self.heading):
+                size = np.abs(self.motion[:, i, j])
+                peaks = [
+                    f"{np.nanmax(size[m]):.3f} at {self.omega[np.nanargmax(size[m])]:.2f}"
+                    if np.isfinite(size[m]).any()
+                    else None
+                    for m in (2, 3, 4)
+                ]
+                rows.append([f"{speed:.2f} m/s, {math.degrees(heading):.0f}°", *peaks])
+        shown = rows[:30]
+        head = ["speed, heading", "heave [m/m]", "roll [rad/m]", "pitch [rad/m]"]
+        more = [f"Shown are {len(shown)} of {len(rows)} speeds and headings."]
+        return [
+            Section(
+                title="Largest motions per metre of wave amplitude, at ω [rad/s]",
+                paragraphs=more if len(shown) < len(rows) else [],
+                tables=[Grid(head=head, groups=[Group(rows=shown)])],
+            ),
+            *([Section(title="Notes", points=self.notes)] if self.notes else []),
+        ]

@@ -1,0 +1,73 @@
+"""``pmmkit seakeeping``: a library ship, a hull from a file, and wrong requests."""
+
+from __future__ import annotations
+
+import csv
+
+import numpy as np
+import pytest
+import xarray as xr
+from commands import said
+
+from pmmkit.cli import main
+
+SEA = ["--hs", "4", "--tp", "9.7"]
+
+
+@pytest.mark.slow
+def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, capsys):
+    order = ["seakeeping", "kvlcc2", "--speeds", "15.5 kn", "--headings", "180,45", *SEA]
+    status, content, _ = said(
+        capsys, *order, "--place", "bow,150,8,20.8", "--no-figures", "--out", tmp_path / "out"
+    )
+    assert status == 0
+    assert content["files"] == [
+        "added_resistance.csv",
+        "mean_added_resistance.csv",
+        "rao.csv",
+        "rao.nc",
+        "responses.csv",
+    ]
+    assert any("Lewis forms" in note for note in content["notes"])
+    assert {row["place"] for row in content["responses"]} == {"ship", "bow"}
+    head, quartering = content["mean_added_resistance"]
+    assert 2e5 < head["SNNM"] < 1e6
+    assert quartering["STAWAVE-2"] is None
+    with xr.open_dataset(tmp_path / "out" / "rao.nc") as data:
+        assert data["heave_amplitude"].dims == ("speed", "heading", "omega")
+        assert data["pitch_amplitude"].attrs["units"] == "rad m-1"
+        stored = data["heave_amplitude"].to_numpy().ravel()
+    with (tmp_path / "out" / "rao.csv").open(newline="") as file:
+        rows = [*csv.DictReader(file)]
+    np.testing.assert_allclose([float(row["heave"]) for row in rows], stored, rtol=1e-12)
+
+
+@pytest.mark.slow
+def test_a_hull_from_offsets(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    lines = ["x,breadth,draught,area"]
+    for x in np.linspace(-48, 48, 21):
+        breadth = 16 * (1 - abs(x / 50) ** 3)
+        lines.append(f"{x},{breadth},6,{0.8 * 6 * breadth}")
+    (tmp_path / "boat.csv").write_text("\n".join(lines))
+    order = ["seakeeping", "boat.csv", "--draught", "6", "--length", "100", "--speeds", "Fn 0.2"]
+    assert main([*order, "--gyration", "6,25,25", "--gm", "1"]) == 0
+    assert "Fn 0.200" in capsys.readouterr().out
+    assert (tmp_path / "boat-seakeeping" / "rao.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "status", "says"),
+    [
+        (["boat.csv"], 2, "--draught"),
+        (["kvlcc2", "--tp", "9"], 2, "--hs"),
+        (["kvlcc2", "--gyration", "1,2"], 2, "roll,pitch,yaw"),
+        (["kvlcc2", *SEA, "--place", "bow"], 2, "name,x"),
+        (["kvlcc9"], 1, "kvlcc2"),
+    ],
+)
+def test_a_wrong_request_says_what_to_write(options, status, says, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["seakeeping", *options]) == status
+    assert says in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]

@@ -1,0 +1,81 @@
+"""Wave drift: a wall that reflects, mirror images, and a turn that a sea carries along."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from few_stations import thinned
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pmmkit.effects.waves import drift
+from pmmkit.models import Part, load_model
+from pmmkit.seakeeping import Sea, drift_table, frequencies, load_hull, rao
+from pmmkit.simulation import simulate
+
+MODEL = load_model("s175-3dof")
+NONE = (0.0,)
+FACTORS = {"kx": 1.0, "ky": 1.0, "kn": 1.0}
+
+
+@pytest.fixture(scope="module")
+def table():
+    hull, sea = thinned(load_hull("s175")), Sea(Hs=1.0, Tp=8.0)
+    found = rao(
+        hull, speeds=8.0, headings_deg=np.arange(0, 181, 15), omega=frequencies(hull.L, sea)
+    )
+    return drift_table(found, sea)
+
+
+def sailed(from_deg, height, table=None, **options):
+    values = {"Hs": height, "from_deg": from_deg, **FACTORS, **(table or {})}
+    part = Part(
+        effect="wave_drift", values=values, options={"coefficients": "table"} if table else {}
+    )
+    model = MODEL.with_(parts={**MODEL.parts, "wave_drift": part})
+    return simulate(model, "turning", rudder_deg=20, speed=8.0, **options)
+
+
+def push(form, bearing, table):
+    tables = [table[name] for name in ("angle_deg", "DX", "DY", "DN")] if table else [NONE] * 4
+    return drift(0.0, 175.0, 25.4, 1025.0, 9.81, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables)
+
+
+@given(st.floats(1.0, 179.0))
+def test_waves_from_port_are_the_mirror_image_of_those_from_starboard(bearing):
+    X, Y, N = push(0, bearing, None)
+    assert push(0, -bearing, None) == pytest.approx((X, -Y, -N))
+    assert Y < 0
+
+
+def test_the_table_pushes_along_the_waves(table):
+    """From ahead backward, from starboard to port; from astern it does little in short waves."""
+    assert len(table["angle_deg"]) == 13
+    X = [push(1, angle, table)[0] for angle in (0.0, 45.0)]
+    assert max(X) < 0
+    assert push(1, 90.0, table)[1] < -0.15 * abs(push(0, 90.0, None)[1])
+    assert push(1, 180.0, table)[1] == pytest.approx(0.0, abs=1.0)
+
+
+def centre(track):
+    """Middle of the last whole circle."""
+    turned = np.abs(np.unwrap(track.psi))
+    last = turned > turned[-1] - 2 * math.pi
+    return np.array([track.x[last].mean(), track.y[last].mean()])
+
+
+def test_a_turn_is_carried_down_wave(table):
+    """Waves from north: the circle moves south, beside the calm one."""
+    calm, rough = (
+        sailed(0.0, height, table, duration=1500.0, compiled=False) for height in (0.0, 5.0)
+    )
+    moved = centre(rough) - centre(calm)
+    assert moved[0] < -0.1 * MODEL.ship.L
+
+
+def test_no_waves_change_nothing():
+    still = sailed(30.0, 0.0, compiled=False)
+    plain = simulate(MODEL, "turning", rudder_deg=20, speed=8.0, compiled=False)
+    assert still.metrics["tactical_diameter_L"] == plain.metrics["tactical_diameter_L"]

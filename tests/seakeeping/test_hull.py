@@ -1,0 +1,189 @@
+"""Hulls from offsets, files and particulars: hydrostatics, maps, and what is refused."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.seakeeping import Hull, Station, hull_from_particulars, hulls, load_hull, read_hull
+from pmmkit.seakeeping.mapping import area, at, fit_sections, fitted, is_conformal, lewis, misfit
+
+X = np.linspace(-50.0, 50.0, 21)
+
+
+def box(draught=5.0, half=8.0, x=X):
+    corner = np.array([0.0, half, half]), np.array([0.0, 0.0, draught + 3.0])
+    return Hull(
+        name="box",
+        L=100.0,
+        draught=draught,
+        stations=tuple(Station(x=float(at_), y=corner[0], z=corner[1]) for at_ in x),
+    )
+
+
+def test_hydrostatics_of_a_box():
+    """Volume LBT, KB = T/2, BM = B²/(12T)."""
+    found = box().hydrostatics
+    assert found.volume == pytest.approx(100 * 16 * 5)
+    assert pytest.approx(2.5) == found.KB
+    assert pytest.approx(16**2 / (12 * 5)) == found.KM - found.KB
+    assert found.along == pytest.approx(16 * 100**3 / 12, rel=6e-3)  # straight between stations
+    assert (found.xB, found.xF) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_hydrostatics_of_a_wedge():
+    """A section that is a triangle: half the area, KB = 2T/3."""
+    y, z = np.array([0.0, 6.0]), np.array([0.0, 4.0])
+    hull = Hull(
+        name="v", L=100, draught=4.0, stations=tuple(Station(x=float(a), y=y, z=z) for a in X)
+    )
+    assert hull.areas == pytest.approx(np.full(21, 24.0))
+    assert pytest.approx(8 / 3) == hull.hydrostatics.KB
+
+
+def test_s175_has_its_displacement(shared_data):
+    """VERES: 24 609.6 t, LCB 84.953 m from the after perpendicular, KB 5.207, GM .996, CW .709."""
+    hull = read_hull(shared_data / "s175_seakeeping_veres" / "shipx_geometry.mgf", draught=9.5)
+    found = hull.hydrostatics
+    assert 1.025 * found.volume == pytest.approx(24609.6, rel=5e-4)
+    assert found.xB + 87.5 == pytest.approx(84.953, abs=0.005)
+    assert pytest.approx(5.207, abs=0.001) == found.KB
+    assert pytest.approx(0.996, abs=0.003) == found.KM - 9.55
+    assert found.waterplane / (175 * 25.4) == pytest.approx(0.709, abs=0.001)
+
+
+def test_s175_is_followed_by_its_maps(shared_data):
+    hull = read_hull(shared_data / "s175_seakeeping_veres" / "shipx_geometry.mgf", draught=9.5)
+    found = fit_sections(hull.contours, [f"x = {x:g} m" for x in hull.x])
+    assert np.abs(area(found.maps) / hull.areas - 1).max() < 0.02
+    assert len(found.notes) == 2  # the two stations of the bulb with a neck
+
+
+@pytest.mark.parametrize(
+    ("b", "T", "full"), [(20, 8, 0.6), (20, 8, 0.9), (4, 9, 0.7), (30, 2, 0.8)]
+)
+def test_close_fit_of_a_lewis_form_is_that_form(b, T, full):
+    form = lewis(b, T, full * b * T)
+    contour = at(form, np.linspace(0, math.pi / 2, 400))
+    again = fitted(contour, 5)
+    np.testing.assert_allclose(again[:3], form, atol=2e-3 * T)
+    assert np.abs(again[3:]).max() < 2e-3 * T
+    assert misfit(again, contour) < 3e-3 * max(T, b / 2)
+
+
+def test_a_lewis_form_that_does_not_exist_is_refused_with_the_range():
+    with pytest.raises(DataError, match=r"between 0\.29"):
+        lewis(2.0, 1.0, 0.4)
+
+
+def test_a_hull_from_particulars_has_them():
+    hull = hull_from_particulars(
+        name="tanker", L=320, B=58, d=20.8, block=0.81, midship=0.997, waterplane=0.886, xB=8.0
+    )
+    found = hull.hydrostatics
+    assert found.volume == pytest.approx(0.81 * 320 * 58 * 20.8, rel=2e-3)
+    assert found.waterplane == pytest.approx(0.886 * 320 * 58, rel=5e-3)
+    assert found.xB == pytest.approx(8.0, abs=0.3)
+    assert found.xF == pytest.approx(0.0, abs=0.3)
+    assert hull.areas.max() == pytest.approx(0.997 * 58 * 20.8, rel=3e-3)
+    assert "not the ship's" in hull.notes[0]
+
+
+def test_files_of_offsets_and_of_curves_give_the_hull(tmp_path):
+    points = ["x,y,z"]
+    points += [f"{x},{y},{z}" for x in X for y, z in ((0, 0), (8, 0), (8, 8))]
+    (tmp_path / "box.csv").write_text("\n".join(points))
+    assert read_hull(tmp_path / "box.csv", draught=5.0, L=100.0).hydrostatics == box().hydrostatics
+    curves = ["# a ship of half circles", "x,breadth,draught,area"]
+    curves += [f"{x},10,5,{12.5 * math.pi}" for x in X]
+    (tmp_path / "round.csv").write_text("\n".join(curves))
+    found = read_hull(tmp_path / "round.csv", draught=5.0, L=100.0)
+    assert found.hydrostatics.volume == pytest.approx(1250 * math.pi, rel=1e-3)
+
+
+def test_the_layout_of_shipx_runs_aft_and_downward(tmp_path):
+    lines = ["boxlike", "", "", "", "100.0"]
+    for number, x in enumerate(X[::-1], start=1):
+        lines += [str(number), f"{-x}", "3", "8.0 8.0", "8.0 0.0", "0.0 0.0"]
+    (tmp_path / "box.mgf").write_text("\n".join(lines))
+    found = read_hull(tmp_path / "box.mgf", draught=5.0)
+    assert found.name == "boxlike"
+    assert found.hydrostatics == box().hydrostatics
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("a,b\n1,2\n", "x,y,z"),
+        ("x,y,z\n0,1,two\n0,1,nan\n", "2 problems"),
+        ("x,y,z\n0,1,0\n0,1,9\n", "11 or more"),
+        ("x,y,z\n" + "".join(f"{x},0,0\n{x},5,3\n" for x in X), "below the water"),
+        ("x,y,z\n" + "".join(f"{x},0,4\n{x},5,3\n{x},5,9\n" for x in X), "goes down again"),
+        ("x,y,z\n" + "".join(f"{x},-1,0\n{x},5,9\n" for x in X), "below zero"),
+        ("x,y,z\n" + "".join(f"{x},3,0\n{x},0,4\n{x},0,9\n" for x in X), "closed below"),
+    ],
+)
+def test_a_damaged_file_is_refused_with_its_place(tmp_path, text, says):
+    (tmp_path / "hull.csv").write_text(text)
+    with pytest.raises(DataError, match=says):
+        read_hull(tmp_path / "hull.csv", draught=5.0, L=100.0)
+
+
+def test_a_torn_file_of_shipx_says_where(tmp_path):
+    (tmp_path / "torn.mgf").write_text("a\n\n\n\n100.0\n1\n-50.0\n3\n8.0 8.0\n")
+    with pytest.raises(DataError, match=r"torn\.mgf, row"):
+        read_hull(tmp_path / "torn.mgf", draught=5.0)
+
+
+def test_a_csv_needs_its_length(tmp_path):
+    (tmp_path / "hull.csv").write_text("x,y,z\n")
+    with pytest.raises(DataError, match="Give L"):
+        read_hull(tmp_path / "hull.csv", draught=5.0)
+
+
+@pytest.mark.parametrize("name", [*hulls(), "kvlcc2", "s175"])
+def test_every_hull_by_name_floats(name):
+    hull = load_hull(name)
+    assert hull.hydrostatics.volume > 0
+    assert "not the ship's" in hull.notes[0]
+
+
+def test_the_tanker_has_the_displacement_that_is_stated():
+    """312 698.9 m³; CWL .886; the centre of gravity .534 L from the after perpendicular."""
+    found = load_hull("tanker-320").hydrostatics
+    assert found.volume == pytest.approx(312698.9, rel=2e-3)
+    assert found.waterplane == pytest.approx(0.886 * 320 * 58, rel=5e-3)
+    assert (found.xB + 160) / 320 == pytest.approx(0.534, abs=2e-3)
+
+
+def test_particulars_in_a_file_are_checked(tmp_path):
+    (tmp_path / "own.toml").write_text('name = "x"\nL = 100.0\nB = "wide"\nsheer = 2.0\n')
+    with pytest.raises(DataError, match="lacks d") as caught:
+        load_hull(tmp_path / "own.toml")
+    assert "sheer is not known" in str(caught.value)
+    assert "B must be a finite number" in str(caught.value)
+
+
+def test_a_name_that_is_not_there_is_answered_with_those_there_are():
+    with pytest.raises(UnknownNameError, match="tanker-320"):
+        load_hull("tanker-321")
+
+
+def test_a_hollow_section_with_flare_is_followed_by_a_smoother_map():
+    """A skeg under a flare has corners that no unsmoothed map of few coefficients follows."""
+    contour = Station(x=0.0, y=np.array([0, 1, 9.0]), z=np.array([0, 3, 5.5])).contour(5.0)
+    found = fit_sections([contour], ["it"])
+    assert found.notes == ()
+    assert area(found.maps)[0] == pytest.approx(19.8, rel=0.01)
+    assert is_conformal(found.maps[0])
+
+
+def test_a_bulb_under_a_neck_is_a_lewis_form_of_its_area_and_the_note_says_so():
+    y, z = np.array([0, 6, 1, 1.0]), np.array([0, 2, 5, 9.0])
+    contour = Station(x=0.0, y=y, z=z).contour(6.0)
+    found = fit_sections([contour], ["it"])
+    assert area(found.maps)[0] == pytest.approx(-2 * np.trapezoid(contour.imag, contour.real))
+    assert "necked above a bulb" in found.notes[0]

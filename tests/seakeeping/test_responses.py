@@ -1,0 +1,246 @@
+"""Responses in a sea: closed forms, published curves, limits; added resistance by each method."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from few_stations import thinned
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pmmkit.errors import DataError, UnknownNameError
+from pmmkit.seakeeping import (
+    LIMITS,
+    Place,
+    Sea,
+    added_resistance,
+    drift,
+    drift_table,
+    hull_from_particulars,
+    operability,
+    rao,
+    response,
+    sea,
+)
+from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
+from pmmkit.seakeeping.mean_drift import plate_reflection, scattering
+from pmmkit.seakeeping.responses import moments
+from pmmkit.seakeeping.sectional import solve
+from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves
+
+OMEGA = np.linspace(0.25, 2.2, 60)
+SHIP = thinned(hull_from_particulars(name="ship", L=150.0, B=24.0, d=8.5, block=0.68))
+
+
+@pytest.fixture(scope="module")
+def moved():
+    return rao(SHIP, speeds=[0.0, 8.0], headings_deg=np.arange(0, 181, 30), omega=OMEGA)
+
+
+def test_following_waves_count_over_their_own_frequency():
+    """With |H| = 1 the significant amplitude is that of the sea at any speed; m₂ is ∫ωₑ²S dω."""
+    omega = np.linspace(0.2, 6.0, 6000)
+    waves = Sea(Hs=4.0, Tp=9.0)
+    encounter = omega - omega**2 * 10.0 / 9.81
+    found = moments(np.ones_like(omega) + 0j, encounter, omega, waves)
+    assert 2 * found.significant == pytest.approx(4.0, rel=2e-3)
+    assert found.m2 == pytest.approx(
+        np.trapezoid(encounter**2 * waves.spectrum(omega), omega), rel=1e-12
+    )
+
+
+def test_extremes_are_those_of_rayleigh():
+    found = moments(np.ones_like(OMEGA) + 0j, OMEGA, OMEGA, Sea(Hs=4.0, Tp=9.0))
+    count = 3 * 3600 / found.period
+    assert found.extreme(3.0) == pytest.approx(math.sqrt(2 * found.m0 * math.log(count)))
+    assert found.exceeded(found.significant) == pytest.approx(math.exp(-2.0))
+
+
+def test_responses_grow_with_the_height_of_the_waves(moved):
+    small, large = (
+        response(moved, Sea(Hs=h, Tp=10.0), speed=8.0, heading_deg=180) for h in (1.0, 3.0)
+    )
+    for mode in ("heave", "pitch"):
+        ratio = large.motions[mode].significant / small.motions[mode].significant
+        assert ratio == pytest.approx(3.0)
+
+
+def test_a_short_crested_sea_rolls_a_ship_in_head_seas(moved):
+    long = response(moved, Sea(Hs=3.0, Tp=10.0), speed=8.0, heading_deg=180)
+    short = response(moved, Sea(Hs=3.0, Tp=10.0, spreading=2), speed=8.0, heading_deg=180)
+    assert long.motions["roll"].significant < 1e-6
+    assert short.motions["roll"].significant > math.radians(0.1)
+
+
+def test_at_the_bow_it_is_worse_than_amidships(moved):
+    bow = Place(name="bow", x=70.0, freeboard=6.0, draught=8.5)
+    found = response(
+        moved,
+        Sea(Hs=5.0, Tp=10.0),
+        speed=8.0,
+        heading_deg=180,
+        places=[Place(name="midship", x=0.0), bow],
+    )
+    midship, ahead = found.places
+    assert ahead.acceleration.significant > 1.5 * midship.acceleration.significant
+    assert ahead.incidence > midship.incidence
+    assert ahead.dose > midship.dose
+    assert ahead.wet == pytest.approx(math.exp(-36 / (2 * ahead.relative.m0)))
+    assert 0 < ahead.slam < ahead.relative.exceeded(8.5)
+    assert midship.wet is None
+    assert "bow" in str(found)
+
+
+def test_weighting_for_motion_sickness_is_that_of_iso_2631():
+    """Table of Wf in ISO 2631-1:1997, in thousandths, at third octaves from .02 to .63 Hz."""
+    third = np.array([0.02, 0.0315, 0.05, 0.08, 0.1, 0.125, 0.16, 0.2, 0.25, 0.315, 0.4, 0.5, 0.63])
+    stated = [24.2, 59.7, 157, 461, 695, 895, 1006, 992, 854, 619, 384, 224, 116]
+    assert 1000 * dose_weight(2 * math.pi * third) == pytest.approx(stated, rel=5e-3)
+
+
+def test_sickness_is_worst_near_a_sixth_of_a_hertz_and_grows_with_time():
+    def share(f, hours=2.0):
+        return incidence_in_waves(1.0, (2 * math.pi * f) ** 2, hours)
+
+    frequencies = np.linspace(0.08, 0.5, 85)
+    worst = frequencies[np.argmax([share(f) for f in frequencies])]
+    assert worst == pytest.approx(0.16, abs=0.02)
+    assert share(0.17, 0.5) < share(0.17, 2.0) < share(0.17, 8.0)
+    assert incidence_in_waves(0.0, 0.0, 2.0) == 0.0
+
+
+def test_what_was_not_computed_is_refused(moved):
+    waves = Sea(Hs=3.0, Tp=10.0)
+    with pytest.raises(DataError, match="Say which speed"):
+        response(moved, waves, heading_deg=180)
+    with pytest.raises(DataError, match="was not computed"):
+        response(moved, waves, speed=5.0, heading_deg=180)
+    with pytest.raises(DataError, match="compute more of them"):
+        response(moved, Sea(Hs=3.0, Tp=25.0), speed=8.0, heading_deg=180)
+    head = rao(SHIP, speeds=8.0, omega=OMEGA)
+    with pytest.raises(DataError, match="both sides"):
+        response(head, replace(waves, spreading=2))
+
+
+def test_short_waves_are_reflected_in_full_by_a_wall(moved):
+    """In beam seas ½ρgζ² over the length; waves run to starboard, y is to port."""
+    wall = 0.5 * 1025 * 9.81 * (SHIP.x[-1] - SHIP.x[0])
+    X, Y, _ = drift(moved)[:, 0, 3]
+    assert -Y[-1] == pytest.approx(wall, rel=0.1)
+    assert abs(X[-1]) < 0.02 * wall
+    assert plate_reflection(np.array([5.0]))[0] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_long_waves_carry_the_ship_and_push_nothing(moved):
+    """A ship that moves with the water scatters nothing; heave at resonance does."""
+    Y = -drift(moved)[1, 0, 3] / (0.5 * 1025 * 9.81 * 150.0)
+    assert np.abs(Y[OMEGA < 0.5]).max() < 0.02
+    assert Y.min() > -0.02
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-3.1, 3.1), st.floats(0.01, 3.0))
+def test_a_fixed_section_keeps_the_energy_of_the_waves(heave, sway, size):
+    back, through = scattering(size * np.exp(1j * np.array([[heave], [sway]])))
+    assert np.abs(back) ** 2 + np.abs(through) ** 2 == pytest.approx(1.0)
+
+
+def test_a_half_circle_lets_long_waves_through_and_sends_short_ones_back():
+    far = solve(np.array([[1.0, 0.0, 0.0]]), np.array([1e-3, 0.5, 5.0])).far[:, :, 0]
+    back, through = scattering(far * np.array([[-1j], [-1], [-1]]))
+    assert np.abs(back[0]) < 0.01
+    assert np.abs(through[0] - 1) < 0.01
+    assert np.abs(through[2]) < 0.05
+    assert 0.2 < np.abs(back[1]) < 0.95
+
+
+def test_drift_is_alike_on_both_sides():
+    found = rao(SHIP, speeds=6.0, headings_deg=[130.0, 230.0], omega=[0.5, 0.9])
+    X, Y, N = drift(found)
+    np.testing.assert_allclose(X[:, 0], X[:, 1], rtol=1e-9)
+    np.testing.assert_allclose(Y[:, 0], -Y[:, 1], rtol=1e-9)
+    np.testing.assert_allclose(N[:, 0], -N[:, 1], rtol=1e-9)
+    assert (Y[:, 0] < 0).all()
+
+
+def test_methods_agree_on_the_size_of_the_peak_in_head_seas(moved):
+    found = added_resistance(moved)
+    peaks = {name: np.nanmax(values[1, -1]) for name, values in found.methods.items()}
+    assert max(peaks.values()) < 3.0 * min(peaks.values())
+    assert np.isnan(found.methods["STAWAVE-2"][1, 2]).all()
+    told = found.mean(sea("bretschneider", Hs=3.0, Tp=9.0), speed=8.0, heading_deg=180)
+    assert 2e4 < told["SNNM"] < 1e6
+    assert math.isfinite(told["STAWAVE-2"])
+
+
+def test_added_resistance_of_s175_is_near_that_of_veres_in_its_peak(shared_data):
+    """VERES integrates the pressure; peaks of Fn .186 and .248 are 8.28 and 11.26 of ρgζ²B²/L."""
+    from pmmkit.seakeeping import Loading, read_hull
+
+    hull = read_hull(shared_data / "s175_seakeeping_veres" / "shipx_geometry.mgf", draught=9.5)
+    loading = Loading(KG=9.55, kxx=8.331, kyy=42.0, kzz=42.0)
+    omega = np.linspace(0.4, 0.8, 41)
+    found = added_resistance(rao(hull, speeds=[7.7167, 10.2889], omega=omega, loading=loading))
+    peaks = found.methods["with reflection"][:, 0].max(axis=-1) / found.unit
+    assert peaks == pytest.approx([8.28, 11.26], rel=0.25)
+
+
+def test_formulas_read_as_their_sources_do():
+    """STAWAVE-2 at its peak is 4 a₁ Fn^1.5 e^(-3.5 Fn); SNNM at the peak in head seas likewise."""
+    form = Form(L=200.0, B=32.0, d=12.0, block=0.8, kyy=0.25, entrance=50.0, run=55.0)
+    g, fn = 9.81, 0.18
+    U = np.array([fn * math.sqrt(g * form.L)])
+    peak = 1.17 * fn**-0.143 / math.sqrt(form.L / g) / 0.25 ** (1 / 3)
+    found = stawave2(form, U, np.array([math.pi]), np.array([peak]), 1025.0, g)[0, 0, 0]
+    moving = 4 * 60.3 * 0.8**1.34 * fn**1.5 * math.exp(-3.5 * fn)
+    unit = 1025 * g * 32**2 / 200
+    assert moving < found / unit < 1.25 * moving
+    long = snnm(form, U, np.array([math.pi]), np.array([0.15]), 1025.0, g)
+    assert 0 <= long[0, 0, 0] / unit < 0.05
+
+
+def test_a_ship_out_of_range_has_no_stawave2():
+    form = Form(L=50.0, B=10.0, d=3.0, block=0.6, kyy=0.25, entrance=15.0, run=15.0)
+    U = np.array([0.2 * math.sqrt(9.81 * 50)])
+    assert np.isnan(stawave2(form, U, np.array([math.pi]), OMEGA, 1025.0, 9.81)).all()
+
+
+def test_added_resistance_of_a_short_crested_sea_is_the_mean_over_its_directions(moved):
+    found, waves = added_resistance(moved), Sea(Hs=3.0, Tp=9.0)
+    spread = replace(waves, spreading=2)
+    short = found.mean(spread, speed=8.0, heading_deg=180)["SNNM"]
+    each = [found.mean(waves, speed=8.0, heading_deg=x)["SNNM"] for x in (90, 120, 150, 180)]
+    assert min(each) < short < max(each)
+    narrow = found.mean(replace(waves, spreading=2000), speed=8.0, heading_deg=180)["SNNM"]
+    assert narrow == pytest.approx(each[-1], rel=1e-6)
+
+
+def test_a_table_of_drift_is_of_a_long_crested_sea_over_all_headings(moved):
+    table = drift_table(moved, Sea(Hs=1.0, Tp=9.0), speed=8.0)
+    assert table["angle_deg"] == pytest.approx(np.arange(0, 181, 30))
+    assert table["DY"][0] == pytest.approx(0.0, abs=1e-9)
+    twice = drift_table(moved, Sea(Hs=2.0, Tp=9.0), speed=8.0)
+    assert twice["DX"] == pytest.approx(table["DX"])
+    with pytest.raises(DataError, match="spreading"):
+        drift_table(moved, Sea(Hs=1.0, Tp=9.0, spreading=2), speed=8.0)
+    with pytest.raises(DataError, match="both ends"):
+        drift_table(rao(SHIP, speeds=8.0, omega=OMEGA), Sea(Hs=1.0, Tp=9.0))
+
+
+def test_operability_is_each_value_over_its_limit(moved):
+    bow, waves = Place(name="bow", x=70.0, freeboard=6.0, draught=8.5), Sea(Hs=4.0, Tp=9.0)
+    found = operability(moved, waves, places=[bow])
+    assert set(found.ratios) == set(LIMITS)
+    one = response(moved, waves, speed=8.0, heading_deg=180, places=[bow])
+    wanted = math.sqrt(one.places[0].acceleration.m0) / LIMITS["acceleration"]
+    assert found.ratios["acceleration"][1, -1] == pytest.approx(wanted)
+    calm = operability(moved, Sea(Hs=0.1, Tp=9.0), places=[bow])
+    storm = operability(moved, Sea(Hs=14.0, Tp=12.0), places=[bow])
+    assert storm.share < found.share <= calm.share == 1.0
+    assert found.plot().axes
+    with pytest.raises(UnknownNameError, match="roll_deg"):
+        operability(moved, waves, limits={"heel": 3.0})
+    with pytest.raises(DataError, match="nothing to judge"):
+        operability(moved, waves, limits={"wet": 0.05})
