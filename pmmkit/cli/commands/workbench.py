@@ -1,0 +1,68 @@
+"""``pmmkit workbench``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Final
+
+import typer
+
+from pmmkit.cli.options import Data, stem
+from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.outputs import Out
+
+EXAMPLE: Final = "pmmkit workbench my-campaign model.toml"
+
+
+def workbench(
+    campaign: Annotated[
+        Path | None,
+        typer.Argument(help="Folder with campaign.toml, such a file, or .h5; chosen on the page."),
+    ] = None,
+    model: Annotated[
+        str | None,
+        typer.Argument(
+            help="Library ship, model file, or a structure to which the tests are reduced; "
+            "abkowitz3 if absent."
+        ),
+    ] = None,
+    folder: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Folder whose campaigns may be opened on the page; may be repeated; the present "
+            "one if absent. Nothing else is read."
+        ),
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(min=1024, max=65535, help="Port; the next free one if absent.")
+    ] = None,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open a browser.")] = True,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """See where a model fails on a page in the browser, add what is missing, watch the error fall.
+
+    The page is served to this machine alone. What is done is kept in the results folder and found
+    again there; steps.toml replays it.
+    """
+    from pmmkit.files import check_folder
+    from pmmkit.workbench.desk import Desk
+    from pmmkit.workbench.serving import serve
+
+    target = out or Path("pmmkit-workbench" if campaign is None else f"{stem(campaign)}-workbench")
+    check_folder(target)
+    own = [path for path in (campaign, Path(model) if model else None) if path]
+    named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
+    desk = Desk(target, named)
+    state = desk.state
+    new = campaign is not None and (
+        state is None
+        or (state.campaign, state.data) != (str(campaign), str(data or ""))
+        or (model is not None and state.model != model)
+    )
+    if new:
+        desk.open(str(campaign), model or "", str(data or ""))
+    elif state is not None:
+        say(f"Going on with {target}: {len(state.steps)} steps.")
+    serve(desk, port=port, browser=browser, say=lambda address: say(f"{address}\nCtrl+C ends it."))
+    return Outcome(content={"out": str(target)}, lines=[f"Results: {target}"])
