@@ -28,6 +28,7 @@ SAILED: Final = {
     "wind_speed": float,
     "wind_direction_deg": float,
     "depth": float,
+    "band": bool,
 }
 """What a manoeuvre may be asked with."""
 LONGEST: Final = 2000
@@ -142,7 +143,7 @@ def _settings(asked: dict[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in asked.items():
         kind = SAILED.get(name)
-        right = isinstance(value, str) if kind is str else _number(value)
+        right = isinstance(value, kind or str) if kind is not float else _number(value)
         if kind is None or not right:
             raise DataError(f"{name} is no setting of a manoeuvre, or has no such value.")
         found[name] = value

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock, Thread
 from typing import Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, PmmkitError
 from pmmkit.files import datasets_folder
 from pmmkit.loop.saved import read_session
 from pmmkit.metrics import HARD_OVER
@@ -61,7 +62,7 @@ class Desk:
         self.folder = folder
         self.roots = tuple(root.resolve() for root in roots)
         self._state = find_state(folder)
-        self._changing, self._working = Lock(), Lock()
+        self._changing, self._working = Lock(), RLock()
         self._known: dict[tuple[Any, ...], Any] = {}
         self._worker = Worker(tasks, self._finished)
 
@@ -78,6 +79,19 @@ class Desk:
     def close(self) -> None:
         """End the process for long work."""
         self._worker.close()
+
+    def warm(self) -> None:
+        """Work out in the background what is looked at first."""
+
+        def work() -> None:
+            # An error is told where the page asks for the same.
+            with suppress(PmmkitError):
+                self.misfit()
+                self.turns()
+
+        self._worker.warm()
+        if self._state is not None and self._ready(self._state):
+            Thread(target=work, daemon=True).start()
 
     # What is asked --------------------------------------------------------------------------------
 
@@ -138,9 +152,17 @@ class Desk:
         return find_result(self.folder, "checks", ()) or []
 
     def missing(self) -> dict[str, Any] | None:
-        """The last diagnosis of this state; None where it was not asked."""
-        found: dict[str, Any] | None = self._result("missing")
-        return found
+        """The last diagnosis, of this state or of one before; None where it was not asked.
+
+        ``since`` counts the steps that were added after it; what they added is no candidate.
+        """
+        effects = self._opened().effects
+        for count in range(len(effects), -1, -1):
+            found = find_result(self.folder, "missing", effects[:count])
+            if found is not None:
+                left = [x for x in found["candidates"] if x["effect"] not in effects]
+                return {**found, "candidates": left, "since": len(effects) - count}
+        return None
 
     def fall(self) -> dict[str, Any] | None:
         """The waterfall; None before the first step."""
@@ -267,6 +289,8 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["effects"], job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
+        if job.name != "diagnose":
+            self.warm()
 
     def _result(self, name: str) -> Any:
         return find_result(self.folder, name, self._opened().effects)
@@ -320,18 +344,17 @@ class Desk:
             return self._known[key]
 
     def _comparison(self, effects: tuple[str, ...]) -> Comparison:
-        key = ("comparison", effects)
-        if key not in self._known:
-            state = self._opened()
-            self._known[key] = compare(self._model(effects), self._campaign(state))
-        found: Comparison = self._known[key]
+        campaign = self._campaign(self._opened())
+        found: Comparison = self._once(
+            ("comparison", effects), lambda: compare(self._model(effects), campaign)
+        )
         return found
 
     def _campaign(self, state: State) -> Campaign:
-        key = ("campaign", state.campaign, state.data)
-        if key not in self._known:
-            self._known[key] = open_campaign(self.named(state.campaign), data=state.data or None)
-        found: Campaign = self._known[key]
+        found: Campaign = self._once(
+            ("campaign", state.campaign, state.data),
+            lambda: open_campaign(self.named(state.campaign), data=state.data or None),
+        )
         return found
 
     def _model(self, effects: tuple[str, ...]) -> Model:

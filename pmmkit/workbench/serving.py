@@ -58,6 +58,7 @@ def serve(
             )
         )
         say(address)
+        desk.warm()
         if browser:
             webbrowser.open(address)
         try:

@@ -120,6 +120,12 @@ class Worker:
             Thread(target=self._listen, args=(self._pipe, number), daemon=True).start()
             return job
 
+    def warm(self) -> None:
+        """Begin the process, which takes a second or two, before it is needed."""
+        with self._lock:
+            if self._process is None:
+                self._begin()
+
     def cancel(self) -> Job:
         """End what is running."""
         with self._lock:

@@ -18,7 +18,7 @@ from pmmkit.validation.uncertainty import rms_of
 from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
 
 MOTIONS: Final = {"v": "m/s", "r": "rad/s", "u": "m/s", "phi": "rad"}
-"""Motions over which forces are drawn, in the order of preference."""
+"""Motions over which forces are drawn."""
 
 
 def history_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def history_page(comparison: Comparison, name: str, buckets: int = BUCKETS) -> d
         raise KeyError(name)
     view, run = item.view, item.view.run
     t, measured, predicted = _histories(item, comparison.rig)
-    motion = _motion(item)
+    motion = _motion(item, comparison.ship.L)
     theta = _phase(item)
     kept = thinned({**measured, **{f"m{key}": x for key, x in predicted.items()}}, buckets)
     return {
@@ -107,15 +107,17 @@ def _phase(item: CaptiveRun) -> Array | None:
     return np.asarray(np.mod(np.arctan2(basis[:, 2], basis[:, 1]), 2 * np.pi), float)
 
 
-def _motion(item: CaptiveRun) -> dict[str, Array]:
-    """Motions that vary in the run."""
-    found = {}
-    state = item.view.motion
+def _motion(item: CaptiveRun, length: float) -> dict[str, Array]:
+    """Motions that vary in the run, the largest first."""
+    found, size = {}, {}
+    view = item.view
+    # What turns counts by the speed at the ends of the ship, beside what moves it sideways.
+    weight = {"r": 0.5 * length, "phi": view.speed}
     for name in MOTIONS:
-        values = np.asarray(getattr(state, name), float)
-        if item.view.omega and values.shape == item.view.t.shape and np.ptp(values) > 1e-9:
-            found[name] = values
-    return found
+        values = np.asarray(getattr(view.motion, name), float)
+        if view.omega and values.shape == view.t.shape and np.ptp(values) > 1e-9:
+            found[name], size[name] = values, weight.get(name, 1.0) * float(np.ptp(values))
+    return {name: found[name] for name in sorted(found, key=lambda own: -size[own])}
 
 
 def _family(comparison: Comparison, item: CaptiveRun) -> dict[str, Any]:

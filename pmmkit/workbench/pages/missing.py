@@ -146,9 +146,10 @@ def _effects_of(
 
 
 def _forces(system: System, blocks: Sequence[Block]) -> Mapping[str, Array]:
-    """Fitted forces of all rows by channel [N, N m]."""
-    stack = stacked(system, blocks)
-    fitted = stack.plain[:, :-1] @ solved(stack).solution
+    """Forces of all rows by channel [N, N m], as the model predicts them that `add` would give."""
+    stack = stacked(system, blocks, floor=system.floor)
+    own = len(stack.names)
+    fitted = stack.plain[:, :own] @ solved(stack).solution[:own]
     return {name: fitted[rows] for name, rows in stack.places.items()}
 
 

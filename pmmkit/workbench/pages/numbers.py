@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -32,12 +33,7 @@ def short(values: Any) -> Any:
     12346000.0
     """
     given = np.asarray(values, float)
-    known = np.isfinite(given)
-    size = np.where(known & (given != 0.0), np.abs(given), 1.0)
-    scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
-    # Division by a power of ten at the end: 0.1 times a whole number is not the nearest double.
-    rounded = np.where(known, np.round(np.where(known, given, 0.0) * scale) / scale, np.nan)
-    shown = [float(f"{x:.{DIGITS}g}") if np.isfinite(x) else None for x in rounded.ravel()]
+    shown = [float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None for x in given.ravel().tolist()]
     return _shaped(shown, given.shape)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -11,15 +10,14 @@ import numpy as np
 from pmmkit.errors import PmmkitError
 from pmmkit.metrics import in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
-from pmmkit.numerics import Array
 from pmmkit.simulation import Track, imo_turning, simulate, spiral_curve
 from pmmkit.simulation.bands import Bands, bands_of
-from pmmkit.workbench.pages.numbers import short, thinned
+from pmmkit.workbench.pages.numbers import short
 
 SHIPS: Final = 40
 """Ships behind a band: the central 95 % of forty is told to about a tenth of its width."""
-POINTS: Final = 150
-"""Pieces of a track that are drawn."""
+POINTS: Final = 300
+"""Samples of a track that are drawn."""
 LENGTHS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
 """Measures of a turn that stand beside its path."""
 
@@ -63,8 +61,8 @@ def sailed_page(
 
 def track_page(track: Track) -> dict[str, Any]:
     """A track as the page draws it; arguments and keys as for `sailed_page`."""
-    columns: Mapping[str, Array] = {"x": track.x, "y": track.y, "psi": track.psi}
-    kept = thinned(columns, POINTS)
+    # A path is smooth: evenly spaced samples draw it, where extremes alone would cut its corners.
+    kept = np.unique(np.linspace(0, len(track.t) - 1, POINTS).round().astype(int))
     judged = imo_turning(track) if track.manoeuvre == "turning" else []
     names = told("turn", in_lengths(track.metrics)) if judged else list(track.metrics)
     return {
