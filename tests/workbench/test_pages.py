@@ -125,7 +125,10 @@ def test_what_hides_is_named_with_its_share_of_the_misfit(missing, session):
 
 @pytest.mark.slow
 def test_an_overlay_is_what_adding_the_effect_does(missing, session, bare, campaign):
-    """Drawn over a run before anything is added: the model that comes of it predicts the same."""
+    """Drawn over a run before anything is added: the model that comes of it predicts the same.
+
+    Runs with a rudder angle are left out: the ship keeps its own rudder, which is not fitted.
+    """
     before, after = (
         {item.view.run.id: item for item in compare(model, campaign).captive}
         for model in (session.model(), session.add("yaw_sway_coupling").model())
@@ -133,10 +136,12 @@ def test_an_overlay_is_what_adding_the_effect_does(missing, session, bare, campa
     drawn = missing["overlays"]["yaw_sway_coupling"]
     moved = []
     for run, channels in drawn.items():
+        if after[run].view.run.settings.rudder:
+            continue
         change = after[run].predicted["Y"] - before[run].predicted["Y"]
         moved.append((np.array(channels["Y"]), change))
     told, found = (np.concatenate(x) for x in zip(*moved, strict=True))
-    assert np.linalg.norm(told - found) < 0.05 * np.linalg.norm(found)
+    assert np.linalg.norm(told - found) < 1e-3 * np.linalg.norm(found)
 
 
 @pytest.mark.slow
