@@ -75,6 +75,8 @@ def _routes(desk: Desk) -> Starlette:
             read("misfit", lambda request: desk.misfit(_count(request))),
             read("run", lambda request: desk.history(_text(request, "run"), _count(request))),
             read("checks", lambda _: desk.checks()),
+            read("runs", lambda request: desk.runs(_count(request, "first") or 0)),
+            read("derivatives", lambda _: desk.derivatives()),
             read("missing", lambda _: desk.missing()),
             read("fall", lambda _: desk.fall()),
             read("turns", lambda _: desk.turns()),
@@ -93,6 +95,7 @@ def _routes(desk: Desk) -> Starlette:
                     _revision(asked), _given(asked, "effect", str), str(asked.get("why") or "")
                 ).to_dict(),
             ),
+            write("reduce", lambda asked: desk.reduce(_given(asked, "structure", str)).to_dict()),
             write("undo", lambda asked: desk.undo(_revision(asked))),
             write("cancel", lambda _: desk.cancel().to_dict()),
             Mount("/static", StaticFiles(directory=STATIC)),
@@ -160,10 +163,10 @@ def _text(request: Request, name: str) -> str:
     return _given(dict(request.query_params), name, str)
 
 
-def _count(request: Request) -> int | None:
-    given = request.query_params.get("count")
+def _count(request: Request, name: str = "count") -> int | None:
+    given = request.query_params.get(name)
     if given is None:
         return None
-    if not given.isascii() or not given.isdigit() or len(given) > 4:
-        raise DataError("count must be a whole number.")
+    if not given.isascii() or not given.isdigit() or len(given) > 6:
+        raise DataError(f"{name} must be a whole number.")
     return int(given)

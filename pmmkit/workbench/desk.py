@@ -24,6 +24,7 @@ from pmmkit.version import __version__
 from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page
+from pmmkit.workbench.pages.runs import runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page
 from pmmkit.workbench.saved import (
     STEPS,
@@ -103,6 +104,7 @@ class Desk:
             "job": job.to_dict(),
             "demonstration": str(datasets_folder() / DEMONSTRATION[0]),
             "opened": False,
+            "structures": sorted(structures()),
             "revision": -1,
         }
         if state is None:
@@ -150,6 +152,20 @@ class Desk:
     def checks(self) -> list[dict[str, Any]]:
         """What the checks say of the tests."""
         return find_result(self.folder, "checks", ()) or []
+
+    def runs(self, first: int) -> dict[str, Any]:
+        """Some of the runs as they were read."""
+        tests = self._campaign(self._opened())
+        beside = self._comparison(()) if tests.kind == "captive" else None
+        page: dict[str, Any] = self._once(
+            ("runs", first), lambda: runs_page(tests, beside, first, self.checks())
+        )
+        return page
+
+    def derivatives(self) -> dict[str, Any] | None:
+        """The derivatives of the tests; None where they were not asked for."""
+        found: dict[str, Any] | None = find_result(self.folder, "derivatives", ())
+        return found
 
     def missing(self) -> dict[str, Any] | None:
         """The last diagnosis, of this state or of one before; None where it was not asked.
@@ -227,7 +243,8 @@ class Desk:
                 },
             )
             self.folder.mkdir(parents=True, exist_ok=True)
-            model_file(self.folder, ()).unlink(missing_ok=True)
+            for old in (model_file(self.folder, ()), *self.folder.glob("*_*.json")):
+                old.unlink(missing_ok=True)
             self._known.clear()
             self._change(state)
             return job
@@ -236,6 +253,16 @@ class Desk:
         """Ask what is missing."""
         with self._changing:
             return self._worker.start("diagnose", self._asked(self._current(revision)))
+
+    def reduce(self, structure: str) -> Job:
+        """Derivatives of the tests by a structure."""
+        if structure not in structures():
+            raise DataError(f"There is no structure {structure!r}.")
+        with self._changing:
+            state = self._opened()
+            asked = self._asked(state) | {"structure": structure}
+            del asked["effects"]
+            return self._worker.start("reduce", asked)
 
     def add(self, revision: int, effect: str, why: str = "") -> Job:
         """Add an effect, or correct a fault."""
@@ -289,7 +316,7 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["effects"], job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
-        if job.name != "diagnose":
+        if job.name in ("open", "add"):
             self.warm()
 
     def _result(self, name: str) -> Any:

@@ -28,7 +28,7 @@ STRUCTURE: Final = "abkowitz3"
 def tasks() -> Mapping[str, Task]:
     """What the process for long work can do, by name."""
     own = Tasks()
-    return {"open": own.open, "diagnose": own.diagnose, "add": own.add}
+    return {"open": own.open, "diagnose": own.diagnose, "add": own.add, "reduce": own.reduce}
 
 
 class Tasks:
@@ -87,6 +87,15 @@ class Tasks:
         tell(2, 3, "errors of what is left out")
         save_result(place, "fall", now, fall_page(session.fall()))
         session.save(place / STEPS)
+
+    def reduce(self, folder: str, campaign: str, data: str, structure: str, *, tell: Tell) -> None:
+        """Derivatives of the tests, a set per Froude number, and what determines them."""
+        from pmmkit.reduction import reduce_campaign
+        from pmmkit.workbench.pages.derivatives import derivatives_page
+
+        tests = self._campaign(campaign, data)
+        reduction = reduce_campaign(tests, structure=structure, progress=tell, jobs=1)
+        save_result(Path(folder), "derivatives", (), derivatives_page(reduction))
 
     def _campaign(self, path: str, data: str) -> Campaign:
         if (path, data) not in self._campaigns:

@@ -39,7 +39,7 @@ const app = {
   turns: () => app.once("turns", () => get("turns")),
   range: () => app.once("range", () => get("range")),
   checks: () => app.once("checks", () => get("checks")),
-  runs: () => app.once("runs", () => get("runs")),
+  runs: (first) => app.once(`runs ${first}`, () => get("runs", { first })),
   derivatives: () => app.once("derivatives", () => get("derivatives")),
   busy: () => app.state.job.stand === "running",
   running: (name) => app.busy() && app.state.job.name === name,
