@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.json_text import plain
 from pmmkit.workbench.desk import Desk, StaleRevision
+from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.guard import Guard
 
 if TYPE_CHECKING:
@@ -81,6 +82,7 @@ def _routes(desk: Desk) -> Starlette:
             read("fall", lambda _: desk.fall()),
             read("turns", lambda _: desk.turns()),
             read("range", lambda _: desk.range()),
+            Route("/api/frozen", lambda _: _saved(desk), methods=["GET"]),
             write("sail", lambda asked: desk.sail(_settings(asked))),
             write(
                 "open",
@@ -116,6 +118,18 @@ def _answered(give: Callable[[Request], Any], request: Request) -> Response:
     except Exception as error:
         text = f"{type(error).__name__}: {error}"
         return JSONResponse({"error": text, "unexpected": True}, status_code=500)
+
+
+def _saved(desk: Desk) -> Response:
+    """The page as a file."""
+    from starlette.responses import HTMLResponse, PlainTextResponse
+
+    try:
+        page = frozen_page(desk)
+    except PmmkitError as error:
+        return PlainTextResponse(str(error), status_code=400)
+    named = {"content-disposition": 'attachment; filename="workbench.html"'}
+    return HTMLResponse(page, headers=named)
 
 
 def _content(body: bytes) -> dict[str, Any]:

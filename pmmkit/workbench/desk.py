@@ -24,6 +24,8 @@ from pmmkit.version import __version__
 from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page
+from pmmkit.workbench.pages.numbers import BUCKETS
+from pmmkit.workbench.pages.records import record_page
 from pmmkit.workbench.pages.runs import runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page
 from pmmkit.workbench.saved import (
@@ -80,6 +82,14 @@ class Desk:
     def close(self) -> None:
         """End the process for long work."""
         self._worker.close()
+
+    def resume(self) -> None:
+        """Go on with what was saved; tests that were not yet open when the server ended are opened
+        again."""
+        state = self._state
+        if state is not None and not self._ready(state):
+            self.open(state.campaign, state.model, state.data)
+        self.warm()
 
     def warm(self) -> None:
         """Work out in the background what is looked at first."""
@@ -141,11 +151,15 @@ class Desk:
         )
         return found
 
-    def history(self, run: str, count: int | None = None) -> dict[str, Any]:
+    def history(self, run: str, count: int | None = None, buckets: int = BUCKETS) -> dict[str, Any]:
         """One run, measured and modelled."""
         effects = self._effects(count)
+        comparison = self._comparison(effects)
+        for record in comparison.free:
+            if record.name == run:
+                return record_page(record, comparison.ship.L)
         try:
-            return history_page(self._comparison(effects), run)
+            return history_page(comparison, run, buckets)
         except KeyError:
             raise DataError(f"No run {run!r} was compared.") from None
 

@@ -40,6 +40,11 @@ class State:
     revision: int = 0
     steps: tuple[Step, ...] = ()
 
+    def is_about(self, campaign: str, model: str | None, data: str) -> bool:
+        """Whether these tests and, where one is named, this model were opened."""
+        same = Path(self.campaign).resolve() == Path(campaign).resolve()
+        return same and self.data == data and model in (None, self.model)
+
     @property
     def effects(self) -> tuple[str, ...]:
         """Names of what was added."""

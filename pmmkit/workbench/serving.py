@@ -58,7 +58,8 @@ def serve(
             )
         )
         say(address)
-        desk.warm()
+        if desk.job.stand == "idle":
+            desk.resume()
         if browser:
             webbrowser.open(address)
         try:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.checks import examine, refuse
+from pmmkit.errors import DataError
 from pmmkit.loop import Session, begin
 from pmmkit.models import Model, load_model, save_model
 from pmmkit.structures import structures
@@ -105,6 +107,8 @@ class Tasks:
     def _base(self, tests: Campaign, model: str, parts: str | None) -> Model:
         if model and model not in structures():
             return load_model(model)
+        if tests.kind != "captive":
+            raise DataError("Records that run free need a model: a library ship or a model file.")
         from pmmkit.api import model_of
         from pmmkit.reduction import reduce_campaign
 
@@ -122,9 +126,16 @@ class Tasks:
             first = (campaign, data, stamp, ())
             if first not in self._sessions:
                 tell(0, 3, "reading the tests")
-                self._sessions[first] = begin(load_model(base), self._campaign(campaign, data))
+                tests = self._campaign(campaign, data)
+                free = tests.kind == "free-running"
+                heard: dict[str, Any] = {"progress": partial(_heard, tell)} if free else {}
+                self._sessions[first] = begin(load_model(base), tests, **heard)
             session = self._sessions[first]
             for step in steps_of(Path(folder), effects):
                 session = session.add(step, step.note)
             self._sessions[key] = session
         return self._sessions[key]
+
+
+def _heard(tell: Tell, text: str) -> None:
+    tell(0, 0, text)

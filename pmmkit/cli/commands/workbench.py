@@ -45,7 +45,8 @@ def workbench(
     The page is served to this machine alone. What is done is kept in the results folder and found
     again there; steps.toml replays it.
     """
-    from pmmkit.files import check_folder
+    from pmmkit.files import check_folder, free_folder
+    from pmmkit.presentation import counted
     from pmmkit.workbench.desk import Desk
     from pmmkit.workbench.serving import serve
 
@@ -54,15 +55,14 @@ def workbench(
     own = [path for path in (campaign, Path(model) if model else None) if path]
     named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
     desk = Desk(target, named)
-    state = desk.state
-    new = campaign is not None and (
-        state is None
-        or (state.campaign, state.data) != (str(campaign), str(data or ""))
-        or (model is not None and state.model != model)
-    )
-    if new:
+    if campaign is not None and desk.state is not None:
+        if desk.state.is_about(str(campaign), model, str(data or "")):
+            say(f"Going on with {target}: {counted(len(desk.state.steps), 'step')}.")
+        else:
+            target = free_folder(target)
+            say(f"The folder holds another campaign or model: this goes to {target}.")
+            desk = Desk(target, named)
+    if campaign is not None and desk.state is None:
         desk.open(str(campaign), model or "", str(data or ""))
-    elif state is not None:
-        say(f"Going on with {target}: {len(state.steps)} steps.")
     serve(desk, port=port, browser=browser, say=lambda address: say(f"{address}\nCtrl+C ends it."))
     return Outcome(content={"out": str(target)}, lines=[f"Results: {target}"])

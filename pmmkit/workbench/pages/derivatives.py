@@ -32,9 +32,9 @@ def derivatives_page(reduction: Reduction) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``speeds``, ``factor`` (what they are told times), ``system``, ``structure``, ``reference`` (its name), ``notes`` and ``rows``: by
-        derivative its ``values`` at each speed (value, low, high), ``published``, ``families``,
-        ``runs`` that move it and what it ``trades`` with.
+        ``speeds``, ``factor`` (what they are told times), ``system``, ``structure``, ``reference``
+        (its name), ``notes`` and ``rows``: by derivative its ``values`` at each speed (value, low,
+        high), ``published``, ``families``, ``runs`` that move it and what it ``trades`` with.
     """
     table = reduction.table
     reference = published_of(table)

@@ -12,6 +12,7 @@ from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.diagnosis.captive.held_out import settings_in_words
 from pmmkit.validation.comparison import MOST, Comparison
 from pmmkit.workbench.pages.numbers import short
+from pmmkit.workbench.pages.records import MOTIONS, record_cells
 
 
 def misfit_page(comparison: Comparison) -> dict[str, Any]:
@@ -34,7 +35,12 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
     rows = comparison.rows()
     columns: dict[str, str] = {}
     groups: dict[str, dict[str, dict[str, Any]]] = {}
-    for row in rows:
+    for record in comparison.free:
+        columns = {name: unit for name, (unit, _) in MOTIONS.items()}
+        own = _row(record.name, record.run)
+        own["cells"] = record_cells(record)
+        groups.setdefault(record.run.test, {})[record.name] = own
+    for row in rows if comparison.captive else ():
         columns[row["channel"]] = row["unit"]
         group = groups.setdefault(row["test"], {})
         own = group.setdefault(row["run"], _row(row["run"], runs[row["run"]]))
@@ -42,6 +48,9 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
             name: short(row[name]) for name in ("error", "measured", "uncertainty", "ratio")
         } | {"within": row["within"]}
     sentences = comparison.standouts()
+    every = [
+        cell for own in groups.values() for row in own.values() for cell in row["cells"].values()
+    ]
     return {
         "kind": comparison.kind,
         "model": comparison.model,
@@ -52,8 +61,8 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
         ],
         "sentences": list(sentences[:MOST]),
         "more": max(len(sentences) - MOST, 0),
-        "within": sum(row["within"] for row in rows),
-        "cells": len(rows),
+        "within": sum(cell["within"] for cell in every),
+        "cells": len(every),
         "notes": list(comparison.notes),
     }
 

@@ -15,7 +15,7 @@ export class Refusal extends Error {
 export async function get(path, query = {}) {
   const tail = new URLSearchParams(query).toString();
   const address = tail ? `${path}?${tail}` : path;
-  if (FROZEN) return FROZEN.answers[address] ?? null;
+  if (FROZEN) return FROZEN.answers[[path, ...Object.values(query)].join(" ")] ?? null;
   return answered(await fetch(`api/${address}`));
 }
 

@@ -11,9 +11,17 @@ export function colour(name) {
   return getComputedStyle(probe).color;
 }
 
-const EDGES = [1, 2, 4, 8, 16];
+// Errors of forces are told over their uncertainty. The uncertainty of a smoothed track is so
+// small that everything is beyond it: motions are told over what was measured of them.
+export const SCALES = {
+  "captive": { edges: [1, 2, 4, 8, 16], words: ["< 1", "1–2", "2–4", "4–8", "8–16", "> 16"], of: (cell) => cell.ratio },
+  "free-running": {
+    edges: [5, 10, 20, 40, 80], words: ["< 5 %", "5–10", "10–20", "20–40", "40–80", "> 80 %"],
+    of: (cell) => (cell.measured ? (100 * cell.error) / cell.measured : null),
+  },
+};
 
-// How far an error is beyond its uncertainty: 0 within it, 5 far beyond.
-export function heat(ratio) {
-  return EDGES.filter((edge) => ratio >= edge).length;
+// How far an error is up its scale: from 0, which needs no look, to 5.
+export function heat(scale, value) {
+  return scale.edges.filter((edge) => value >= edge).length;
 }

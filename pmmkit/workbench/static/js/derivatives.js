@@ -4,6 +4,7 @@ import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
 import { fixed, num, plainWord } from "./format.js";
 import { frozen } from "./api.js";
+import { roomOf } from "./linear.js";
 
 const CHANNELS = ["X", "Y", "N", "K"];
 
@@ -60,7 +61,7 @@ function grid(found, choose) {
 function drawDetail(root, found, row) {
   refill(root,
     el("h2", {}, row.name),
-    forest(found, row),
+    forest(root, found, row),
     el("div", { class: "pair" },
       el("div", {}, el("h3", {}, t("determined_by")), row.runs.length
         ? el("table", { class: "plain" }, el("tbody", {}, row.runs.map((item) => el("tr", {}, el("th", { scope: "row" }, item.run), el("td", {}, `${item.share > 0 ? "+" : ""}${num(item.share, 2)}`)))))
@@ -71,7 +72,7 @@ function drawDetail(root, found, row) {
 }
 
 // By speed: all tests together, then each family alone, with 95 % intervals.
-function forest(found, row) {
+function forest(detail, found, row) {
   const lines = found.speeds.flatMap((speed, k) => [
     { title: speed, own: row.values[k], first: true, published: row.published[k] ?? row.published[0] },
     ...row.families.filter((family) => family.values[k]).map((family) => ({ title: plainWord(family.title), own: family.values[k] })),
@@ -81,7 +82,7 @@ function forest(found, row) {
   const spread = Math.max(...main.map((line) => (line.own.high - line.own.low) || Math.abs(line.own.value) * 0.1));
   const low = Math.min(...main.map((line) => line.own.value)) - 3 * spread;
   const high = Math.max(...main.map((line) => line.own.value)) + 3 * spread;
-  const [left, width, height] = [170, 640, 24];
+  const [left, width, height] = [150, roomOf(detail), 24];
   const at = (value) => left + ((Math.min(Math.max(value, low), high) - low) / (high - low)) * (width - left - 20);
   const root = svg("svg", { viewBox: `0 0 ${width} ${height * lines.length + 26}`, role: "img", "aria-label": t("forest", { name: row.name }) });
   lines.forEach((line, i) => {

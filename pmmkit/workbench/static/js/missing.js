@@ -104,6 +104,10 @@ async function runView(root, app, found) {
     app.selected = { run: worst.run, channel: worst.channel };
   }
   const history = await app.history(app.selected.run);
+  if (!history) {
+    root.remove();
+    return () => {};
+  }
   const plots = el("div");
   const keys = el("div");
   refill(root,

@@ -15,7 +15,7 @@ export function runPlots(root, history, channel, { overlay = null, compact = fal
   if (!own) return refill(root, el("p", { class: "soft" }, t("no_channel", { channel }))), null;
   const change = overlay?.[history.run]?.[channel] ?? null;
   const force = `${channel} [${unitOf(own.unit)}]`;
-  const shape = { history, own, channel, change, force };
+  const shape = { history, own, channel, change, force, others: overlay };
   const near = el("div", { class: "plot" });
   const time = el("div", { class: "plot" });
   const rest = el("div", { class: "plot" });
@@ -29,12 +29,13 @@ export function runPlots(root, history, channel, { overlay = null, compact = fal
   );
   const links = [];
   const follow = (place) => links.forEach((link) => link(place));
-  if (!compact) timePlot(time, shape, follow);
+  if (!compact && history.t.length > 2) timePlot(time, shape, follow);
+  else time.remove();
   residualPlot(rest, shape, follow, compact);
   if (history.steady) {
-    familyPlot(near, shape);
     far.remove();
-    near.parentElement.classList.toggle("pair", false);
+    near.parentElement.classList.remove("pair");
+    familyPlot(near, shape);
   } else {
     links.push(cyclePlot(near, shape), motionPlot(far, shape));
   }
@@ -67,7 +68,7 @@ function timePlot(root, shape, follow) {
     : history.theta.map((angle) => halfBand(history.labels, own.uncertainty, angle));
   const mean = steady ? history.t.map(() => own.measured[0])
     : history.theta.map((angle) => summed(history.labels, own.measured, angle));
-  const measured = history.measured[channel] ?? history.t.map(() => null);
+  const measured = history.measured[channel] ?? mean;
   lines(root, {
     title: t("over_time"), label: `${shape.force}, ${t("time")}`, x: history.t, xLabel: "", yLabel: shape.force,
     series: [
@@ -84,7 +85,7 @@ function timePlot(root, shape, follow) {
 function residualPlot(root, shape, follow, compact) {
   const { history, channel } = shape;
   const measured = history.measured[channel];
-  if (!measured) {
+  if (!measured || history.t.length < 3) {
     root.remove();
     return;
   }
@@ -220,7 +221,7 @@ function familyPlot(root, shape) {
   const { measured, predicted, uncertainty } = own;
   const high = measured.map((x, i) => (x === null ? null : x + uncertainty[i]));
   const low = measured.map((x, i) => (x === null ? null : x - uncertainty[i]));
-  const changed = shape.overlayOf ? shape.overlayOf(family.runs) : null;
+  const changed = shape.others ? family.runs.map((run, i) => (shape.others[run]?.[channel] ? predicted[i] + shape.others[run][channel][0] : null)) : null;
   const plot = frame({
     width: roomOf(root), height: 290, x: extent(family.at), y: extent([...high, ...low, ...predicted, ...(changed ?? [])]),
     xLabel: `${t(`over_${family.over}`)} [${family.unit}]`, yLabel: shape.force, label: t("over_family"),
@@ -229,14 +230,10 @@ function familyPlot(root, shape) {
     if (measured[i] === null) return;
     plot.root.append(svg("line", { class: "measured", x1: plot.px(x), x2: plot.px(x), y1: plot.py(low[i]), y2: plot.py(high[i]) }));
   });
-  plot.root.append(path(plot, family.at, predicted, "model"), dots(plot, family.at, measured, "dots", 3));
+  plot.root.append(path(plot, family.at, predicted, "model"), changed ? path(plot, family.at, changed, "overlay") : "", dots(plot, family.at, measured, "dots", 3));
   const place = family.runs.indexOf(history.run);
   if (place >= 0 && measured[place] !== null) {
     plot.root.append(svg("circle", { class: "now", r: 4.5, cx: plot.px(family.at[place]), cy: plot.py(measured[place]) }));
-    if (shape.change) {
-      const y = plot.py(predicted[place] + shape.change[0]);
-      plot.root.append(svg("line", { class: "overlay", x1: plot.px(family.at[place]) - 9, x2: plot.px(family.at[place]) + 9, y1: y, y2: y }));
-    }
   }
   refill(root, el("h3", {}, t("over_family")), plot.root);
 }

@@ -3,7 +3,7 @@
 import { el, refill } from "./dom.js";
 import { t } from "./words.js";
 import { fixed, unitOf, withUnit } from "./format.js";
-import { heat } from "./colours.js";
+import { SCALES, heat } from "./colours.js";
 import { facts, legend, runPlots } from "./runplots.js";
 import { recordPlots } from "./recordplots.js";
 
@@ -23,8 +23,8 @@ export async function showWhere(root, app, shown) {
       sentences(misfit)),
     el("div", { class: "two" },
       el("section", { class: "panel", "aria-label": t("map") },
-        el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t("map_about"))),
-        key(),
+        el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t(misfit.kind === "captive" ? "map_about" : "map_about_free"))),
+        key(SCALES[misfit.kind]),
         map(misfit, chosen, (run, channel) => select(detail, app, misfit, run, channel))),
       detail),
   );
@@ -52,9 +52,8 @@ function stepChoice(app, root) {
   return choice;
 }
 
-function key() {
-  const words = ["< 1", "1–2", "2–4", "4–8", "8–16", "> 16"];
-  return el("p", { class: "legend", "aria-label": t("ratio_key") }, words.map((word, i) => el("span", {}, el("i", { class: `h${i}` }), word)));
+function key(scale) {
+  return el("p", { class: "legend" }, scale.words.map((word, i) => el("span", {}, el("i", { class: `h${i}` }), word)));
 }
 
 function chosenCell(app, misfit) {
@@ -64,7 +63,8 @@ function chosenCell(app, misfit) {
   let worst = null;
   for (const row of rows) {
     for (const [channel, cell] of Object.entries(row.cells)) {
-      if (!worst || (cell.ratio ?? 0) > worst.ratio) worst = { run: row.run, channel, ratio: cell.ratio ?? 0 };
+      const size = SCALES[misfit.kind].of(cell) ?? 0;
+      if (!worst || size > worst.size) worst = { run: row.run, channel, size };
     }
   }
   return worst && { run: worst.run, channel: worst.channel };
@@ -117,11 +117,13 @@ function map(misfit, chosen, choose) {
 function cellOf(row, channel, own, misfit) {
   if (!own) return el("td", { class: "none" }, "·");
   const unit = misfit.columns.find((column) => column.name === channel).unit;
-  const text = own.ratio === null ? "–" : own.ratio >= 10 ? fixed(own.ratio, 0) : fixed(own.ratio, 1);
+  const scale = SCALES[misfit.kind];
+  const value = scale.of(own);
+  const text = value === null ? "–" : fixed(value, value >= 10 ? 0 : 1);
   const words = t("cell", {
-    channel, run: row.words, ratio: text, error: withUnit(own.error, unit), uncertainty: withUnit(own.uncertainty, unit),
+    channel, run: row.words, ratio: misfit.kind === "captive" ? `${text} ×` : `${text} %`, error: withUnit(own.error, unit), uncertainty: withUnit(own.uncertainty, unit),
   });
-  return el("td", { class: `h${heat(own.ratio ?? 0)}`, tabindex: -1, "aria-label": words, title: words, "aria-selected": "false" }, text);
+  return el("td", { class: `h${heat(scale, value ?? 0)}`, tabindex: -1, "aria-label": words, title: words, "aria-selected": "false" }, text);
 }
 
 function walk(event, cells, now, pick) {
@@ -153,7 +155,8 @@ async function select(detail, app, misfit, run, channel) {
   const asked = run + channel;
   detail.dataset.asked = asked;
   const history = await app.history(run);
-  if (detail.dataset.asked !== asked || !history) return;
+  if (detail.dataset.asked !== asked) return;
+  if (!history) return void refill(detail, el("p", { class: "soft" }, t("not_in_file")));
   const cell = misfit.groups.flatMap((group) => group.rows).find((row) => row.run === run)?.cells[channel];
   const plots = el("div");
   refill(
