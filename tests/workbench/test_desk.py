@@ -3,92 +3,29 @@
 from __future__ import annotations
 
 import json
-import time
 from pathlib import Path
 
 import pytest
 from asgi import Browser
 from commands import said
-from hidden_effects import hidden_campaign
+from long_work import done, waited
 
-from pmmkit.campaigns.store import save_campaign
 from pmmkit.errors import DataError
-from pmmkit.models import load_model, save_model
-from pmmkit.models.edit import without_effect
+from pmmkit.models import load_model
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import answers, bundle, frozen_page
 from pmmkit.workbench.saved import STATE
 
-MINUTE = 60.0
+
+@pytest.fixture(scope="module")
+def desk(looped_desk):
+    return looped_desk
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    """A middle programme with two effects hidden, its name full of markup, and a model."""
-    folder = tmp_path_factory.mktemp("tests")
-    hidden = {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}
-    campaign = hidden_campaign("middle", hidden, seed=3).with_(title="</script><b>hidden</b>")
-    save_campaign(campaign, folder / "hidden.h5")
-    save_model(without_effect(load_model("s175-3dof"), "yaw_sway_coupling"), folder / "model.toml")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def desk(place):
-    own = Desk(place / "workbench", [place])
-    yield own
-    own.close()
-
-
-@pytest.fixture(scope="module")
-def browser(desk):
-    return Browser(application(desk, "key", 8175), 8175, "key")
-
-
-def waited(browser):
-    """The state when the long work is over."""
-    end = time.monotonic() + MINUTE
-    while time.monotonic() < end:
-        state = browser.get("/api/state").json
-        if state["job"]["stand"] != "running":
-            return state
-        time.sleep(0.02)
-    raise AssertionError("the work does not end")
-
-
-def done(browser, what, **asked):
-    """The state after some work."""
-    state = browser.get("/api/state").json
-    answer = browser.post(f"/api/{what}", {"revision": state["revision"], **asked})
-    assert answer.status == 200, answer.text
-    after = waited(browser)
-    assert after["job"]["stand"] in ("done", "idle"), after["job"]
-    return after
-
-
-@pytest.fixture(scope="module")
-def looped(place, browser):
-    """Open, ask, add what is named: the answers on the way."""
-    opened = done(
-        browser, "open", campaign=str(place / "hidden.h5"), model=str(place / "model.toml")
-    )
-    before = browser.get("/api/misfit").json
-    done(browser, "diagnose")
-    missing = browser.get("/api/missing").json
-    named = [item["effect"] for item in missing["candidates"] if item["named"]]
-    for effect in named:
-        state = done(browser, "add", effect=effect)
-    fall = browser.get("/api/fall").json
-    after = browser.get("/api/misfit").json
-    return {
-        "opened": opened,
-        "before": before,
-        "named": named,
-        "state": state,
-        "fall": fall,
-        "after": after,
-    }
+def browser(looped_browser):
+    return looped_browser
 
 
 @pytest.mark.slow
