@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -12,6 +13,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
+from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.files import datasets_folder
 from pmmkit.loop.saved import read_session
@@ -184,14 +186,14 @@ class Desk:
     def missing(self) -> dict[str, Any] | None:
         """The last diagnosis, of this state or of one before; None where it was not asked.
 
-        ``since`` counts the steps that were added after it; what they added is no candidate.
+        ``since`` counts the steps that were added after it. Then what was named and is not added
+        yet is left, without numbers: those were of a model that lacked more.
         """
         effects = self._opened().effects
         for count in range(len(effects), -1, -1):
             found = find_result(self.folder, "missing", effects[:count])
             if found is not None:
-                left = [x for x in found["candidates"] if x["effect"] not in effects]
-                return {**found, "candidates": left, "since": len(effects) - count}
+                return {**found, **_left(found, effects[count:])}
         return None
 
     def fall(self) -> dict[str, Any] | None:
@@ -228,8 +230,8 @@ class Desk:
             "speeds": [round(x, 3) for x in speeds],
             "L": model.ship.L,
             "draught": model.ship.d,
-            "wind": "wind" in model.parts,
-            "shallow": "shallow_water" in model.parts,
+            "windy": any("wind_speed" in part.known.needs for part in model.parts.values()),
+            "shallow": feels_depth(model),
             "scale": model.scale,
         }
 
@@ -297,6 +299,23 @@ class Desk:
             saved = read_session(self.folder / STEPS)
             replace(saved, steps=left).save(self.folder / STEPS)
             self._change(state.with_steps(left))
+
+    def wait(self, say: Callable[[str], None]) -> None:
+        """Wait for the long work.
+
+        Raises
+        ------
+        DataError
+            If it fails.
+        """
+        told = ""
+        while (job := self._worker.job).stand == "running":
+            if job.text != told:
+                told = job.text
+                say(told)
+            time.sleep(0.05)
+        if job.stand == "failed":
+            raise DataError(job.text)
 
     def cancel(self) -> Job:
         """End the long work."""
@@ -406,3 +425,15 @@ class Desk:
         speed = reach[len(reach) // 2]
         settings = {"rudder_deg": HARD_OVER, "extrapolate": True}
         return sailed_page(model, "turning", speed=speed, band=True, **settings)
+
+
+def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:
+    """What of a diagnosis still holds when some effects were added after it."""
+    if not added:
+        return {"since": 0}
+    left = [
+        {**item, "share": None}
+        for item in found["candidates"]
+        if item["named"] and item["effect"] not in added
+    ]
+    return {"since": len(added), "candidates": left, "sets": [], "suspected": [], "overlays": {}}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 import socket
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from typing import Final
 
 from pmmkit.errors import DataError
@@ -63,7 +63,9 @@ def serve(
         if browser:
             webbrowser.open(address)
         try:
-            server.run(sockets=[channel])
+            # Ctrl+C is how it is meant to end.
+            with suppress(KeyboardInterrupt):
+                server.run(sockets=[channel])
         finally:
             desk.close()
 

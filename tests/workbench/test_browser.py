@@ -133,6 +133,8 @@ def test_places_fit_a_narrow_screen_and_the_dark(opened, width, scheme):
 def test_the_file_opens_from_disk_with_the_same_plots(page, looped, looped_desk, tmp_path):
     file = tmp_path / "workbench.html"
     file.write_text(frozen_page(looped_desk), encoding="utf-8")
+    page.open("about:blank")
+    page.wait("location.href === 'about:blank'")
     page.complaints.clear()
     page.requests.clear()
     page.open(file.as_uri())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -11,7 +11,10 @@ from pmmkit.cli.options import Data, stem
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out
 
-EXAMPLE: Final = "pmmkit workbench my-campaign model.toml"
+if TYPE_CHECKING:
+    from pmmkit.workbench.desk import Desk
+
+EXAMPLE: Final = "pmmkit workbench my-campaign model.toml --save page.html"
 
 
 def workbench(
@@ -37,6 +40,10 @@ def workbench(
         int | None, typer.Option(min=1024, max=65535, help="Port; the next free one if absent.")
     ] = None,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open a browser.")] = True,
+    save: Annotated[
+        Path | None,
+        typer.Option(help="Write the page as one HTML file, which opens by itself, and end."),
+    ] = None,
     data: Data = None,
     out: Out = None,
 ) -> Outcome:
@@ -64,5 +71,21 @@ def workbench(
             desk = Desk(target, named)
     if campaign is not None and desk.state is None:
         desk.open(str(campaign), model or "", str(data or ""))
+    if save is not None:
+        return _saved(desk, target, save)
     serve(desk, port=port, browser=browser, say=lambda address: say(f"{address}\nCtrl+C ends it."))
     return Outcome(content={"out": str(target)}, lines=[f"Results: {target}"])
+
+
+def _saved(desk: Desk, folder: Path, target: Path) -> Outcome:
+    """The page as a file, with what stands in the folder."""
+    from pmmkit.files import write_text
+    from pmmkit.workbench.frozen import frozen_page
+
+    try:
+        desk.wait(say)
+        write_text(target, frozen_page(desk))
+    finally:
+        desk.close()
+    content = {"out": str(folder), "files": [str(target)]}
+    return Outcome(content=content, lines=[f"Page: {target}", f"Results: {folder}"])

@@ -16,7 +16,7 @@ export async function showMissing(root, app, shown) {
   const left = el("div", { class: "stack" });
   refill(root, el("div", { class: "two" }, left, right));
   const fresh = found?.since === 0;
-  refill(left, fresh ? null : question(app, found), found ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null);
+  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null);
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
   refill(right, fall ? waterfall(fall) : null, run, turns);
@@ -29,13 +29,13 @@ function question(app, before) {
   const running = app.running("diagnose");
   return el("section", { class: "panel" },
     el("h2", {}, t(before ? "ask_again_title" : "ask_title")),
-    el("p", {}, t(before ? "ask_again_about" : "ask_about")),
-    frozen ? null : el("button", { class: before ? "" : "primary", disabled: app.busy(), on: { click: () => app.act("diagnose") } }, running ? t("asking") : t(before ? "ask_again" : "ask")));
+    el("p", {}, t(before?.candidates.length ? "ask_again_about" : "ask_about")),
+    frozen ? null : el("button", { class: before?.candidates.length ? "" : "primary", disabled: app.busy(), on: { click: () => app.act("diagnose") } }, running ? t("asking") : t(before ? "ask_again" : "ask")));
 }
 
 function answer(found, app, view) {
   return el("section", { class: "panel", "aria-label": t("candidates") },
-    el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), el("span", { class: "soft small" }, t("hover_hint"))),
+    el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since ? null : el("span", { class: "soft small" }, t("hover_hint"))),
     el("p", {}, found.sentence),
     found.remarks.length ? el("details", {}, el("summary", {}, t("remarks")), found.remarks.map((text) => el("p", { class: "soft small" }, text))) : null,
     el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view))));

@@ -44,10 +44,10 @@ export async function showShip(root, app, shown) {
       asked.manoeuvre === "turning" ? slider(asked, "rudder_deg", t("rudder"), -35, 35, 1, "°", sail) : null,
       asked.manoeuvre === "zigzag" ? slider(asked, "zigzag_deg", t("zigzag_angle"), 5, 30, 1, "°", sail) : null,
       slider(asked, "speed", t("approach_speed"), low, high > low ? high : low + 0.01, (high - low) / 100 || 0.01, " m/s", sail),
-      range.wind && asked.manoeuvre !== "spiral" ? slider(asked, "wind_speed", t("wind_speed"), 0, 30, 0.5, " m/s", sail) : null,
-      range.wind && asked.manoeuvre !== "spiral" ? slider(asked, "wind_direction_deg", t("wind_direction"), 0, 355, 5, "°", sail) : null,
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_speed", t("wind_speed"), 0, 30, 0.5, " m/s", sail) : null,
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_direction_deg", t("wind_direction"), 0, 355, 5, "°", sail) : null,
       range.shallow && asked.manoeuvre !== "spiral" ? slider(asked, "depth", t("depth"), 1.1 * range.draught, 10 * range.draught, 0.05 * range.draught, " m", sail) : null,
-      range.wind ? null : el("p", { class: "soft small" }, t("no_wind")),
+      range.windy ? null : el("p", { class: "soft small" }, t("no_wind")),
       range.shallow ? null : el("p", { class: "soft small" }, t("no_depth")),
       el("p", { class: "soft small" }, range.scale));
   };
