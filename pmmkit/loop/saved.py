@@ -8,10 +8,11 @@ from typing import Any
 
 from pmmkit.effects.catalogue import is_fault
 from pmmkit.errors import ModelError
-from pmmkit.models.records import FileReader
+from pmmkit.files import write_text
+from pmmkit.models.records import FileReader, entries
 from pmmkit.models.step import Step
 from pmmkit.models.store import read_steps
-from pmmkit.toml_files import read_toml
+from pmmkit.toml_files import read_toml, toml_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +25,21 @@ class SavedSession:
         What is too small to matter, over the rms force of a channel.
     steps : tuple of Step
         Effects and faults in the order in which they were added.
+    campaign : str
+        Title of the tests.
     """
 
     floor: float
     steps: tuple[Step, ...]
+    campaign: str = ""
+
+    def save(self, path: str | Path) -> None:
+        """Write it as TOML, all or nothing."""
+        data: dict[str, Any] = {
+            "session": {"campaign": self.campaign, "floor": self.floor},
+            "steps": [entries(step) for step in self.steps],
+        }
+        write_text(Path(path), toml_text(data))
 
 
 def read_session(path: str | Path) -> SavedSession:
@@ -55,7 +67,8 @@ def read_session(path: str | Path) -> SavedSession:
             reader.fault(f"steps.{number} adds no effect: a session has no other steps.")
     if reader.problems:
         raise ModelError(reader.problems, title="This is no session")
-    return SavedSession(floor=floor, steps=steps)
+    title = head.get("campaign")
+    return SavedSession(floor=floor, steps=steps, campaign=title if isinstance(title, str) else "")
 
 
 def _first_release(head: dict[str, Any], path: str) -> tuple[Step, ...]:

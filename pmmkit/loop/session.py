@@ -13,20 +13,17 @@ from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import DataError, ModelError
-from pmmkit.files import write_text
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.captive import captive_tests
 from pmmkit.loop.evidence import Evidence, Fall
 from pmmkit.loop.records import free_running
-from pmmkit.loop.saved import read_session
+from pmmkit.loop.saved import SavedSession, read_session
 from pmmkit.models import Model, load_model
 from pmmkit.models.changes import restored
 from pmmkit.models.edit import without_effect
-from pmmkit.models.records import entries
 from pmmkit.models.step import Step, last_added, odds
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.structures import Structure
-from pmmkit.toml_files import toml_text
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -138,11 +135,9 @@ class Session(Described):
 
     def save(self, path: str | Path) -> None:
         """Write the steps as TOML, all or nothing; `replay` carries them out again."""
-        data: dict[str, Any] = {
-            "session": {"campaign": self.evidence.title, "floor": self.evidence.floor},
-            "steps": [entries(step) for step in self.steps],
-        }
-        write_text(Path(path), toml_text(data))
+        SavedSession(
+            campaign=self.evidence.title, floor=self.evidence.floor, steps=self.steps
+        ).save(path)
 
 
 def _told(step: Step) -> str:

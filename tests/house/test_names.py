@@ -64,6 +64,8 @@ REGISTRIES: Mapping[str, tuple[Collection[str], Mapping[str, str]]] = {
             "simulation/sweeps.py": OF_MANOEUVRES,
             "report/tables.py": "a run whose settings ask for nothing",
             "test_planning/free_options.py": "which of them are offered",
+            "workbench/desk.py": OF_MANOEUVRES,
+            "workbench/pages/turning.py": OF_MANOEUVRES,
         },
     ),
 }

@@ -55,6 +55,13 @@ def add(
     target: Annotated[
         Path | None, typer.Option("-o", "--output", help="Model file to write.")
     ] = None,
+    steps: Annotated[
+        Path | None,
+        typer.Option(
+            help="File of steps, as pmmkit workbench saves them, to carry out again in place of "
+            "effects that are named."
+        ),
+    ] = None,
     undo: Annotated[
         bool, typer.Option("--undo", help="Take the effect that was added last out again.")
     ] = False,
@@ -80,6 +87,7 @@ def add(
     from pmmkit.effects.grammar import own_effects
     from pmmkit.effects.roll import ROLL_PART
     from pmmkit.files import write_results
+    from pmmkit.loop.saved import read_session
     from pmmkit.loop.session import undone
     from pmmkit.models import load_model, save_model
 
@@ -94,8 +102,9 @@ def add(
         judged=judged,
         window=window,
     )
-    if undo == bool(effects):
-        raise typer.BadParameter("Name an effect to add, or say --undo.")
+    if [undo, bool(effects), steps is not None].count(True) != 1:
+        raise typer.BadParameter("Name an effect to add, or a file with --steps, or say --undo.")
+    kept = read_session(steps) if steps else None
     if out is not None:
         results_folder(out, out)
     written = results_file(
@@ -107,7 +116,8 @@ def add(
     if undo:
         before, taken = undone(before, effects_of_user)
     opened, _ = sound_campaign(fit, data)
-    base, rest = before, list(effects or ())
+    base = before
+    rest = [step.effect for step in kept.steps] if kept else list(effects or ())
     if ROLL_PART in rest:
         base = _rolling(before, opened, asked)
         rest.remove(ROLL_PART)
@@ -116,15 +126,18 @@ def add(
     held_out: Mapping[str, Mapping[str, float]] = {}
     after = base
     if rest or undo:
-        session = _begun(base, opened, rest, asked, floor, noise, effects_of_user)
-        for effect in rest:
+        least = kept.floor if kept else floor
+        session = _begun(base, opened, rest, asked, least, noise, effects_of_user)
+        for step in kept.steps if kept else ():
+            session = session.add(step, step.note)
+        for effect in () if kept else rest:
             session = session.add(effect, why)
         after, fall, held_out = session.model(), session.fall(), session.held_out_errors()
     save_model(after, written)
     turns = _turns(before, after, opened)
     content = {
         "model": str(written),
-        "added": effects or [],
+        "added": rest if kept else effects or [],
         "taken_out": taken,
         "errors": fall.to_pandas().to_dict("records") if fall else [],
         "held_out": {name: dict(row) for name, row in held_out.items()},

@@ -282,8 +282,19 @@ def condition(run: Run) -> str:
     run : Run
         A captive run.
     """
+    return f"{run.test.replace('_', ' ')}, {settings_in_words(run)}"
+
+
+def settings_in_words(run: Run) -> str:
+    """What a run was set to, without the kind of test.
+
+    Parameters
+    ----------
+    run : Run
+        A captive run.
+    """
     s = run.settings
-    parts = [run.test.replace("_", " "), f"{s.speed:.3g} m/s"]
+    parts = [f"{s.speed:.3g} m/s"]
     for name, value, unit in (
         ("drift", np.degrees(s.drift), "°"),
         ("heel", np.degrees(s.heel), "°"),

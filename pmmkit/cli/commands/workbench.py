@@ -1,0 +1,91 @@
+"""``pmmkit workbench``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from pmmkit.cli.options import Data, stem
+from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.outputs import Out
+
+if TYPE_CHECKING:
+    from pmmkit.workbench.desk import Desk
+
+EXAMPLE: Final = "pmmkit workbench my-campaign model.toml --save page.html"
+
+
+def workbench(
+    campaign: Annotated[
+        Path | None,
+        typer.Argument(help="Folder with campaign.toml, such a file, or .h5; chosen on the page."),
+    ] = None,
+    model: Annotated[
+        str | None,
+        typer.Argument(
+            help="Library ship, model file, or a structure to which the tests are reduced; "
+            "abkowitz3 if absent."
+        ),
+    ] = None,
+    folder: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="Folder whose campaigns may be opened on the page; may be repeated; the present "
+            "one if absent. Nothing else is read."
+        ),
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(min=1024, max=65535, help="Port; the next free one if absent.")
+    ] = None,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open a browser.")] = True,
+    save: Annotated[
+        Path | None,
+        typer.Option(help="Write the page as one HTML file, which opens by itself, and end."),
+    ] = None,
+    data: Data = None,
+    out: Out = None,
+) -> Outcome:
+    """See where a model fails on a page in the browser, add what is missing, watch the error fall.
+
+    The page is served to this machine alone. What is done is kept in the results folder and found
+    again there; steps.toml replays it.
+    """
+    from pmmkit.files import check_folder, free_folder
+    from pmmkit.presentation import counted
+    from pmmkit.workbench.desk import Desk
+    from pmmkit.workbench.serving import serve
+
+    target = out or Path("pmmkit-workbench" if campaign is None else f"{stem(campaign)}-workbench")
+    check_folder(target)
+    own = [path for path in (campaign, Path(model) if model else None) if path]
+    named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
+    desk = Desk(target, named)
+    if campaign is not None and desk.state is not None:
+        if desk.state.is_about(str(campaign), model, str(data or "")):
+            say(f"Going on with {target}: {counted(len(desk.state.steps), 'step')}.")
+        else:
+            target = free_folder(target)
+            say(f"The folder holds another campaign or model: this goes to {target}.")
+            desk = Desk(target, named)
+    if campaign is not None and desk.state is None:
+        desk.open(str(campaign), model or "", str(data or ""))
+    if save is not None:
+        return _saved(desk, target, save)
+    serve(desk, port=port, browser=browser, say=lambda address: say(f"{address}\nCtrl+C ends it."))
+    return Outcome(content={"out": str(target)}, lines=[f"Results: {target}"])
+
+
+def _saved(desk: Desk, folder: Path, target: Path) -> Outcome:
+    """The page as a file, with what stands in the folder."""
+    from pmmkit.files import write_text
+    from pmmkit.workbench.frozen import frozen_page
+
+    try:
+        desk.wait(say)
+        write_text(target, frozen_page(desk))
+    finally:
+        desk.close()
+    content = {"out": str(folder), "files": [str(target)]}
+    return Outcome(content=content, lines=[f"Page: {target}", f"Results: {folder}"])

@@ -1,0 +1,186 @@
+"""The addresses of the server and what each gives."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.errors import DataError, PmmkitError
+from pmmkit.json_text import plain
+from pmmkit.workbench.desk import Desk, StaleRevision
+from pmmkit.workbench.frozen import frozen_page
+from pmmkit.workbench.guard import Guard
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+    from starlette.requests import Request
+    from starlette.responses import Response
+
+STATIC: Final = Path(str(files("pmmkit.workbench"))) / "static"
+SAILED: Final = {
+    "manoeuvre": str,
+    "speed": float,
+    "rudder_deg": float,
+    "switch_deg": float,
+    "wind_speed": float,
+    "wind_direction_deg": float,
+    "depth": float,
+    "band": bool,
+}
+"""What a manoeuvre may be asked with."""
+LONGEST: Final = 2000
+"""Characters of a text in a request."""
+
+
+def application(desk: Desk, token: str, port: int) -> Guard:
+    """The guarded application.
+
+    Parameters
+    ----------
+    desk : Desk
+        What the server holds.
+    token : str
+        The secret of its address.
+    port : int
+        On loopback.
+    """
+    return Guard(app=_routes(desk), token=token, port=port)
+
+
+def _routes(desk: Desk) -> Starlette:
+    from starlette.applications import Starlette
+    from starlette.responses import FileResponse
+    from starlette.routing import Mount, Route
+    from starlette.staticfiles import StaticFiles
+
+    def read(path: str, give: Callable[[Request], Any]) -> Route:
+        return Route(f"/api/{path}", partial(_answered, give), methods=["GET"])
+
+    def write(path: str, do: Callable[[dict[str, Any]], Any]) -> Route:
+        async def posted(request: Request) -> Response:
+            from starlette.concurrency import run_in_threadpool
+
+            body = await request.body()
+            return await run_in_threadpool(_answered, lambda _: do(_content(body)), request)
+
+        return Route(f"/api/{path}", posted, methods=["POST"])
+
+    return Starlette(
+        routes=[
+            Route("/", lambda _: FileResponse(STATIC / "index.html"), methods=["GET"]),
+            read("state", lambda _: desk.page()),
+            read("misfit", lambda request: desk.misfit(_count(request))),
+            read("run", lambda request: desk.history(_text(request, "run"), _count(request))),
+            read("checks", lambda _: desk.checks()),
+            read("runs", lambda request: desk.runs(_count(request, "first") or 0)),
+            read("derivatives", lambda _: desk.derivatives()),
+            read("missing", lambda _: desk.missing()),
+            read("fall", lambda _: desk.fall()),
+            read("turns", lambda _: desk.turns()),
+            read("range", lambda _: desk.range()),
+            Route("/api/frozen", lambda _: _saved(desk), methods=["GET"]),
+            write("sail", lambda asked: desk.sail(_settings(asked))),
+            write(
+                "open",
+                lambda asked: desk.open(
+                    _given(asked, "campaign", str), asked.get("model") or "", ""
+                ).to_dict(),
+            ),
+            write("diagnose", lambda asked: desk.diagnose(_revision(asked)).to_dict()),
+            write(
+                "add",
+                lambda asked: desk.add(
+                    _revision(asked), _given(asked, "effect", str), str(asked.get("why") or "")
+                ).to_dict(),
+            ),
+            write("reduce", lambda asked: desk.reduce(_given(asked, "structure", str)).to_dict()),
+            write("undo", lambda asked: desk.undo(_revision(asked))),
+            write("cancel", lambda _: desk.cancel().to_dict()),
+            Mount("/static", StaticFiles(directory=STATIC)),
+        ]
+    )
+
+
+def _answered(give: Callable[[Request], Any], request: Request) -> Response:
+    """What is asked as JSON; an error in words, with a status that says whose it is."""
+    from starlette.responses import JSONResponse
+
+    try:
+        return JSONResponse(plain(give(request)))
+    except StaleRevision as error:
+        return JSONResponse({"error": str(error)}, status_code=409)
+    except PmmkitError as error:
+        return JSONResponse({"error": str(error)}, status_code=400)
+    except Exception as error:
+        text = f"{type(error).__name__}: {error}"
+        return JSONResponse({"error": text, "unexpected": True}, status_code=500)
+
+
+def _saved(desk: Desk) -> Response:
+    """The page as a file."""
+    from starlette.responses import HTMLResponse, PlainTextResponse
+
+    try:
+        page = frozen_page(desk)
+    except PmmkitError as error:
+        return PlainTextResponse(str(error), status_code=400)
+    named = {"content-disposition": 'attachment; filename="workbench.html"'}
+    return HTMLResponse(page, headers=named)
+
+
+def _content(body: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(body or b"{}")
+    except (ValueError, RecursionError) as error:
+        raise DataError("The request holds no JSON.") from error
+    if not isinstance(found, dict):
+        raise DataError("The request is no JSON object.")
+    return found
+
+
+def _given(asked: dict[str, Any], name: str, kind: type[str]) -> str:
+    value = asked.get(name)
+    if not isinstance(value, kind) or not value or len(value) > LONGEST or "\0" in value:
+        raise DataError(f"{name} must be a text.")
+    return value
+
+
+def _revision(asked: dict[str, Any]) -> int:
+    value = asked.get("revision")
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise DataError("revision must be a whole number.")
+    return value
+
+
+def _settings(asked: dict[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in asked.items():
+        kind = SAILED.get(name)
+        right = isinstance(value, kind or str) if kind is not float else _number(value)
+        if kind is None or not right:
+            raise DataError(f"{name} is no setting of a manoeuvre, or has no such value.")
+        found[name] = value
+    if "manoeuvre" not in found or "speed" not in found:
+        raise DataError("A manoeuvre needs its name and a speed.")
+    return found
+
+
+def _number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _text(request: Request, name: str) -> str:
+    return _given(dict(request.query_params), name, str)
+
+
+def _count(request: Request, name: str = "count") -> int | None:
+    given = request.query_params.get(name)
+    if given is None:
+        return None
+    if not given.isascii() or not given.isdigit() or len(given) > 6:
+        raise DataError(f"{name} must be a whole number.")
+    return int(given)

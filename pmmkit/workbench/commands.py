@@ -1,0 +1,70 @@
+"""The command line of each step: what a person would type to get the same."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Final
+
+from pmmkit.models.step import Step
+from pmmkit.structures import structures
+from pmmkit.workbench.saved import STEPS, State, model_file
+
+PROGRAM: Final = "pmmkit"
+
+
+def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, str]]:
+    """What was done so far, as commands.
+
+    Parameters
+    ----------
+    state : State
+        What was opened, and the steps.
+    folder : Path
+        Of the workbench.
+    structure : str
+        Of the base where no model is named.
+
+    Returns
+    -------
+    list of dict
+        ``what`` (a word for the page), ``effect`` and ``line``.
+    """
+    tests = shlex.quote(state.campaign)
+    more = f" --data {shlex.quote(state.data)}" if state.data else ""
+    found: list[dict[str, str]] = []
+    model = shlex.quote(state.model)
+    if not state.model or state.model in structures():
+        base = folder / "reduced"
+        line = f"reduce {tests} --structure {state.model or structure} --fn pooled"
+        found.append(_line("reduce", f"{line} --out {_quoted(base)}{more}"))
+        model = _quoted(base / "model.toml")
+    found.append(_line("compare", f"compare {model} {tests}{more}"))
+    found.append(_line("diagnose", f"diagnose {model} {tests}{more}"))
+    for number, step in enumerate(state.steps, start=1):
+        made = _quoted(model_file(folder, state.effects[:number]))
+        found.append(_added(step, model, tests, made, more))
+        model = made
+    if state.steps:
+        first = found[0]["what"] == "reduce"
+        base_model = (
+            _quoted(folder / "reduced" / "model.toml") if first else shlex.quote(state.model)
+        )
+        steps = _quoted(folder / STEPS)
+        line = f"add {base_model} --steps {steps} --fit {tests} -o replayed.toml{more}"
+        found.append(_line("replay", line))
+    return found
+
+
+def _added(step: Step, model: str, tests: str, made: str, more: str) -> dict[str, str]:
+    why = f" --why {shlex.quote(step.note)}" if step.note else ""
+    line = f"add {model} {step.effect} --fit {tests} -o {made}{why}{more}"
+    return _line("add", line, step.effect)
+
+
+def _line(what: str, line: str, effect: str = "") -> dict[str, str]:
+    return {"what": what, "effect": effect, "line": f"{PROGRAM} {line}"}
+
+
+def _quoted(path: Path) -> str:
+    return shlex.quote(str(path))

@@ -1,0 +1,439 @@
+"""What a server holds: the state on disk, the process for long work, and what was worked out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from threading import Lock, RLock, Thread
+from typing import Any, Final
+
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.run import Campaign
+from pmmkit.equations.prepared import feels_depth
+from pmmkit.errors import DataError, PmmkitError
+from pmmkit.files import datasets_folder
+from pmmkit.loop.saved import read_session
+from pmmkit.metrics import HARD_OVER
+from pmmkit.models import Model, load_model
+from pmmkit.ship_library import ships
+from pmmkit.structures import structures
+from pmmkit.validation.comparison import Comparison, compare
+from pmmkit.version import __version__
+from pmmkit.workbench.commands import command_lines
+from pmmkit.workbench.pages.history import history_page
+from pmmkit.workbench.pages.misfit import misfit_page
+from pmmkit.workbench.pages.numbers import BUCKETS
+from pmmkit.workbench.pages.records import record_page
+from pmmkit.workbench.pages.runs import runs_page
+from pmmkit.workbench.pages.turning import sailed_page, spiral_page
+from pmmkit.workbench.saved import (
+    STEPS,
+    State,
+    find_result,
+    find_state,
+    model_file,
+    save_state,
+    steps_of,
+)
+from pmmkit.workbench.tasks import STRUCTURE, tasks
+from pmmkit.workbench.worker import Job, Worker
+
+DEMONSTRATION: Final = ("s175", "cubic", "s175-3dof")
+"""Campaign, structure of the base, and ship that lends propeller and rudder."""
+KEPT: Final = 12
+"""Comparisons that are kept: undo and add go back and forth between a few."""
+
+
+class StaleRevision(DataError):
+    """Another page has changed the state meanwhile."""
+
+
+class Desk:
+    """The state of a workbench, changed by one request at a time and saved at each change.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the workbench: state, steps, models and results.
+    roots : sequence of Path
+        Folders that were named: nothing else is read.
+    """
+
+    def __init__(self, folder: Path, roots: Sequence[Path]) -> None:
+        self.folder = folder
+        self.roots = tuple(root.resolve() for root in roots)
+        self._state = find_state(folder)
+        self._changing, self._working = Lock(), RLock()
+        self._known: dict[tuple[Any, ...], Any] = {}
+        self._worker = Worker(tasks, self._finished)
+
+    @property
+    def state(self) -> State | None:
+        """What was opened, and the steps."""
+        return self._state
+
+    @property
+    def job(self) -> Job:
+        """How the long work stands."""
+        return self._worker.job
+
+    def close(self) -> None:
+        """End the process for long work."""
+        self._worker.close()
+
+    def resume(self) -> None:
+        """Go on with what was saved; tests that were not yet open when the server ended are opened
+        again."""
+        state = self._state
+        if state is not None and not self._ready(state):
+            self.open(state.campaign, state.model, state.data)
+        self.warm()
+
+    def warm(self) -> None:
+        """Work out in the background what is looked at first."""
+
+        def work() -> None:
+            # An error is told where the page asks for the same.
+            with suppress(PmmkitError):
+                self.misfit()
+                self.turns()
+
+        self._worker.warm()
+        if self._state is not None and self._ready(self._state):
+            Thread(target=work, daemon=True).start()
+
+    # What is asked --------------------------------------------------------------------------------
+
+    def page(self) -> dict[str, Any]:
+        """The state as the page reads it."""
+        state, job = self._state, self._worker.job
+        page: dict[str, Any] = {
+            "version": __version__,
+            "job": job.to_dict(),
+            "demonstration": str(datasets_folder() / DEMONSTRATION[0]),
+            "opened": False,
+            "structures": sorted(structures()),
+            "revision": -1,
+        }
+        if state is None:
+            return page
+        ready = self._ready(state)
+        page |= {
+            "opened": ready,
+            "revision": state.revision,
+            "campaign": state.campaign,
+            "model": state.model or STRUCTURE,
+            "folder": str(self.folder),
+            "steps": [
+                {"effect": step.effect, "action": step.action, "note": step.note}
+                for step in state.steps
+            ],
+            "commands": command_lines(state, self.folder, STRUCTURE),
+        }
+        if ready:
+            tests = self._campaign(state)
+            page |= {
+                "title": tests.title,
+                "ship": tests.ship.name,
+                "kind": tests.kind,
+                "runs": len(tests),
+                "asked": find_result(self.folder, "missing", state.effects) is not None,
+            }
+        return page
+
+    def misfit(self, count: int | None = None) -> dict[str, Any]:
+        """The map of runs, with the model after so many steps."""
+        effects = self._effects(count)
+        found: dict[str, Any] = self._once(
+            ("misfit", effects), lambda: misfit_page(self._comparison(effects))
+        )
+        return found
+
+    def history(self, run: str, count: int | None = None, buckets: int = BUCKETS) -> dict[str, Any]:
+        """One run, measured and modelled."""
+        effects = self._effects(count)
+        comparison = self._comparison(effects)
+        for record in comparison.free:
+            if record.name == run:
+                return record_page(record, comparison.ship.L)
+        try:
+            return history_page(comparison, run, buckets)
+        except KeyError:
+            raise DataError(f"No run {run!r} was compared.") from None
+
+    def checks(self) -> list[dict[str, Any]]:
+        """What the checks say of the tests."""
+        return find_result(self.folder, "checks", ()) or []
+
+    def runs(self, first: int) -> dict[str, Any]:
+        """Some of the runs as they were read."""
+        tests = self._campaign(self._opened())
+        beside = self._comparison(()) if tests.kind == "captive" else None
+        page: dict[str, Any] = self._once(
+            ("runs", first), lambda: runs_page(tests, beside, first, self.checks())
+        )
+        return page
+
+    def derivatives(self) -> dict[str, Any] | None:
+        """The derivatives of the tests; None where they were not asked for."""
+        found: dict[str, Any] | None = find_result(self.folder, "derivatives", ())
+        return found
+
+    def missing(self) -> dict[str, Any] | None:
+        """The last diagnosis, of this state or of one before; None where it was not asked.
+
+        ``since`` counts the steps that were added after it. Then what was named and is not added
+        yet is left, without numbers: those were of a model that lacked more.
+        """
+        effects = self._opened().effects
+        for count in range(len(effects), -1, -1):
+            found = find_result(self.folder, "missing", effects[:count])
+            if found is not None:
+                return {**found, **_left(found, effects[count:])}
+        return None
+
+    def fall(self) -> dict[str, Any] | None:
+        """The waterfall; None before the first step."""
+        found: dict[str, Any] | None = self._result("fall")
+        return found
+
+    def turns(self) -> dict[str, Any]:
+        """The turning circle of the base and of the model with all steps."""
+        state = self._opened()
+        chosen = {"before": (), "after": state.effects} if state.steps else {"before": ()}
+        return {
+            name: self._once(("turn", own), partial(self._turn, own))
+            for name, own in chosen.items()
+        }
+
+    def sail(self, asked: Mapping[str, Any]) -> dict[str, Any]:
+        """A manoeuvre of the present model with settings of sliders."""
+        model = self._model(self._opened().effects)
+        settings = {name: value for name, value in asked.items() if value is not None}
+        manoeuvre, speed = str(settings.pop("manoeuvre")), float(settings.pop("speed"))
+        if manoeuvre == "spiral":
+            return spiral_page(model, speed=speed)
+        return sailed_page(model, manoeuvre, speed=speed, **settings)
+
+    def range(self) -> dict[str, Any]:
+        """What the sliders of the ship reach."""
+        state = self._opened()
+        model, tests = self._model(state.effects), self._campaign(state)
+        water = tests.water.g
+        Fn = sorted({tests.ship.froude(run.settings.speed, water) for run in tests.runs})
+        speeds = [model.ship.speed(x, model.water.g) for x in Fn]
+        return {
+            "speeds": [round(x, 3) for x in speeds],
+            "L": model.ship.L,
+            "draught": model.ship.d,
+            "windy": any("wind_speed" in part.known.needs for part in model.parts.values()),
+            "shallow": feels_depth(model),
+            "scale": model.scale,
+        }
+
+    # What is done ---------------------------------------------------------------------------------
+
+    def open(self, campaign: str, model: str = "", data: str = "") -> Job:
+        """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
+        with self._changing:
+            place = self.named(campaign)
+            if model and model not in structures() and model not in ships():
+                self.named(model)
+            demonstration = place == (datasets_folder() / DEMONSTRATION[0]).resolve()
+            if demonstration and not model:
+                model = DEMONSTRATION[1]
+            revision = -1 if self._state is None else self._state.revision
+            state = State(campaign=str(campaign), model=model, data=data, revision=revision + 1)
+            job = self._worker.start(
+                "open",
+                {
+                    "folder": str(self.folder),
+                    "campaign": str(place),
+                    "model": model,
+                    "data": data,
+                    "parts": DEMONSTRATION[2] if demonstration else None,
+                },
+            )
+            self.folder.mkdir(parents=True, exist_ok=True)
+            for old in (model_file(self.folder, ()), *self.folder.glob("*_*.json")):
+                old.unlink(missing_ok=True)
+            self._known.clear()
+            self._change(state)
+            return job
+
+    def diagnose(self, revision: int) -> Job:
+        """Ask what is missing."""
+        with self._changing:
+            return self._worker.start("diagnose", self._asked(self._current(revision)))
+
+    def reduce(self, structure: str) -> Job:
+        """Derivatives of the tests by a structure."""
+        if structure not in structures():
+            raise DataError(f"There is no structure {structure!r}.")
+        with self._changing:
+            state = self._opened()
+            asked = self._asked(state) | {"structure": structure}
+            del asked["effects"]
+            return self._worker.start("reduce", asked)
+
+    def add(self, revision: int, effect: str, why: str = "") -> Job:
+        """Add an effect, or correct a fault."""
+        with self._changing:
+            state = self._current(revision)
+            more = {"effect": effect, "why": why, "log_odds": self._log_odds(effect)}
+            return self._worker.start("add", self._asked(state) | more)
+
+    def undo(self, revision: int) -> None:
+        """Take the last step back."""
+        with self._changing:
+            state = self._current(revision)
+            if self._worker.job.stand == "running":
+                raise DataError("Something is being worked out: wait for it, or cancel it.")
+            if not state.steps:
+                raise DataError("There is no step to undo.")
+            left = state.steps[:-1]
+            saved = read_session(self.folder / STEPS)
+            replace(saved, steps=left).save(self.folder / STEPS)
+            self._change(state.with_steps(left))
+
+    def wait(self, say: Callable[[str], None]) -> None:
+        """Wait for the long work.
+
+        Raises
+        ------
+        DataError
+            If it fails.
+        """
+        told = ""
+        while (job := self._worker.job).stand == "running":
+            if job.text != told:
+                told = job.text
+                say(told)
+            time.sleep(0.05)
+        if job.stand == "failed":
+            raise DataError(job.text)
+
+    def cancel(self) -> Job:
+        """End the long work."""
+        return self._worker.cancel()
+
+    def named(self, path: str) -> Path:
+        """A path inside one of the folders that were named.
+
+        Raises
+        ------
+        DataError
+            If it is not.
+        """
+        try:
+            place = Path(path).resolve()
+        except (OSError, ValueError) as error:
+            raise DataError(f"{path!r} is no path.") from error
+        allowed = (*self.roots, datasets_folder().resolve())
+        if not any(place.is_relative_to(root) for root in allowed):
+            listed = ", ".join(map(str, self.roots))
+            raise DataError(
+                f"{path} is outside the folders that were named ({listed}). Name its folder: "
+                f"pmmkit workbench --folder FOLDER."
+            )
+        return place
+
+    # What stands behind ---------------------------------------------------------------------------
+
+    def _finished(self, job: Job) -> None:
+        if job.name == "add":
+            with self._changing:
+                effects = (*job.asked["effects"], job.asked["effect"])
+                self._change(self._opened().with_steps(steps_of(self.folder, effects)))
+        if job.name in ("open", "add"):
+            self.warm()
+
+    def _result(self, name: str) -> Any:
+        return find_result(self.folder, name, self._opened().effects)
+
+    def _change(self, state: State) -> None:
+        save_state(self.folder, state)
+        self._state = state
+
+    def _ready(self, state: State) -> bool:
+        return model_file(self.folder, state.effects).is_file()
+
+    def _opened(self) -> State:
+        if self._state is None or not self._ready(self._state):
+            raise DataError("Nothing is open yet: choose the demonstration or a campaign.")
+        return self._state
+
+    def _current(self, revision: int) -> State:
+        state = self._opened()
+        if revision != state.revision:
+            raise StaleRevision("Another page has changed the steps: this one shows them now.")
+        return state
+
+    def _asked(self, state: State) -> dict[str, Any]:
+        return {
+            "folder": str(self.folder),
+            "campaign": str(self.named(state.campaign)),
+            "data": state.data,
+            "effects": list(state.effects),
+        }
+
+    def _log_odds(self, effect: str) -> float | None:
+        found = self.missing()
+        for item in (found or {}).get("candidates", ()):
+            if item["effect"] == effect and item["named"]:
+                odds: float | None = item["log_odds"]
+                return odds
+        return None
+
+    def _effects(self, count: int | None) -> tuple[str, ...]:
+        effects = self._opened().effects
+        return effects if count is None else effects[: max(count, 0)]
+
+    def _once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+        """What was worked out before, or is now: one at a time, so that nothing is done twice."""
+        with self._working:
+            if key not in self._known:
+                found = work()
+                while len(self._known) >= KEPT:
+                    del self._known[next(iter(self._known))]
+                self._known[key] = found
+            return self._known[key]
+
+    def _comparison(self, effects: tuple[str, ...]) -> Comparison:
+        campaign = self._campaign(self._opened())
+        found: Comparison = self._once(
+            ("comparison", effects), lambda: compare(self._model(effects), campaign)
+        )
+        return found
+
+    def _campaign(self, state: State) -> Campaign:
+        found: Campaign = self._once(
+            ("campaign", state.campaign, state.data),
+            lambda: open_campaign(self.named(state.campaign), data=state.data or None),
+        )
+        return found
+
+    def _model(self, effects: tuple[str, ...]) -> Model:
+        return load_model(model_file(self.folder, effects))
+
+    def _turn(self, effects: tuple[str, ...]) -> dict[str, Any]:
+        model, reach = self._model(effects), self.range()["speeds"]
+        speed = reach[len(reach) // 2]
+        settings = {"rudder_deg": HARD_OVER, "extrapolate": True}
+        return sailed_page(model, "turning", speed=speed, band=True, **settings)
+
+
+def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:
+    """What of a diagnosis still holds when some effects were added after it."""
+    if not added:
+        return {"since": 0}
+    left = [
+        {**item, "share": None}
+        for item in found["candidates"]
+        if item["named"] and item["effect"] not in added
+    ]
+    return {"since": len(added), "candidates": left, "sets": [], "suspected": [], "overlays": {}}

@@ -1,0 +1,67 @@
+"""How the error of what is left out falls with each step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.diagnosis.findings import UNITS
+from pmmkit.loop import ErrorFall, RecordFall
+from pmmkit.loop.evidence import Fall
+from pmmkit.workbench.pages.numbers import short
+
+
+def fall_page(fall: Fall) -> dict[str, Any]:
+    """The waterfall: a row per step.
+
+    Parameters
+    ----------
+    fall : Fall
+        Of captive tests or of records.
+
+    Returns
+    -------
+    dict
+        ``unit``, ``how``, ``remarks``, ``steps``: by step its name, ``error``, the ``level`` of
+        noise alone where it is known, and errors by channel with their units.
+    """
+    return {
+        "unit": "%" if isinstance(fall, ErrorFall) else UNITS["heading"],
+        "of": "rms force" if isinstance(fall, ErrorFall) else "heading",
+        "how": fall.how,
+        "remarks": list(fall.remarks()),
+        "useless": list(fall.useless),
+        "steps": _captive(fall) if isinstance(fall, ErrorFall) else _records(fall),
+    }
+
+
+def _captive(fall: ErrorFall) -> list[dict[str, Any]]:
+    return [
+        {
+            "step": name,
+            "error": short(100.0 * item.share()),
+            "level": short(100.0 * item.share(kind="level")),
+            "channels": {
+                channel: {"error": short(error), "unit": CHANNEL_UNITS[channel]}
+                for channel, error in item.of_channel().items()
+            },
+        }
+        for name, item in zip(fall.steps, fall.errors, strict=True)
+    ]
+
+
+def _records(fall: Fall) -> list[dict[str, Any]]:
+    assert isinstance(fall, RecordFall)
+    return [
+        {
+            "step": item.step,
+            "error": short(item.heading),
+            "level": None,
+            "channels": {
+                name: {"error": short(getattr(item, name)), "unit": unit}
+                for name, unit in UNITS.items()
+                if hasattr(item, name)
+            },
+        }
+        for item in fall.errors
+    ]

@@ -1,0 +1,89 @@
+"""Where a model fails: the runs as a map, and the sentences above it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.diagnosis.captive.held_out import settings_in_words
+from pmmkit.validation.comparison import MOST, Comparison
+from pmmkit.workbench.pages.numbers import short
+from pmmkit.workbench.pages.records import MOTIONS, record_cells
+
+
+def misfit_page(comparison: Comparison) -> dict[str, Any]:
+    """The map of runs, grouped by kind of test, and what stands out.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        A model beside tests, captive or free-running.
+
+    Returns
+    -------
+    dict
+        ``kind``, ``columns`` (name and unit), ``groups`` (test, title, rows), ``sentences``,
+        ``within``, ``cells``, ``notes``. A row has the run's name, its settings in words and by
+        column what `Comparison.rows` says of it.
+    """
+    runs = {item.view.run.id: item.view.run for item in comparison.captive}
+    runs |= {item.name: item.run for item in comparison.free}
+    rows = comparison.rows()
+    columns: dict[str, str] = {}
+    groups: dict[str, dict[str, dict[str, Any]]] = {}
+    for record in comparison.free:
+        columns = {name: unit for name, (unit, _) in MOTIONS.items()}
+        own = _row(record.name, record.run)
+        own["cells"] = record_cells(record)
+        groups.setdefault(record.run.test, {})[record.name] = own
+    for row in rows if comparison.captive else ():
+        columns[row["channel"]] = row["unit"]
+        group = groups.setdefault(row["test"], {})
+        own = group.setdefault(row["run"], _row(row["run"], runs[row["run"]]))
+        own["cells"][row["channel"]] = {
+            name: short(row[name]) for name in ("error", "measured", "uncertainty", "ratio")
+        } | {"within": row["within"]}
+    sentences = comparison.standouts()
+    every = [
+        cell for own in groups.values() for row in own.values() for cell in row["cells"].values()
+    ]
+    return {
+        "kind": comparison.kind,
+        "model": comparison.model,
+        "columns": [{"name": name, "unit": unit} for name, unit in columns.items()],
+        "groups": [
+            {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}
+            for test, own in groups.items()
+        ],
+        "sentences": list(sentences[:MOST]),
+        "more": max(len(sentences) - MOST, 0),
+        "within": sum(cell["within"] for cell in every),
+        "cells": len(every),
+        "notes": list(comparison.notes),
+    }
+
+
+def _row(name: str, run: Run) -> dict[str, Any]:
+    return {
+        "run": name,
+        "words": settings_in_words(run),
+        "speed": short(run.settings.speed),
+        "order": _order(run),
+        "cells": {},
+    }
+
+
+def _order(run: Run) -> list[float]:
+    """By speed, then by what the run was set to."""
+    s = run.settings
+    sizes = (s.drift, s.heel, s.rudder, s.yaw_amplitude or 0.0, s.amplitude or 0.0)
+    return [s.speed, *sizes, s.period or 0.0]
+
+
+def _sorted(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
+    ordered = sorted(rows, key=lambda row: (np.round(row["order"], 6).tolist(), row["run"]))
+    return [{name: x for name, x in row.items() if name != "order"} for row in ordered]

@@ -1,0 +1,164 @@
+"""What is missing: candidates with their evidence, what each takes away, and what hides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.diagnosis.captive.adequacy import blocks_of
+from pmmkit.diagnosis.captive.held_out import held_out
+from pmmkit.diagnosis.captive.least_squares import solved, stacked
+from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.verdict import taken_as_given
+from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.catalogue import catalogue, is_fault
+from pmmkit.loop import Session
+from pmmkit.loop.captive import CaptiveTests
+from pmmkit.models.step import odds
+from pmmkit.numerics import Array
+from pmmkit.workbench.pages.numbers import short
+
+SHOWN: Final = 10
+"""Candidates beside those that are named."""
+
+Overlay = dict[str, dict[str, list[float]]]
+"""Change of the model by run and channel, harmonic by harmonic [N, N m]."""
+
+
+def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
+    """A diagnosis with what each candidate would do, before anything is added.
+
+    Parameters
+    ----------
+    session : Session
+        The tests and what was added.
+    found : Diagnosis
+        Of this session.
+
+    Returns
+    -------
+    dict
+        ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
+        set and its rivals), ``hidden``, ``overlays`` by effect.
+    """
+    named = {name for names, _ in found.group for name in names}
+    findings = {item.effect: item for item in found.findings}
+    visible = {item.name: item for item in found.covered}
+    singles = [item for item in found.entries if len(item.names) == 1 and _known(item)]
+    chosen = [
+        entry
+        for number, entry in enumerate(singles)
+        if number < SHOWN or entry.names[0] in named or entry.names[0] in findings
+    ]
+    shares, overlays = _effects_of(session, chosen)
+    entries = catalogue()
+    candidates = []
+    for entry in chosen:
+        name = entry.names[0]
+        finding, seen = findings.get(name), visible.get(name)
+        effect = entries.get(name)
+        candidates.append(
+            {
+                "effect": name,
+                "family": seen.family if seen else "",
+                "kind": "fault" if is_fault(name) else "physics",
+                "summary": effect.summary if effect else "",
+                "log_odds": short(finding.log_odds if finding else entry.log_evidence),
+                "evidence": odds(finding.log_odds if finding else entry.log_evidence),
+                "share": shares.get(name),
+                "named": finding is not None,
+                "rivals": list(finding.rivals) if finding else _mimics(seen),
+                "test": finding.separating_test if finding else (effect.check if effect else ""),
+                "coefficients": _coefficients(finding),
+                "shown": seen.shown if seen else True,
+                "why": seen.why if seen else "",
+            }
+        )
+    candidates.sort(key=lambda item: (not item["named"], -item["log_odds"]))
+    return {
+        "verdict": found.verdict,
+        "sentence": found.sentence,
+        "answer": found.answer,
+        "remarks": found.remarks(),
+        "floor": found.floor,
+        "candidates": candidates,
+        "sets": [
+            {"effects": list(names), "odds": short(against)} for names, against in found.group
+        ],
+        "suspected": [{"effect": x.effect, "run": x.run} for x in found.suspected],
+        "hidden": [
+            {"effect": item.name, "why": item.why, "size": short(item.hides)}
+            for item in found.not_testable
+        ],
+        "overlays": overlays,
+    }
+
+
+def _known(entry: Entry) -> bool:
+    return bool(np.isfinite(entry.log_evidence))
+
+
+def _mimics(seen: Any) -> list[str]:
+    return [] if seen is None else list(seen.mimics)
+
+
+def _coefficients(finding: Any) -> list[dict[str, Any]]:
+    if finding is None:
+        return []
+    return [
+        {
+            "name": name,
+            "value": short(value),
+            "std": short(finding.std[name]),
+            "typical": short(finding.typical[name]),
+        }
+        for name, value in finding.coefficients.items()
+    ]
+
+
+def _effects_of(
+    session: Session, chosen: Sequence[Entry]
+) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
+    """By effect the share of the held-out mean square error that it takes away, and the change of
+    the model; nothing for records that run free."""
+    evidence = session.evidence
+    if not isinstance(evidence, CaptiveTests):
+        return {}, {}
+    system = evidence.system
+    known = taken_as_given(system, session.given)
+    base = held_out(system, known.blocks, with_level=False)
+    before = base.of_channel()
+    without = _forces(system, known.blocks)
+    shares, overlays = {}, {}
+    for entry in chosen:
+        blocks = (*known.blocks, *blocks_of(known.system, entry))
+        errors = held_out(system, blocks, with_level=False)
+        after = errors.of_channel()
+        shares[entry.names[0]] = {
+            "all": short(1.0 - (errors.share() / base.share()) ** 2),
+            "channels": {name: short(1.0 - (after[name] / before[name]) ** 2) for name in after},
+        }
+        overlays[entry.names[0]] = _change(system, without, _forces(system, blocks))
+    return shares, overlays
+
+
+def _forces(system: System, blocks: Sequence[Block]) -> Mapping[str, Array]:
+    """Forces of all rows by channel [N, N m], as the model predicts them that `add` would give."""
+    stack = stacked(system, blocks, floor=system.floor)
+    own = len(stack.names)
+    fitted = stack.plain[:, :own] @ solved(stack).solution[:own]
+    return {name: fitted[rows] for name, rows in stack.places.items()}
+
+
+def _change(system: System, before: Mapping[str, Array], after: Mapping[str, Array]) -> Overlay:
+    found: Overlay = {}
+    for channel in system.channels:
+        moved = after[channel.name] - before[channel.name]
+        for i, rows in zip(channel.views, channel.rows, strict=True):
+            view = system.views[i]
+            if not view.early:
+                found.setdefault(view.run.id, {})[channel.name] = short(moved[rows])
+    return found

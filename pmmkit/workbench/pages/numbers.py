@@ -1,0 +1,83 @@
+"""Numbers for the screen: short, and no more samples than it can show."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pmmkit.numerics import Array
+
+DIGITS: Final = 5
+"""Significant digits: a pixel is a thousandth of a plot."""
+BUCKETS: Final = 400
+"""Pieces of a record of which the least and the largest sample are shown."""
+
+
+def short(values: Any) -> Any:
+    """Numbers with `DIGITS` significant digits, as plain lists; NaN becomes None.
+
+    Parameters
+    ----------
+    values : float or array
+        Numbers of any shape.
+
+    Examples
+    --------
+    >>> short(np.array([1.23456789, np.nan, 0.0]))
+    [1.2346, None, 0.0]
+    >>> short(12345678.0)
+    12346000.0
+    """
+    given = np.asarray(values, float)
+    shown = [float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None for x in given.ravel().tolist()]
+    return _shaped(shown, given.shape)
+
+
+def _shaped(values: list[Any], shape: tuple[int, ...]) -> Any:
+    if not shape:
+        return values[0]
+    if len(shape) == 1:
+        return values
+    step = len(values) // shape[0] if shape[0] else 0
+    return [_shaped(values[i * step : (i + 1) * step], shape[1:]) for i in range(shape[0])]
+
+
+def thinned(columns: Mapping[str, Array], buckets: int = BUCKETS) -> NDArray[np.intp]:
+    """Places of the samples that are shown: of each piece the extremes of every column.
+
+    Parameters
+    ----------
+    columns : mapping of str to array (n,)
+        Channels of one record.
+    buckets : int
+        Pieces into which it is cut.
+
+    Returns
+    -------
+    array of int
+        In order, each once, with the first and the last sample; all where they are few.
+
+    Examples
+    --------
+    >>> x = np.zeros(100_000); x[54_321] = 7.0
+    >>> 54_321 in thinned({"X": x}), len(thinned({"X": x})) <= 2 * BUCKETS + 2
+    (True, True)
+    """
+    length = len(next(iter(columns.values()))) if columns else 0
+    if length <= 2 * buckets:
+        return np.arange(length)
+    size = length // buckets
+    whole = size * buckets
+    begin = size * np.arange(buckets)
+    found = [np.array([0, length - 1])]
+    for values in columns.values():
+        pieces = np.nan_to_num(values[:whole]).reshape(buckets, size)
+        found += [begin + pieces.argmin(axis=1), begin + pieces.argmax(axis=1)]
+        if whole < length:
+            rest = np.nan_to_num(values[whole:])
+            found.append(whole + np.array([rest.argmin(), rest.argmax()]))
+    return np.unique(np.concatenate(found))

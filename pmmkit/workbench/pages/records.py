@@ -1,0 +1,90 @@
+"""One free-running record, measured and sailed by the model with the measured rudder."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.campaigns.test_kinds.registry import kind_of
+from pmmkit.diagnosis.captive.held_out import settings_in_words
+from pmmkit.numerics import Array, rms
+from pmmkit.validation.free_running import FreeRun
+from pmmkit.validation.uncertainty import COVERAGE
+from pmmkit.workbench.pages.numbers import short
+
+DEGREES: Final = math.degrees(1.0)
+MOTIONS: Final = {
+    "x": ("m", 1.0),
+    "y": ("m", 1.0),
+    "psi": ("deg", DEGREES),
+    "u": ("m/s", 1.0),
+    "v": ("m/s", 1.0),
+    "r": ("deg/s", DEGREES),
+}
+"""Columns of the map with their units on the screen, and what SI values are told times."""
+SAMPLES: Final = 500
+"""Of a record on the screen."""
+
+
+def record_cells(record: FreeRun) -> dict[str, dict[str, Any]]:
+    """By motion the rms error over the record, of the measured change and expanded uncertainty."""
+    found = {}
+    for name, (_, factor) in MOTIONS.items():
+        measured = factor * record.measured[name]
+        error = rms(factor * record.predicted[name] - measured)
+        doubt = COVERAGE * rms(factor * record.std[name])
+        moved = rms(measured - measured[0])
+        found[name] = {
+            "error": short(error),
+            "measured": short(moved),
+            "uncertainty": short(doubt),
+            "ratio": short(error / doubt if doubt else math.nan),
+            "within": bool(error < doubt),
+        }
+    return found
+
+
+def record_page(record: FreeRun, length: float) -> dict[str, Any]:
+    """What is drawn of a record.
+
+    Parameters
+    ----------
+    record : FreeRun
+        From a comparison.
+    length : float
+        Of the ship [m]: the track is told in it.
+
+    Returns
+    -------
+    dict
+        ``kind`` is ``free``; ``t`` [s], ``delta`` [deg], and by motion unit, ``measured``,
+        ``predicted`` and expanded ``uncertainty``, x and y in ship lengths.
+    """
+    kept = np.unique(np.linspace(0, len(record.t) - 1, SAMPLES).round().astype(int))
+
+    def told(values: Array, name: str) -> list[float]:
+        factor = 1.0 / length if name in ("x", "y") else MOTIONS[name][1]
+        found: list[float] = short(factor * values[kept])
+        return found
+
+    return {
+        "kind": "free",
+        "run": record.name,
+        "test": record.run.test,
+        "title": kind_of(record.run.test).title,
+        "words": settings_in_words(record.run),
+        "source": record.run.source,
+        "t": short(record.t[kept]),
+        "delta": short(DEGREES * record.delta[kept]),
+        "motion": {
+            name: {
+                "unit": "L" if name in ("x", "y") else unit,
+                "measured": told(record.measured[name], name),
+                "predicted": told(record.predicted[name], name),
+                "uncertainty": told(COVERAGE * record.std[name], name),
+            }
+            for name, (unit, _) in MOTIONS.items()
+        },
+    }

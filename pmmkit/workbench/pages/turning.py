@@ -1,0 +1,123 @@
+"""How a ship sails with a model: a manoeuvre, its numbers with bands, and the IMO's verdict."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from pmmkit.errors import PmmkitError
+from pmmkit.metrics import in_lengths, metric_of, told, unit_of
+from pmmkit.models import Model
+from pmmkit.simulation import Track, imo_turning, simulate, spiral_curve
+from pmmkit.simulation.bands import Bands, bands_of
+from pmmkit.workbench.pages.numbers import short
+
+SHIPS: Final = 40
+"""Ships behind a band: the central 95 % of forty is told to about a tenth of its width."""
+POINTS: Final = 300
+"""Samples of a track that are drawn."""
+LENGTHS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diameter_L")
+"""Measures of a turn that stand beside its path."""
+
+
+def sailed_page(
+    model: Model, manoeuvre: str, *, speed: float, band: bool = False, **settings: Any
+) -> dict[str, Any]:
+    """A manoeuvre as the page draws it.
+
+    Parameters
+    ----------
+    model : Model
+        Complete.
+    manoeuvre : str
+        ``turning``, ``zigzag`` and so on.
+    speed : float
+        Of the approach [m/s].
+    band : bool
+        Whether the central 95 % of ships drawn from the model's covariance is asked for.
+    **settings
+        As for `simulate`.
+
+    Returns
+    -------
+    dict
+        ``x``, ``y`` [ship lengths], ``t`` [s], ``psi``, ``delta`` [deg], ``speed`` [m/s], ``r``
+        [deg/s], ``metrics``, ``verdicts``, ``notes`` and, where it was asked for and can be told,
+        ``band``.
+    """
+    track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
+    page = track_page(track)
+    if band and model.covariance is not None:
+        try:
+            page["band"] = _band(
+                bands_of(model, manoeuvre, speed=speed, n=SHIPS, compiled=False, **settings)
+            )
+        except PmmkitError as error:
+            page["notes"] = [*page["notes"], str(error)]
+    return page
+
+
+def track_page(track: Track) -> dict[str, Any]:
+    """A track as the page draws it; arguments and keys as for `sailed_page`."""
+    # A path is smooth: evenly spaced samples draw it, where extremes alone would cut its corners.
+    kept = np.unique(np.linspace(0, len(track.t) - 1, POINTS).round().astype(int))
+    judged = imo_turning(track) if track.manoeuvre == "turning" else []
+    names = told("turn", in_lengths(track.metrics)) if judged else list(track.metrics)
+    return {
+        "manoeuvre": track.manoeuvre,
+        "Fn": short(track.Fn),
+        "L": short(track.L),
+        "approach": short(track.speed),
+        "t": short(track.t[kept]),
+        "x": short(track.x[kept] / track.L),
+        "y": short(track.y[kept] / track.L),
+        "psi": short(np.degrees(track.psi[kept])),
+        "delta": short(np.degrees(track.delta[kept])),
+        "r": short(np.degrees(track.r[kept])),
+        "speed": short(np.hypot(track.u[kept], track.v[kept])),
+        "metrics": [
+            {
+                "name": name,
+                "title": metric_of(name).title,
+                "unit": unit_of(name),
+                "value": short(track.metrics[name]),
+            }
+            for name in names
+            if math.isfinite(track.metrics[name])
+        ],
+        "verdicts": [
+            {
+                "criterion": item.criterion,
+                "limit": item.limit,
+                "value": short(item.value),
+                "unit": item.unit,
+                "passed": item.passed,
+            }
+            for item in judged
+        ],
+        "notes": list(track.notes),
+    }
+
+
+def _band(found: Bands) -> dict[str, Any]:
+    L = found.track.L
+    return {
+        "ships": found.ships,
+        "inner": short(found.inner / L),
+        "outer": short(found.outer / L),
+        "measures": {name: short(np.array(ends)) for name, ends in found.measures.items()},
+    }
+
+
+def spiral_page(model: Model, *, speed: float) -> dict[str, Any]:
+    """The steady yaw rate over the rudder angle: ``rudder`` [deg], ``rate`` [deg/s], ``stable``."""
+    curve = spiral_curve(model, speed=speed)
+    return {
+        "rudder": short(curve.rudder_deg),
+        "rate": short(curve.yaw_rate_deg_s),
+        "stable": [bool(x) for x in curve.stable],
+        "width": short(curve.loop_width_deg),
+        "height": short(curve.loop_height_deg_s),
+    }

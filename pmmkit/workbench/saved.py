@@ -1,0 +1,126 @@
+"""What a workbench keeps in its folder, to be found again: state, steps, models, results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from pmmkit.errors import DataError, PmmkitError
+from pmmkit.files import write_text
+from pmmkit.json_text import readable
+from pmmkit.loop.saved import read_session
+from pmmkit.models.step import Step
+
+STATE: Final = "workbench.json"
+STEPS: Final = "steps.toml"
+SCHEMA: Final = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """What a workbench is about, and how far it has come.
+
+    Parameters
+    ----------
+    campaign, model, data : str
+        What was opened: path of a campaign, of a model file or name of a library ship, and folder
+        of the measurements or nothing.
+    revision : int
+        Grows with each change: a page that saw an older one is told so.
+    steps : tuple of Step
+        What was added.
+    """
+
+    campaign: str
+    model: str
+    data: str = ""
+    revision: int = 0
+    steps: tuple[Step, ...] = ()
+
+    def is_about(self, campaign: str, model: str | None, data: str) -> bool:
+        """Whether these tests and, where one is named, this model were opened."""
+        same = Path(self.campaign).resolve() == Path(campaign).resolve()
+        return same and self.data == data and model in (None, self.model)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of what was added."""
+        return tuple(step.effect for step in self.steps)
+
+    def with_steps(self, steps: tuple[Step, ...]) -> State:
+        """The next state."""
+        return replace(self, steps=steps, revision=self.revision + 1)
+
+
+def save_state(folder: Path, state: State) -> None:
+    """Write a state; `steps.toml` is written by the session that took the steps."""
+    kept = asdict(replace(state, steps=()))
+    del kept["steps"]
+    write_text(folder / STATE, readable({"schema": SCHEMA, **kept, "count": len(state.steps)}))
+
+
+def find_state(folder: Path) -> State | None:
+    """The state that was saved in a folder; None where there is none.
+
+    Raises
+    ------
+    DataError
+        If the file is damaged.
+    """
+    path = folder / STATE
+    if not path.is_file():
+        return None
+    try:
+        kept = json.loads(path.read_text("utf-8"))
+        texts = {name: kept[name] for name in ("campaign", "model", "data")}
+        revision, count = kept["revision"], kept["count"]
+        whole = all(isinstance(x, str) for x in texts.values())
+        if not (whole and isinstance(revision, int) and isinstance(count, int)):
+            raise DataError(f"{path} is damaged.")
+        steps = read_session(folder / STEPS).steps[:count] if count else ()
+    except (OSError, ValueError, KeyError, TypeError, PmmkitError) as error:
+        raise DataError(
+            f"{path} is damaged ({error}). Delete the folder {folder} to begin anew."
+        ) from error
+    return State(**texts, revision=revision, steps=steps)
+
+
+def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:
+    """The steps that added these effects.
+
+    Raises
+    ------
+    DataError
+        If the file has others.
+    """
+    steps = read_session(folder / STEPS).steps if effects else ()
+    if tuple(step.effect for step in steps[: len(effects)]) != tuple(effects):
+        raise DataError(f"{folder / STEPS} was changed from outside. Reload the page.")
+    return steps[: len(effects)]
+
+
+def model_file(folder: Path, effects: tuple[str, ...]) -> Path:
+    """The model after some steps."""
+    return folder / f"model_{len(effects)}.toml"
+
+
+def save_result(folder: Path, name: str, effects: tuple[str, ...], content: Any) -> None:
+    """Keep a result for as long as the same effects are added."""
+    write_text(
+        folder / f"{name}_{len(effects)}.json",
+        readable({"schema": SCHEMA, "effects": effects, "content": content}),
+    )
+
+
+def find_result(folder: Path, name: str, effects: tuple[str, ...]) -> Any:
+    """A result that was kept; None where there is none for these effects."""
+    try:
+        kept = json.loads((folder / f"{name}_{len(effects)}.json").read_text("utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(kept, dict) or kept.get("effects") != list(effects):
+        return None
+    return kept.get("content")

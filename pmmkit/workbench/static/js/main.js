@@ -1,0 +1,224 @@
+// The page: places, the state, long work, keys.
+
+import { el, refill } from "./dom.js";
+import { frozen, get, post, wordsOf } from "./api.js";
+import { LANGUAGES, language, setWords, t } from "./words.js";
+import { num, plainWord } from "./format.js";
+import { showData } from "./data.js";
+import { showDerivatives } from "./derivatives.js";
+import { showWhere } from "./where.js";
+import { showMissing } from "./missing.js";
+import { showShip } from "./ship.js";
+
+const PLACES = { data: showData, derivatives: showDerivatives, where: showWhere, missing: showMissing, ship: showShip };
+const EVERY = 250;
+
+const page = document.getElementById("page");
+const parts = { header: el("header"), nav: el("nav", { "aria-label": "pmmkit" }), main: el("main", { tabindex: -1 }), rail: el("footer", { class: "rail" }) };
+
+const app = {
+  state: null,
+  selected: null,
+  count: null,
+  known: new Map(),
+  problem: "",
+  now: () => app.count ?? app.state.steps.length,
+  once(key, work) {
+    if (!app.known.has(key)) {
+      app.known.set(key, work().catch((problem) => {
+        app.known.delete(key);
+        throw problem;
+      }));
+    }
+    return app.known.get(key);
+  },
+  misfit: () => app.once(`misfit ${app.now()}`, () => get("misfit", { count: app.now() })),
+  history: (run) => app.once(`run ${app.now()} ${run}`, () => get("run", { run, count: app.now() })),
+  missing: () => app.once("missing", () => get("missing")),
+  fall: () => app.once("fall", () => get("fall")),
+  turns: () => app.once("turns", () => get("turns")),
+  range: () => app.once("range", () => get("range")),
+  checks: () => app.once("checks", () => get("checks")),
+  runs: (first) => app.once(`runs ${first}`, () => get("runs", { first })),
+  derivatives: () => app.once("derivatives", () => get("derivatives")),
+  busy: () => app.state.job.stand === "running",
+  running: (name) => app.busy() && app.state.job.name === name,
+  redraw: () => drawPlace(),
+  async act(what, more = {}) {
+    app.problem = "";
+    try {
+      await post(what, { revision: app.state.revision, ...more });
+    } catch (problem) {
+      app.problem = problem.message;
+    }
+    await refresh();
+  },
+};
+
+async function refresh() {
+  const before = app.state;
+  app.state = await get("state");
+  const job = app.state.job;
+  const changed = !before || before.revision !== app.state.revision || before.opened !== app.state.opened
+    || (before.job.stand === "running" && job.stand !== "running");
+  if (changed) {
+    app.known.clear();
+    app.count = null;
+  }
+  if (job.stand === "failed" && before?.job.stand === "running") app.problem = job.text;
+  drawFrame();
+  if (changed || app.problem || before?.job.stand !== job.stand) await drawPlace();
+  if (job.stand === "running") setTimeout(() => refresh().catch(lost), EVERY);
+}
+
+function lost() {
+  app.problem = t("lost");
+  refill(parts.main, message());
+  setTimeout(() => refresh().catch(lost), 8 * EVERY);
+}
+
+function place() {
+  const name = location.hash.slice(1);
+  return name in PLACES ? name : "where";
+}
+
+function drawFrame() {
+  const state = app.state;
+  refill(parts.header,
+    el("span", { class: "brand" }, "pmmkit"),
+    el("h1", {}, state.opened ? state.title : t("workbench")),
+    state.opened ? el("span", { class: "about" }, t("about", { runs: state.runs, model: state.model })) : null,
+    el("div", { class: "tools" }, languageChoice(), themeChoice(),
+      frozen || !state.opened ? null : el("a", { class: "button", href: "api/frozen", download: "workbench.html" }, t("save_file"))));
+  refill(parts.nav, state.opened ? el("ul", {}, Object.keys(PLACES).map((name, i) =>
+    el("li", {}, el("a", { href: `#${name}`, "aria-current": place() === name ? "page" : null }, el("kbd", { "aria-hidden": "true" }, i + 1), t(`place_${name}`))))) : "");
+  parts.nav.classList.toggle("hidden", !state.opened);
+  drawRail(state);
+}
+
+function drawRail(state) {
+  parts.rail.classList.toggle("hidden", !state.opened && state.job.stand !== "running");
+  const steps = state.steps ?? [];
+  refill(parts.rail,
+    el("ol", { "aria-label": t("steps"), tabindex: 0 },
+      el("li", { class: steps.length ? "" : "last" }, t("base")),
+      steps.map((step, i) => el("li", { class: i === steps.length - 1 ? "last" : "", title: step.note }, plainWord(step.effect)))),
+    steps.length && !frozen ? el("button", { disabled: app.busy(), on: { click: () => app.act("undo") } }, t("undo")) : null,
+    state.commands?.length ? el("button", { on: { click: showCommands } }, t("commands")) : null,
+    jobBar(state.job));
+}
+
+function jobBar(job) {
+  if (job.stand !== "running") return null;
+  const what = job.text || t(`job_${job.name}`);
+  const left = job.left === null ? "" : ` · ${t("left", { seconds: num(job.left, 2) })}`;
+  return el("div", { class: "job", role: "status" },
+    el("span", {}, `${what} · ${num(job.seconds, 2)} s${left}`),
+    job.total ? el("progress", { max: job.total, value: job.done, "aria-label": what }) : el("progress", { "aria-label": what }),
+    el("button", { on: { click: () => app.act("cancel") } }, t("cancel")));
+}
+
+function showCommands() {
+  const dialog = el("dialog", { "aria-label": t("commands") },
+    el("div", { class: "stack" },
+      el("div", { class: "head" }, el("h2", {}, t("commands")), el("span", { class: "soft small" }, t("commands_about"))),
+      el("ol", { class: "commands" }, app.state.commands.map((item) => el("li", {}, el("code", {}, item.line),
+        el("button", { on: { click: () => navigator.clipboard.writeText(item.line) } }, t("copy"))))),
+      el("div", {}, el("button", { class: "primary", on: { click: () => dialog.close() } }, t("close")))));
+  dialog.addEventListener("close", () => dialog.remove());
+  document.body.append(dialog);
+  dialog.showModal();
+}
+
+function message() {
+  return app.problem ? el("p", { class: "message", role: "alert" }, app.problem) : null;
+}
+
+async function drawPlace() {
+  const state = app.state;
+  document.title = state.opened ? `${t(`place_${place()}`)} · ${state.title}` : t("workbench");
+  if (!state.opened) return void refill(parts.main, message(), begin(state));
+  const root = el("div", { class: "stack" });
+  const waiting = setTimeout(() => refill(root, el("p", { class: "soft", role: "status" }, t("computing"))), 150);
+  const content = el("div", { class: "stack" });
+  const asked = place();
+  refill(parts.main, message(), root);
+  try {
+    await PLACES[asked](content, app, () => {
+      clearTimeout(waiting);
+      if (place() === asked) root.replaceWith(content);
+    });
+  } catch (problem) {
+    refill(root, el("p", { class: "message", role: "alert" }, problem.message));
+  } finally {
+    clearTimeout(waiting);
+  }
+}
+
+function begin(state) {
+  if (state.job.stand === "running") return el("section", { class: "panel begin" }, el("h2", {}, t("opening")), el("p", { class: "soft" }, state.job.text || t("job_open")));
+  const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_hint"), name: "campaign" });
+  return el("section", { class: "panel begin" },
+    el("h2", {}, t("begin")),
+    el("p", {}, t("begin_about")),
+    el("p", {}, el("button", { class: "primary", on: { click: () => app.act("open", { campaign: state.demonstration }) } }, t("demonstration"))),
+    el("h3", {}, t("own_tests")),
+    el("form", { on: { submit: (event) => { event.preventDefault(); app.act("open", { campaign: where.value }); } } }, where, el("button", {}, t("open"))));
+}
+
+function kept(key, value) {
+  try {
+    if (value === undefined) return localStorage.getItem(`pmmkit ${key}`);
+    localStorage.setItem(`pmmkit ${key}`, value);
+  } catch {
+    // A page opened from disk may have no storage: the choice lasts until it is closed.
+  }
+  return null;
+}
+
+function themeChoice() {
+  const now = document.documentElement.dataset.theme ?? "";
+  const next = { "": "dark", dark: "light", light: "" }[now];
+  return el("button", {
+    title: t("theme"),
+    on: { click: () => { setTheme(next); drawFrame(); drawPlace(); } },
+  }, t(`theme_${now || "auto"}`));
+}
+
+function setTheme(name) {
+  if (name) document.documentElement.dataset.theme = name;
+  else delete document.documentElement.dataset.theme;
+  kept("theme", name);
+}
+
+function languageChoice() {
+  const choice = el("select", {
+    "aria-label": t("language"),
+    on: { change: async () => { await useLanguage(choice.value); drawFrame(); await drawPlace(); } },
+  }, Object.entries(LANGUAGES).map(([code, name]) => el("option", { value: code, lang: code, selected: code === language() }, name)));
+  return choice;
+}
+
+async function useLanguage(code) {
+  const [own, english] = await Promise.all([wordsOf(code), wordsOf("en")]);
+  setWords(code, own, english);
+  kept("language", code);
+}
+
+function keys(event) {
+  if (event.ctrlKey || event.altKey || event.metaKey || /INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) return;
+  const name = Object.keys(PLACES)[Number(event.key) - 1];
+  if (name && app.state?.opened) location.hash = name;
+}
+
+async function start() {
+  setTheme(kept("theme") ?? "");
+  await useLanguage(kept("language") ?? "en");
+  page.replaceWith(parts.header, parts.nav, parts.main, parts.rail);
+  addEventListener("hashchange", () => { app.problem = ""; drawFrame(); drawPlace().then(() => parts.main.focus({ preventScroll: true })); scrollTo(0, 0); });
+  addEventListener("keydown", keys);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawPlace());
+  await refresh();
+}
+
+start().catch((problem) => page.isConnected ? refill(page, el("p", { class: "message" }, problem.message)) : lost());

@@ -1,0 +1,162 @@
+// Place 4: what is missing. Candidates, what each would do, and how the error falls.
+
+import { el, refill, svg } from "./dom.js";
+import { t } from "./words.js";
+import { fixed, num, plainWord } from "./format.js";
+import { legend, runPlots } from "./runplots.js";
+import { turnPanel } from "./sailed.js";
+import { frozen } from "./api.js";
+
+const STRONG = Math.log(1e6);
+
+export async function showMissing(root, app, shown) {
+  const [found, fall] = await Promise.all([app.missing(), app.fall()]);
+  const view = { draw: () => {} };
+  const right = el("div", { class: "stack" });
+  const left = el("div", { class: "stack" });
+  refill(root, el("div", { class: "two" }, left, right));
+  const fresh = found?.since === 0;
+  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null);
+  const turns = el("section", { class: "panel", "aria-label": t("turn") });
+  const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
+  refill(right, fall ? waterfall(fall) : null, run, turns);
+  shown();
+  view.draw = await runView(run, app, fresh ? found : null);
+  await turnPanel(turns, app);
+}
+
+function question(app, before) {
+  const running = app.running("diagnose");
+  return el("section", { class: "panel" },
+    el("h2", {}, t(before ? "ask_again_title" : "ask_title")),
+    el("p", {}, t(before?.candidates.length ? "ask_again_about" : "ask_about")),
+    frozen ? null : el("button", { class: before?.candidates.length ? "" : "primary", disabled: app.busy(), on: { click: () => app.act("diagnose") } }, running ? t("asking") : t(before ? "ask_again" : "ask")));
+}
+
+function answer(found, app, view) {
+  return el("section", { class: "panel", "aria-label": t("candidates") },
+    el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since ? null : el("span", { class: "soft small" }, t("hover_hint"))),
+    el("p", {}, found.sentence),
+    found.remarks.length ? el("details", {}, el("summary", {}, t("remarks")), found.remarks.map((text) => el("p", { class: "soft small" }, text))) : null,
+    el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view))));
+}
+
+function candidate(item, app, view) {
+  const own = app.selected ? item.share?.channels?.[app.selected.channel] : null;
+  const preview = () => view.draw(item.effect);
+  const leave = () => view.draw(null);
+  const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
+  return el("li", { on: { mouseenter: preview, mouseleave: leave } },
+    el("span", { class: "name" }, name,
+      item.named ? el("span", { class: "tag named" }, t("named")) : null,
+      item.kind === "fault" ? el("span", { class: "tag fault" }, t("fault")) : null),
+    frozen ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect }) } },
+      item.kind === "fault" ? t("correct") : t("add")),
+    el("p", { class: "summary" }, item.summary, item.kind === "fault" ? ` ${t("fault_about")}` : ""),
+    item.share ? meter("share", t("takes_away"), item.share.all, `${fixed(100 * Math.max(item.share.all, -9.99), 0)} %`) : null,
+    meter("evidence", t("evidence"), item.log_odds / STRONG, item.evidence),
+    item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${channel} ${fixed(100 * share, 0)} %`).join(" · ")) : null,
+    item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
+    item.test ? el("p", { class: "summary" }, t("to_be_sure", { test: item.test })) : null,
+    item.coefficients.length ? coefficients(item.coefficients) : null);
+}
+
+function meter(kind, label, share, text) {
+  const width = `${100 * Math.min(Math.max(share ?? 0, 0), 1)}%`;
+  return el("div", { class: `meter ${kind}` }, el("span", {}, label),
+    el("div", { class: "track" }, el("div", { class: "fill", css: { width } })), el("b", {}, text));
+}
+
+function coefficients(rows) {
+  return el("details", { class: "summary" }, el("summary", {}, t("coefficients")),
+    el("table", { class: "plain" },
+      el("thead", {}, el("tr", {}, [t("coefficient"), t("value"), "± 95 %", t("usual")].map((text) => el("th", { scope: "col" }, text)))),
+      el("tbody", {}, rows.map((row) => el("tr", {}, el("th", { scope: "row" }, row.name), el("td", {}, num(row.value)), el("td", {}, num(1.96 * row.std, 2)), el("td", {}, num(row.typical, 2)))))));
+}
+
+function rivals(found) {
+  if (found.sets.length < 2 && !found.suspected.length) return null;
+  return el("section", { class: "panel" }, el("h2", {}, t("rivals")),
+    el("ul", { class: "sentences" },
+      found.sets.slice(1).map((set) => el("li", {}, `${set.effects.map(plainWord).join(" + ")}: ${set.odds > 0.7 ? t("as_likely") : t("odds_against", { odds: num(1 / set.odds, 2) })}`)),
+      found.suspected.map((item) => el("li", {}, t("suspected", { effect: plainWord(item.effect), run: item.run })))));
+}
+
+function hidden(found) {
+  if (!found.hidden.length) return null;
+  return el("section", { class: "panel" },
+    el("details", {}, el("summary", {}, t("hidden", { count: found.hidden.length })),
+      el("ul", { class: "sentences calm" }, found.hidden.map((item) => el("li", {}, el("b", {}, plainWord(item.effect)), `: ${item.why}`,
+        item.size === null ? "" : `; ${t("could_hide", { size: num(item.size, 2) })}`)))));
+}
+
+// The run that is looked at, with the candidate under the pointer drawn over it.
+async function runView(root, app, found) {
+  const misfit = await app.misfit();
+  if (!misfit || misfit.kind !== "captive") {
+    root.remove();
+    return () => {};
+  }
+  if (!app.selected) {
+    const rows = misfit.groups.flatMap((group) => group.rows);
+    const worst = rows.flatMap((row) => Object.entries(row.cells).map(([channel, cell]) => ({ run: row.run, channel, ratio: cell.ratio ?? 0 })))
+      .reduce((a, b) => (b.ratio > a.ratio ? b : a));
+    app.selected = { run: worst.run, channel: worst.channel };
+  }
+  const history = await app.history(app.selected.run);
+  if (!history) {
+    root.remove();
+    return () => {};
+  }
+  const plots = el("div");
+  const keys = el("div");
+  refill(root,
+    el("div", { class: "head" }, el("h2", {}, `${t(`channel_${app.selected.channel}`)} · ${history.title}, ${history.words}`),
+      el("a", { class: "small right", href: "#where" }, t("another_run"))),
+    keys, plots);
+  let shown;
+  const draw = (effect) => {
+    if (effect === shown) return;
+    shown = effect;
+    refill(keys, legend(effect ? plainWord(effect) : null));
+    runPlots(plots, history, app.selected.channel, { overlay: effect ? found?.overlays?.[effect] : null, compact: true });
+  };
+  draw(null);
+  return draw;
+}
+
+function waterfall(fall) {
+  const steps = fall.steps;
+  const most = Math.max(...steps.map((step) => step.error));
+  const unit = fall.unit === "deg" ? "°" : ` ${fall.unit}`;
+  const [left, right, row, top] = [190, 70, 34, 8];
+  const width = 720;
+  const height = top + row * steps.length + 22;
+  const at = (x) => left + (x / most) * (width - left - right);
+  const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": t("fall") });
+  steps.forEach((step, i) => {
+    const y = top + row * i;
+    root.append(
+      svg("text", { class: i ? "" : "ink", x: left - 8, y: y + 20, "text-anchor": "end" }, i ? `+ ${plainWord(step.step)}` : t("base")),
+      svg("rect", { class: i ? "bar" : "bar first", x: left, y: y + 6, height: 19, width: Math.max(at(step.error) - left, 1.5), rx: 2 }),
+      svg("text", { class: "ink", x: at(step.error) + 6, y: y + 20 }, `${num(step.error)}${unit}`),
+    );
+  });
+  const level = steps.at(-1).level;
+  if (level !== null) {
+    root.append(
+      svg("line", { class: "level", x1: at(level), x2: at(level), y1: top, y2: height - 20 }),
+      svg("text", { x: at(level), y: height - 5, "text-anchor": "middle" }, t("noise_level", { level: `${num(level)}${unit}` })),
+    );
+  }
+  const channels = Object.keys(steps[0].channels);
+  return el("section", { class: "panel", "aria-label": t("fall") },
+    el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t("fall_about", { of: fall.of }))),
+    el("div", { class: "plot" }, root),
+    el("details", {}, el("summary", {}, t("by_channel")),
+      el("table", { class: "plain" },
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${plainWord(name)} [${steps[0].channels[name].unit}]`)))),
+        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error))))))),
+      el("p", { class: "soft small" }, fall.how), fall.remarks.map((text) => el("p", { class: "soft small" }, text))));
+}
+

@@ -1,0 +1,29 @@
+// One free-running record: track and motions, measured and modelled.
+
+import { el, refill } from "./dom.js";
+import { t } from "./words.js";
+import { area, extent, frame, path } from "./linear.js";
+
+const ORDER = ["psi", "r", "u", "v"];
+
+export function recordPlots(root, history) {
+  const { x, y } = history.motion;
+  const both = (name) => [...history.motion[name].measured, ...history.motion[name].predicted];
+  const map = frame({
+    width: 460, height: 400, x: extent(both("y")), y: extent(both("x")), equal: true,
+    xLabel: `${t("transfer")} [L]`, yLabel: `${t("advance")} [L]`, label: t("track"),
+  });
+  map.root.append(path(map, y.measured, x.measured, "measured"), path(map, y.predicted, x.predicted, "model"));
+  const over = (name) => {
+    const own = history.motion[name];
+    const low = own.measured.map((v, i) => v - own.uncertainty[i]);
+    const high = own.measured.map((v, i) => v + own.uncertainty[i]);
+    const plot = frame({ width: 460, height: 190, x: extent(history.t, 0), y: extent([...both(name), ...low, ...high]), xLabel: t("time_s"), yLabel: `${t(`motion_${name}`)} [${own.unit}]` });
+    plot.root.append(area(plot, history.t, low, high), path(plot, history.t, own.measured, "measured"), path(plot, history.t, own.predicted, "model"));
+    return el("div", { class: "plot" }, plot.root);
+  };
+  refill(root, el("div", { class: "pair" },
+    el("div", { class: "plot" }, el("h3", {}, t("track")), map.root),
+    el("div", { class: "stack" }, ORDER.slice(0, 2).map(over)),
+    ORDER.slice(2).map(over)));
+}

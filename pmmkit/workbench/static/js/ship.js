@@ -1,0 +1,116 @@
+// Place 5: the ship, sailed while a slider moves.
+
+import { el, refill } from "./dom.js";
+import { t } from "./words.js";
+import { num } from "./format.js";
+import { frozen, post } from "./api.js";
+import { extent, frame, path, roomOf } from "./linear.js";
+import { metricTitle, trackPlot, turnPanel } from "./sailed.js";
+
+const MANOEUVRES = ["turning", "zigzag", "spiral"];
+
+export async function showShip(root, app, shown) {
+  if (frozen) {
+    shown();
+    const panel = el("section", { class: "panel" });
+    refill(root, panel);
+    return turnPanel(panel, app);
+  }
+  const range = await app.range();
+  shown();
+  const speeds = range.speeds;
+  const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: 35, zigzag_deg: 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: 0, wind_direction_deg: 0, depth: null };
+  app.sailing = asked;
+  const picture = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("track") });
+  const controls = el("section", { class: "panel", "aria-label": t("settings") });
+  let waiting = null;
+
+  const sail = async (band) => {
+    waiting?.abort();
+    waiting = new AbortController();
+    try {
+      const found = await post("sail", request(asked, band), waiting.signal);
+      draw(picture, asked, found);
+    } catch (problem) {
+      if (problem.name !== "AbortError") refill(picture, el("p", { class: "soft" }, problem.message));
+    }
+  };
+  const panel = () => {
+    const low = Math.min(...speeds);
+    const high = Math.max(...speeds);
+    refill(controls,
+      el("div", { class: "segments", role: "group", "aria-label": t("manoeuvre") }, MANOEUVRES.map((name) =>
+        el("button", { "aria-pressed": asked.manoeuvre === name ? "true" : "false", on: { click: () => { asked.manoeuvre = name; panel(); sail(true); } } }, t(name)))),
+      asked.manoeuvre === "turning" ? slider(asked, "rudder_deg", t("rudder"), -35, 35, 1, "°", sail) : null,
+      asked.manoeuvre === "zigzag" ? slider(asked, "zigzag_deg", t("zigzag_angle"), 5, 30, 1, "°", sail) : null,
+      slider(asked, "speed", t("approach_speed"), low, high > low ? high : low + 0.01, (high - low) / 100 || 0.01, " m/s", sail),
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_speed", t("wind_speed"), 0, 30, 0.5, " m/s", sail) : null,
+      range.windy && asked.manoeuvre !== "spiral" ? slider(asked, "wind_direction_deg", t("wind_direction"), 0, 355, 5, "°", sail) : null,
+      range.shallow && asked.manoeuvre !== "spiral" ? slider(asked, "depth", t("depth"), 1.1 * range.draught, 10 * range.draught, 0.05 * range.draught, " m", sail) : null,
+      range.windy ? null : el("p", { class: "soft small" }, t("no_wind")),
+      range.shallow ? null : el("p", { class: "soft small" }, t("no_depth")),
+      el("p", { class: "soft small" }, range.scale));
+  };
+  panel();
+  refill(root, el("div", { class: "two" }, controls, picture));
+  await sail(true);
+}
+
+function request(asked, band) {
+  const own = { manoeuvre: asked.manoeuvre, speed: asked.speed };
+  if (asked.manoeuvre === "spiral") return own;
+  if (asked.manoeuvre === "turning") own.rudder_deg = asked.rudder_deg;
+  else Object.assign(own, { rudder_deg: asked.zigzag_deg, switch_deg: asked.zigzag_deg });
+  if (asked.wind_speed) Object.assign(own, { wind_speed: asked.wind_speed, wind_direction_deg: asked.wind_direction_deg });
+  if (asked.depth) own.depth = asked.depth;
+  return { ...own, band };
+}
+
+function slider(asked, name, label, min, max, step, unit, sail) {
+  const shown = el("output", {}, `${num(asked[name] ?? max)}${unit}`);
+  const input = el("input", {
+    type: "range", min, max, step, value: asked[name] ?? max, "aria-label": label,
+    on: {
+      input: () => {
+        const value = Number(input.value);
+        asked[name] = name === "rudder_deg" && value === 0 ? 1 : value;
+        shown.textContent = `${num(asked[name])}${unit}`;
+        sail(false);
+      },
+      change: () => sail(true),
+    },
+  });
+  return el("label", { class: "slider" }, el("span", {}, label), shown, input);
+}
+
+function draw(root, asked, found) {
+  if (asked.manoeuvre === "spiral") return spiral(root, found);
+  const turning = asked.manoeuvre === "turning";
+  const time = frame({ width: roomOf(root), height: 220, x: extent(found.t, 0), y: extent([...found.psi, ...found.delta]), xLabel: t("time_s"), yLabel: `${t("heading")}, ${t("rudder")} [°]` });
+  time.root.append(path(time, found.t, found.delta, "measured"), path(time, found.t, found.psi, "model"));
+  const verdict = (row) => found.verdicts.find((item) => item.criterion === row.name.replace(/_L$/, ""));
+  const ends = (row) => found.band?.measures?.[row.name];
+  refill(root,
+    el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
+      found.band ? el("span", { class: "soft small right" }, t("band_ships", { ships: found.band.ships })) : null),
+    el("div", { class: turning ? "pair" : "" },
+      turning ? el("div", { class: "plot" }, trackPlot([[found, "model"]], { height: 400 })) : null,
+      el("table", { class: "plain" },
+        el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
+          const judged = verdict(row);
+          return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)), el("td", {}, num(row.value)),
+            el("td", { class: "soft" }, ends(row) ? `${num(ends(row)[0])}–${num(ends(row)[1])}` : ""),
+            el("td", {}, judged ? el("span", { class: judged.passed ? "met" : "unmet" }, `${judged.passed ? "✓" : "✗"} IMO ≤ ${num(judged.limit)}`) : ""));
+        })))),
+    el("div", { class: "plot" }, time.root),
+    el("p", { class: "legend" }, el("span", {}, el("i", { class: "line c-model" }), t("heading")), el("span", {}, el("i", { class: "line c-measured" }), t("rudder"))),
+    found.notes.map((text) => el("p", { class: "soft small" }, text)));
+}
+
+function spiral(root, found) {
+  const plot = frame({ width: roomOf(root), height: 420, x: extent(found.rudder), y: extent(found.rate), xLabel: `${t("rudder")} [°]`, yLabel: `${t("yaw_rate")} [°/s]`, label: t("spiral") });
+  const only = (stable) => found.rate.map((value, i) => (found.stable[i] === stable || found.stable[i + 1] === stable ? value : null));
+  plot.root.append(path(plot, found.rudder, only(true), "model"), path(plot, found.rudder, only(false), "overlay dashed"));
+  refill(root, el("h2", {}, t("spiral")), el("div", { class: "plot" }, plot.root),
+    el("p", {}, found.width > 0 ? t("loop", { width: num(found.width), height: num(found.height) }) : t("stable_ship")));
+}

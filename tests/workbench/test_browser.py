@@ -1,0 +1,150 @@
+"""The page in a real Chromium: every place, by keyboard, nothing asked of other machines."""
+
+from __future__ import annotations
+
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+from chromium import chromium, found
+
+from pmmkit.workbench.application import application
+from pmmkit.workbench.frozen import frozen_page
+from pmmkit.workbench.serving import listening
+
+pytestmark = pytest.mark.slow
+PLACES = ("data", "derivatives", "where", "missing", "ship")
+
+
+@contextmanager
+def served(desk):
+    """The address of a server in a thread of its own."""
+    import uvicorn
+
+    channel = listening(None)
+    port = channel.getsockname()[1]
+    config = uvicorn.Config(application(desk, "key", port), log_level="error", ws="none")
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [channel]}, daemon=True)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{port}/?token=key"
+    finally:
+        server.should_exit = True
+        thread.join(10)
+        channel.close()
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    path = found()
+    if path is None:
+        pytest.skip("no Chromium on this machine: apt-get install chromium")
+    with chromium(path, tmp_path_factory.mktemp("profile")) as own:
+        own.size(1440, 900)
+        yield own
+
+
+@pytest.fixture(scope="module")
+def opened(page, looped, looped_desk):
+    with served(looped_desk) as address:
+        page.open(address)
+        page.wait("document.querySelectorAll('td[role], .map td').length")
+        yield page
+
+
+def settled(page):
+    """Waits until nothing is being worked out."""
+    page.wait("!document.querySelector('main [role=status]')")
+    time.sleep(0.1)
+
+
+def test_each_place_shows_itself_and_complains_of_nothing(opened):
+    shows = {
+        "data": ".card .spark path, .card",
+        "derivatives": "main h2",
+        "where": ".uplot canvas, .plot svg",
+        "missing": "section[aria-label='How the error falls'] rect",
+        "ship": ".slider",
+    }
+    for name in PLACES:
+        opened.run(f"location.hash = '{name}'")
+        assert opened.wait(f'document.querySelectorAll("{shows[name]}").length'), name
+        settled(opened)
+        assert opened.run("document.documentElement.scrollWidth <= innerWidth"), name
+    assert opened.complaints == []
+
+
+def test_nothing_is_asked_of_another_machine(opened):
+    assert opened.requests
+    outside = [x for x in opened.requests if not x.startswith(("http://127.0.0.1:", "data:"))]
+    assert outside == []
+
+
+def test_names_with_markup_are_shown_as_text(opened):
+    assert opened.run("document.querySelector('h1').textContent") == "</script><b>hidden</b>"
+    assert opened.run("document.querySelectorAll('h1 b').length") == 0
+
+
+def test_the_map_is_walked_by_arrow_keys(opened):
+    opened.key("3", "3")
+    opened.wait(
+        "location.hash === '#where' && document.querySelector('td[aria-selected=true]')?.title"
+    )
+    opened.run("document.querySelector('td[aria-selected=true]').focus()")
+    before = opened.run("document.activeElement.title")
+    opened.key("ArrowDown")
+    opened.key("ArrowRight")
+    after = opened.run("document.activeElement.title")
+    assert after != before
+    assert opened.run("document.activeElement.getAttribute('aria-selected')") == "true"
+    assert opened.run("document.querySelectorAll('td[aria-selected=true]').length") == 1
+
+
+def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):
+    for name in PLACES:
+        opened.run(f"location.hash = '{name}'")
+        settled(opened)
+        nameless = opened.run(
+            "[...document.querySelectorAll('button, a, select, input, [role=img]')]"
+            ".filter(x => !(x.textContent.trim() || x.ariaLabel || x.labels?.length))"
+            ".map(x => x.outerHTML.slice(0, 90))"
+        )
+        assert nameless == [], name
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (390, "light"), (1440, "dark")])
+def test_places_fit_a_narrow_screen_and_the_dark(opened, width, scheme):
+    opened.size(width, 844)
+    opened.scheme(scheme)
+    try:
+        for name in PLACES:
+            opened.run(f"location.hash = '{name}'")
+            settled(opened)
+            assert opened.run("document.documentElement.scrollWidth <= innerWidth"), name
+        ground = opened.run("getComputedStyle(document.documentElement).backgroundColor")
+        assert (ground == "rgb(15, 19, 23)") is (scheme == "dark")
+    finally:
+        opened.size(1440, 900)
+        opened.scheme("light")
+
+
+def test_the_file_opens_from_disk_with_the_same_plots(page, looped, looped_desk, tmp_path):
+    file = tmp_path / "workbench.html"
+    file.write_text(frozen_page(looped_desk), encoding="utf-8")
+    page.open("about:blank")
+    page.wait("location.href === 'about:blank'")
+    page.complaints.clear()
+    page.requests.clear()
+    page.open(file.as_uri())
+    page.wait("document.querySelectorAll('.map td').length")
+    assert page.wait("document.querySelectorAll('.uplot canvas, .plot svg path').length")
+    page.run("location.hash = 'missing'")
+    assert page.wait("document.querySelectorAll('svg rect.bar').length") == 3
+    assert (
+        page.run("[...document.querySelectorAll('button')].some(x => x.textContent === 'Add')")
+        is False
+    )
+    assert page.complaints == []
+    assert {x for x in page.requests if not x.startswith(("file:", "data:"))} == set()

@@ -1,0 +1,147 @@
+"""One whole loop over the server, replayed by the command line; what is saved is found again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from asgi import Browser
+from commands import said
+from long_work import done, waited
+
+from pmmkit.errors import DataError
+from pmmkit.models import load_model
+from pmmkit.workbench.application import application
+from pmmkit.workbench.desk import Desk
+from pmmkit.workbench.frozen import answers, bundle, frozen_page
+from pmmkit.workbench.saved import STATE
+
+
+@pytest.fixture(scope="module")
+def desk(looped_desk):
+    return looped_desk
+
+
+@pytest.fixture(scope="module")
+def browser(looped_browser):
+    return looped_browser
+
+
+@pytest.mark.slow
+def test_the_error_falls_to_the_noise_as_what_hides_is_clicked_in(looped):
+    assert set(looped["named"]) == {"yaw_sway_coupling", "fault_misalignment"}
+    errors = [step["error"] for step in looped["fall"]["steps"]]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1.5 * looped["fall"]["steps"][-1]["level"] < errors[0]
+    assert looped["after"]["within"] > looped["before"]["within"]
+
+
+@pytest.mark.slow
+def test_the_command_line_replays_the_steps_with_the_same_numbers(looped, desk, place, capsys):
+    shown = [item["line"] for item in looped["state"]["commands"]]
+    assert shown[-1].startswith("pmmkit add ")
+    assert f"--steps {desk.folder / 'steps.toml'}" in shown[-1]
+    steps, made = desk.folder / "steps.toml", place / "replayed.toml"
+    options = ["--fit", place / "hidden.h5", "-o", made]
+    status, told, _ = said(capsys, "add", desk.folder / "model_0.toml", "--steps", steps, *options)
+    assert status == 0
+    assert told["added"] == looped["named"]
+    mine, theirs = load_model(desk.folder / "model_2.toml"), load_model(made)
+    assert {name: part.values for name, part in mine.parts.items()} == {
+        name: part.values for name, part in theirs.parts.items()
+    }
+
+
+@pytest.mark.slow
+def test_another_page_that_saw_an_older_state_changes_nothing(looped, browser):
+    answer = browser.post("/api/undo", {"revision": looped["opened"]["revision"]})
+    assert answer.status == 409
+    assert len(browser.get("/api/state").json["steps"]) == 2
+
+
+@pytest.mark.slow
+def test_what_was_done_is_found_again_after_the_server_ended(looped, desk, place):
+    again = Desk(desk.folder, [place])
+    try:
+        assert again.state == desk.state
+        assert again.fall() == desk.fall()
+        missing = again.missing()
+        assert missing is not None
+        assert missing["since"] == 2
+        assert not {x["effect"] for x in missing["candidates"]} & set(looped["named"])
+    finally:
+        again.close()
+
+
+@pytest.mark.slow
+def test_undo_and_add_come_back_to_the_same(looped, browser, desk):
+    before = json.loads((desk.folder / "fall_2.json").read_text("utf-8"))
+    state = done(browser, "undo")
+    assert len(state["steps"]) == 1
+    assert len(browser.get("/api/fall").json["steps"]) == 2
+    done(browser, "add", effect=looped["named"][-1])
+    assert json.loads((desk.folder / "fall_2.json").read_text("utf-8")) == before
+
+
+@pytest.mark.slow
+def test_the_file_holds_the_page_and_no_name_ends_an_element(looped, desk):
+    page = frozen_page(desk)
+    assert len(page.encode()) < 3_000_000
+    assert "</script><b>" not in page
+    assert page.count("<script") == page.count("</script>") == 3
+    assert "http-equiv" in page
+    held = answers(desk)
+    rows = [row for group in held["misfit 2"]["groups"] for row in group["rows"]]
+    assert all(f"run {row['run']} 2" in held for row in rows)
+
+
+@pytest.mark.slow
+def test_work_is_cancelled_at_once_and_can_be_asked_again(looped, browser):
+    state = browser.get("/api/state").json
+    assert browser.post("/api/diagnose", {"revision": state["revision"]}).status == 200
+    assert browser.post("/api/diagnose", {"revision": state["revision"]}).status == 400
+    assert browser.post("/api/cancel", {}).json["stand"] == "cancelled"
+    assert done(browser, "diagnose")["asked"]
+
+
+def test_modules_of_the_page_are_in_the_file_in_the_order_of_their_needs():
+    text = bundle()
+    places = [text.index(f"const from_{name} ") for name in ("dom", "linear", "where", "main")]
+    assert places == sorted(places)
+    assert "\nimport " not in text
+    assert "\nexport " not in text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"campaign": 1}', '{"campaign":"x","model":"","data":"","count":"2"}']
+)
+def test_a_damaged_state_is_said_with_what_to_do(tmp_path, text):
+    (tmp_path / STATE).write_text(text, "utf-8")
+    with pytest.raises(DataError, match="begin anew"):
+        Desk(tmp_path, [tmp_path])
+
+
+@pytest.mark.slow
+def test_a_folder_without_tests_is_said_in_place(tmp_path):
+    own = Desk(tmp_path / "workbench", [tmp_path])
+    browser = Browser(application(own, "key", 8175), 8175, "key")
+    try:
+        browser.post("/api/open", {"campaign": str(tmp_path)})
+        job = waited(browser)["job"]
+        assert job["stand"] == "failed"
+        assert "campaign.toml" in job["text"]
+        assert browser.get("/api/state").json["opened"] is False
+    finally:
+        own.close()
+
+
+def test_words_of_all_languages_are_those_that_the_page_says():
+    words = Path(bundle.__code__.co_filename).parent / "static" / "words"
+    english = json.loads((words / "en.json").read_text("utf-8"))
+    for file in words.glob("*.json"):
+        own = json.loads(file.read_text("utf-8"))
+        assert set(own) == set(english), file.name
+        for key, text in own.items():
+            marks = {part.split("}")[0] for part in text.split("{")[1:]}
+            assert marks == {part.split("}")[0] for part in english[key].split("{")[1:]}, key

@@ -1,0 +1,195 @@
+"""What the page shows is what the commands say, and no more samples than a screen has."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from hidden_effects import hidden_campaign
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pmmkit.loop.session import begin
+from pmmkit.models import load_model
+from pmmkit.simulation import simulate
+from pmmkit.validation.comparison import compare
+from pmmkit.workbench.pages.fall import fall_page
+from pmmkit.workbench.pages.history import history_page
+from pmmkit.workbench.pages.misfit import misfit_page
+from pmmkit.workbench.pages.missing import missing_page
+from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
+from pmmkit.workbench.pages.turning import sailed_page
+
+
+@pytest.fixture(scope="module")
+def bare():
+    """Son and Nomoto's ship without its terms of sway and yaw together."""
+    ship = load_model("s175-3dof")
+    hull = ship.parts["hull_polynomial"]
+    kept = {k: v for k, v in hull.values.items() if k not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}
+    changed = replace(hull, values=MappingProxyType(kept))
+    return ship.with_(parts=MappingProxyType({**ship.parts, "hull_polynomial": changed}))
+
+
+@pytest.fixture(scope="module")
+def campaign():
+    return hidden_campaign("middle", {"yaw_sway_coupling": 1.0, "fault_misalignment": 1.0}, seed=3)
+
+
+@pytest.fixture(scope="module")
+def comparison(bare, campaign):
+    return compare(bare, campaign)
+
+
+@pytest.fixture(scope="module")
+def session(bare, campaign):
+    return begin(bare, campaign)
+
+
+@pytest.fixture(scope="module")
+def missing(session):
+    return missing_page(session, session.diagnose())
+
+
+def summed(labels, values, theta):
+    """A force at phases from its harmonics, as the page sums it."""
+    parts = [
+        x * (np.cos if label[0] == "C" else np.sin)(int(label[1:]) * theta)
+        for label, x in zip(labels, values, strict=True)
+    ]
+    return np.sum(parts, axis=0)
+
+
+@pytest.mark.slow
+def test_the_map_holds_every_row_of_the_comparison(comparison):
+    page = misfit_page(comparison)
+    shown = {
+        (row["run"], channel): cell
+        for group in page["groups"]
+        for row in group["rows"]
+        for channel, cell in row["cells"].items()
+    }
+    rows = comparison.rows()
+    assert len(shown) == len(rows) == page["cells"]
+    for row in rows:
+        cell = shown[row["run"], row["channel"]]
+        assert cell["ratio"] == pytest.approx(row["ratio"], rel=1e-4)
+        assert cell["within"] == row["within"]
+    assert page["sentences"][0] == comparison.standouts()[0]
+    json.dumps(page, allow_nan=False)
+
+
+@pytest.mark.slow
+def test_harmonics_over_the_phase_are_the_forces_over_time(comparison):
+    """The page draws the model from harmonics: at the samples these give its history again."""
+    item = next(x for x in comparison.captive if x.view.omega)
+    page = history_page(comparison, item.view.run.id)
+    for channel, own in page["channels"].items():
+        drawn = summed(page["labels"], own["predicted"], np.array(page["theta"]))
+        history = np.array(page["predicted"][channel])
+        assert np.sqrt(np.mean((drawn - history) ** 2)) < 0.1 * np.ptp(history)
+    assert len(page["t"]) == len(page["theta"]) == len(page["measured"]["Y"])
+    assert np.all(np.diff(page["t"]) > 0)
+    json.dumps(page, allow_nan=False)
+
+
+@pytest.mark.slow
+def test_a_steady_run_stands_among_its_family(comparison):
+    item = next(x for x in comparison.captive if not x.view.omega and x.view.run.settings.drift)
+    page = history_page(comparison, item.view.run.id)
+    family = page["family"]
+    assert (page["steady"], family["over"]) == (True, "drift")
+    place = family["runs"].index(item.view.run.id)
+    assert family["at"][place] == pytest.approx(
+        math.degrees(item.view.run.settings.drift), abs=1e-3
+    )
+    assert family["at"] == sorted(family["at"])
+
+
+@pytest.mark.slow
+def test_what_hides_is_named_with_its_share_of_the_misfit(missing, session):
+    named = [item for item in missing["candidates"] if item["named"]]
+    assert {item["effect"] for item in named} == {"yaw_sway_coupling", "fault_misalignment"}
+    assert {item["kind"] for item in named} == {"physics", "fault"}
+    assert max(item["share"]["all"] for item in named) > 0.3
+    before, after = (
+        state.fall().errors[-1].share() for state in (session, session.add("yaw_sway_coupling"))
+    )
+    own = next(item for item in named if item["effect"] == "yaw_sway_coupling")
+    assert own["share"]["all"] == pytest.approx(1 - (after / before) ** 2, abs=0.02)
+
+
+@pytest.mark.slow
+def test_an_overlay_is_what_adding_the_effect_does(missing, session, bare, campaign):
+    """Drawn over a run before anything is added: the model that comes of it predicts the same.
+
+    Runs with a rudder angle are left out: the ship keeps its own rudder, which is not fitted.
+    """
+    before, after = (
+        {item.view.run.id: item for item in compare(model, campaign).captive}
+        for model in (session.model(), session.add("yaw_sway_coupling").model())
+    )
+    drawn = missing["overlays"]["yaw_sway_coupling"]
+    moved = []
+    for run, channels in drawn.items():
+        if after[run].view.run.settings.rudder:
+            continue
+        change = after[run].predicted["Y"] - before[run].predicted["Y"]
+        moved.append((np.array(channels["Y"]), change))
+    told, found = (np.concatenate(x) for x in zip(*moved, strict=True))
+    assert np.linalg.norm(told - found) < 1e-3 * np.linalg.norm(found)
+
+
+@pytest.mark.slow
+def test_the_waterfall_tells_the_errors_of_the_session(session):
+    page = fall_page(session.add("yaw_sway_coupling").fall())
+    assert [step["step"] for step in page["steps"]] == ["base", "yaw_sway_coupling"]
+    assert page["steps"][1]["error"] < page["steps"][0]["error"]
+    assert page["steps"][1]["level"] > 0.0
+
+
+@pytest.mark.slow
+def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
+    model = load_model("kvlcc2")
+    page = sailed_page(model, "turning", speed=7.97, rudder_deg=35.0)
+    track = simulate(model, "turning", speed=7.97, rudder_deg=35.0, compiled=False)
+    found = {item["name"]: item["value"] for item in page["metrics"]}
+    assert found["advance_L"] == pytest.approx(track.metrics["advance_L"], rel=1e-4)
+    assert max(page["y"]) == pytest.approx(float(track.y.max()) / track.L, rel=1e-2)
+    assert {item["criterion"] for item in page["verdicts"]} == {"advance", "tactical_diameter"}
+
+
+@given(
+    length=st.integers(0, 5000),
+    places=st.lists(st.integers(0, 4999), min_size=1, max_size=5, unique=True),
+)
+def test_no_spike_is_lost_where_a_record_is_thinned(length, places):
+    values = np.zeros(length)
+    spikes = [place for place in places if place < length]
+    values[spikes] = np.arange(1, len(spikes) + 1)
+    kept = thinned({"X": values}, 50)
+    assert len(kept) <= max(2 * 50 + 4, min(length, 100))
+    if spikes:
+        assert spikes[-1] in kept
+        assert kept[0] == 0
+        assert kept[-1] == length - 1
+
+
+def test_three_gigabytes_of_samples_would_be_as_few_on_the_screen():
+    values = np.sin(np.arange(2_000_000) / 5000.0)
+    kept = thinned({"X": values, "Y": -values})
+    assert len(kept) <= 4 * BUCKETS + 6
+    assert values[kept].max() == values.max()
+
+
+@given(st.floats(-1e300, 1e300) | st.sampled_from([math.nan, math.inf, -math.inf]))
+def test_short_numbers_stay_what_they_are(value):
+    told = short(value)
+    if math.isfinite(value):
+        assert told == pytest.approx(value, rel=1e-4, abs=1e-320)
+    else:
+        assert told is None

@@ -1,0 +1,168 @@
+"""The server answers its own page alone; whatever else comes is refused, and nothing breaks."""
+
+from __future__ import annotations
+
+import random
+import socket
+from contextlib import closing
+
+import pytest
+from asgi import Browser, ask
+
+from pmmkit.errors import DataError
+from pmmkit.workbench.application import application
+from pmmkit.workbench.desk import Desk
+from pmmkit.workbench.serving import listening
+
+PORT, TOKEN = 8175, "the-secret-of-this-address"
+HOST = (b"host", b"127.0.0.1:8175")
+ORIGIN = (b"origin", b"http://127.0.0.1:8175")
+COOKIE = (b"cookie", b"pmmkit_8175=" + TOKEN.encode())
+LENGTH = (b"content-length", b"2")
+
+
+@pytest.fixture(scope="module")
+def desk(tmp_path_factory):
+    named = tmp_path_factory.mktemp("named")
+    own = Desk(tmp_path_factory.mktemp("state") / "workbench", [named])
+    yield own
+    own.close()
+
+
+@pytest.fixture(scope="module")
+def app(desk):
+    return application(desk, TOKEN, PORT)
+
+
+@pytest.fixture(scope="module")
+def browser(app):
+    return Browser(app, PORT, TOKEN)
+
+
+def test_the_address_gives_the_page_and_takes_its_token_out_of_the_history(app):
+    answer = ask(app, f"/?token={TOKEN}", headers=[HOST])
+    assert (answer.status, answer.headers["location"]) == (303, "/")
+    cookie = answer.headers["set-cookie"]
+    assert "HttpOnly" in cookie
+    assert "SameSite=Strict" in cookie
+    page = ask(app, "/", headers=[HOST, COOKIE])
+    assert page.status == 200
+    assert TOKEN not in page.text
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ([HOST], 403),
+        ([HOST, (b"cookie", b"pmmkit_8175=guess")], 403),
+        ([HOST, (b"cookie", b"pmmkit_8176=" + TOKEN.encode())], 403),
+        ([HOST, (b"cookie", b"pmmkit_8175=\xff\xfe; =;;\x01")], 403),
+        ([COOKIE], 421),
+        ([(b"host", b"evil.example:8175"), COOKIE], 421),
+        ([(b"host", b"127.0.0.1:9999"), COOKIE], 421),
+        ([(b"host", b"127.0.0.1:8175.evil.example"), COOKIE], 421),
+        ([HOST, COOKIE, (b"origin", b"http://evil.example")], 403),
+        ([HOST, COOKIE, (b"origin", b"null")], 403),
+        ([HOST, COOKIE, (b"origin", b"http://127.0.0.1:8176")], 403),
+        ([HOST, COOKIE, (b"sec-fetch-site", b"cross-site")], 403),
+    ],
+)
+def test_requests_that_do_not_come_from_the_page_are_refused(app, headers, status):
+    for address in ("/", "/api/state", "/static/js/main.js"):
+        assert ask(app, address, headers=headers).status == status
+
+
+def test_the_token_counts_in_the_first_address_alone(app):
+    assert ask(app, f"/api/state?token={TOKEN}", headers=[HOST]).status == 403
+
+
+def test_what_changes_something_needs_the_origin_of_the_page_and_a_length(app):
+    own = [HOST, COOKIE]
+    assert ask(app, "/api/cancel", method="POST", headers=[*own, LENGTH], body=b"{}").status == 403
+    assert ask(app, "/api/cancel", method="POST", headers=[*own, ORIGIN], body=b"{}").status == 411
+    told = [*own, ORIGIN, LENGTH]
+    assert ask(app, "/api/cancel", method="POST", headers=told, body=b"{}").status == 200
+    long = [*own, ORIGIN, (b"content-length", b"99999999999")]
+    assert ask(app, "/api/cancel", method="POST", headers=long).status == 413
+    assert ask(app, "/api/cancel", headers=own).status == 405
+
+
+def test_every_answer_forbids_what_is_not_its_own(app):
+    for headers in ([HOST, COOKIE], [HOST], []):
+        found = ask(app, "/", headers=headers).headers
+        policy = found["content-security-policy"]
+        assert "default-src 'none'" in policy
+        assert "unsafe" not in policy
+        assert "http" not in policy
+        assert found["x-content-type-options"] == "nosniff"
+        assert found["referrer-policy"] == "no-referrer"
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/etc", "/etc/passwd", "..", "../..", "~", "", "\0", "a" * 5000, "C:\\Windows", "//server/x"],
+)
+def test_nothing_outside_the_named_folders_is_opened(browser, desk, path):
+    answer = browser.post("/api/open", {"campaign": path})
+    assert answer.status == 400
+    assert desk.state is None
+
+
+def test_links_do_not_lead_out_of_a_named_folder(desk, tmp_path):
+    link = desk.roots[0] / "inside"
+    link.symlink_to(tmp_path, target_is_directory=True)
+    with pytest.raises(DataError, match="outside the folders"):
+        desk.named(str(link))
+    assert desk.named(str(desk.roots[0] / "runs")) == desk.roots[0] / "runs"
+
+
+def test_a_model_file_must_lie_in_a_named_folder_too(browser, datasets):
+    asked = {"campaign": str(datasets / "s175"), "model": "/etc/passwd"}
+    assert "outside the folders" in browser.post("/api/open", asked).json["error"]
+
+
+@pytest.mark.parametrize(
+    "path", ["/static/../guard.py", "/static/%2e%2e/guard.py", "/static//etc/passwd", "/static/.."]
+)
+def test_files_beside_the_page_are_not_served(browser, path):
+    assert browser.get(path).status in (400, 404, 405)
+
+
+def test_markup_in_what_is_asked_comes_back_as_json_alone(browser):
+    answer = browser.post("/api/open", {"campaign": "<script>alert(1)</script>"})
+    assert answer.headers["content-type"] == "application/json"
+
+
+def test_malformed_requests_are_refused_and_nothing_breaks(app, browser):
+    """Bytes of all kinds in the place of JSON, queries and headers, the same each time."""
+    draw = random.Random(15)
+    paths = ("open", "add", "undo", "diagnose", "sail", "cancel")
+    reads = ("state", "misfit", "run", "missing", "fall", "turns", "range", "nothing")
+    pieces = (b"{}", b"[]", b"null", b'{"revision":', b"1e999", b'"\\ud800"', b"{" * 3000, b"\xff")
+    for number in range(2000):
+        body = draw.choice(pieces) + draw.randbytes(draw.randrange(12))
+        if number % 2:
+            length = (b"content-length", str(len(body)).encode())
+            answer = ask(
+                app,
+                f"/api/{draw.choice(paths)}",
+                method="POST",
+                headers=[*browser.own, length],
+                body=body,
+            )
+        else:
+            query = draw.randbytes(6).hex() if number % 3 else "count=-1&run=%00"
+            answer = browser.get(f"/api/{draw.choice(reads)}?{query}")
+        assert answer.status in (200, 400, 404, 405, 409), (body, answer.text)
+    assert browser.get("/api/state").json["opened"] is False
+
+
+def test_a_second_server_takes_another_port():
+    with closing(listening(None)) as first, closing(listening(None)) as second:
+        ports = [channel.getsockname()[1] for channel in (first, second)]
+        assert ports[0] != ports[1]
+        assert {channel.getsockname()[0] for channel in (first, second)} == {"127.0.0.1"}
+        with pytest.raises(DataError, match="--port"):
+            listening(ports[0])
+    with closing(socket.create_server(("127.0.0.1", 0))) as taken, pytest.raises(DataError):
+        listening(taken.getsockname()[1])
