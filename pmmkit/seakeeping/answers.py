@@ -171,11 +171,11 @@ class Response(Described):
             ]
             if one.wet is not None and one.wet_per_hour is not None:
                 points.append(
-                    f"Deck wet by {one.wet:.2%} of waves, {one.wet_per_hour:.2f} an hour."
+                    f"Deck wet by {100 * one.wet:.2f} % of waves, {one.wet_per_hour:.2f} an hour."
                 )
             if one.slam is not None and one.slams_per_hour is not None:
                 points.append(
-                    f"Slams at {one.slam:.2%} of waves, {one.slams_per_hour:.2f} an hour."
+                    f"Slams at {100 * one.slam:.2f} % of waves, {one.slams_per_hour:.2f} an hour."
                 )
             sections.append(
                 Section(

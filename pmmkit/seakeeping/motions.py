@@ -249,8 +249,9 @@ def _warnings(
         found.append(f"Fn {froude:.2f} is high for strip theory, which is trusted up to 0.4.")
     if slow.any():
         found.append(
-            f"{np.mean(slow):.0%} of the waves meet the ship slower than ωₑ√(L/g) = {SLOW}: heave, "
-            "roll and pitch are quasi-static there, surge, sway and yaw are not computed."
+            f"{100 * np.mean(slow):.0f} % of the waves meet the ship slower than ωₑ√(L/g) = "
+            f"{SLOW}: heave, roll and pitch are quasi-static there, surge, sway and yaw are not "
+            "computed."
         )
     along = np.multiply.outer(U, np.cos(beta))[..., None] * w / g
     if ((along > 0.7) & (along < 1.4)).any():

@@ -71,7 +71,7 @@ class Operability(Described):
         return polar(self.heading_deg, curves, limit=1.0, label="largest value over its limit")
 
     def _headline(self) -> str:
-        return f"{self.name} in {self.sea.words}: {self.share:.0%} of speeds and headings"
+        return f"{self.name} in {self.sea.words}: {100 * self.share:.0f} % of speeds and headings"
 
     def _sections(self) -> Sequence[Section]:
         names = list(self.ratios)

@@ -85,8 +85,9 @@ def response(
     share = float(np.trapezoid(sea.spectrum(rao.omega), rao.omega)) / max(sea.moment(0), 1e-30)
     if sea.Hs > 0 and share < 0.9:
         raise DataError(
-            f"The frequencies {rao.omega[0]:.2f} to {rao.omega[-1]:.2f} rad/s hold {share:.0%} of "
-            f"the energy of the sea, whose peak is at {sea.peak:.2f} rad/s: compute more of them."
+            f"The frequencies {rao.omega[0]:.2f} to {rao.omega[-1]:.2f} rad/s hold "
+            f"{100 * share:.0f} % of the energy of the sea, whose peak is at "
+            f"{sea.peak:.2f} rad/s: compute more of them."
         )
     places_ = tuple(_at_place(rao, a, headings, shares, sea, place, hours) for place in places)
     found, absent = {}, []
@@ -96,7 +97,7 @@ def response(
             found[mode] = one
         else:
             absent.append(mode)
-    notes = [f"The frequencies hold {share:.1%} of the energy of the sea."]
+    notes = [f"The frequencies hold {100 * share:.1f} % of the energy of the sea."]
     if absent:
         notes.append(
             f"{', '.join(absent)}: not known where waves meet the ship too slowly, so not given."

@@ -9,6 +9,8 @@ import pytest
 import xarray as xr
 from commands import said
 
+import pmmkit as pk
+import pmmkit.ship_library
 from pmmkit.cli import main
 
 SEA = ["--hs", "4", "--tp", "9.7"]
@@ -54,6 +56,21 @@ def test_a_hull_from_offsets(tmp_path, monkeypatch, capsys):
     assert main([*order, "--gyration", "6,25,25", "--gm", "1"]) == 0
     assert "Fn 0.200" in capsys.readouterr().out
     assert (tmp_path / "boat-seakeeping" / "rao.svg").exists()
+
+
+@pytest.mark.slow
+def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
+    order = ["seakeeping", "s175", "--speeds", "8", "--headings", "0,30,60,90,120,150,180"]
+    out = tmp_path / "out"
+    assert main([*order, "--hs", "4", "--tp", "8", "--no-figures", "--out", str(out)]) == 0
+    plain = pk.ship_library.ship_file("s175-3dof").read_text(encoding="utf-8")
+    (tmp_path / "rough.toml").write_text(plain + (out / "drift.toml").read_text(encoding="utf-8"))
+    rough = pk.load_model(tmp_path / "rough.toml")
+    calm, moved = (
+        pk.simulate(model, rudder_deg=20, speed=8.0, compiled=False).metrics["advance_L"]
+        for model in ("s175-3dof", rough)
+    )
+    assert moved < calm - 0.05
 
 
 @pytest.mark.parametrize(

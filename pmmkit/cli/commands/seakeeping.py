@@ -175,6 +175,26 @@ def _means(answers: list[Response], added: AddedResistance) -> list[str]:
     return [*lines, ""]
 
 
+def _drift(found: Rao, waves: Sea, speed: float) -> str:
+    """The lines by which a model file takes the mean drift of a sea."""
+    from pmmkit.seakeeping import drift_table
+
+    lines = [
+        f"# Mean drift at {speed:.3f} m/s in a sea of Tp {waves.Tp:.2f} s, for a model. from_deg:",
+        "# where the waves come from, from the heading of the approach, to starboard.",
+        "[effects.wave_drift]",
+        'source = "strip theory: pmmkit seakeeping"',
+        "[effects.wave_drift.options]",
+        'coefficients = "table"',
+        "[effects.wave_drift.values]",
+        f"Hs = {waves.Hs!r}",
+        "from_deg = 0.0",
+    ]
+    for name, values in drift_table(found, waves, speed=speed).items():
+        lines.append(f"{name} = [{', '.join(f'{value:.6g}' for value in values)}]")
+    return "\n".join(lines) + "\n"
+
+
 def _files(
     found: Rao, added: AddedResistance, answers: list[Response], waves: Sea | None, *, figures: bool
 ) -> Iterator[tuple[str, Any]]:
@@ -188,6 +208,10 @@ def _files(
     if waves is not None:
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
+        if {0.0, 180.0} <= {round(answer.heading_deg, 6) for answer in answers}:
+            for number, speed in enumerate(found.speed.tolist(), start=1):
+                name = "drift.toml" if found.speed.size == 1 else f"drift_{number}.toml"
+                yield name, _drift(found, waves, speed)
     if figures:
         yield "rao.svg", partial(save, found.plot())
         yield "added_resistance.svg", partial(save, added.plot())
