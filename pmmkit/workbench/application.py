@@ -90,6 +90,7 @@ def _routes(desk: Desk) -> Starlette:
                     _given(asked, "campaign", str), asked.get("model") or "", ""
                 ).to_dict(),
             ),
+            write("draft", lambda asked: desk.draft(_given(asked, "folder", str))),
             write("diagnose", lambda asked: desk.diagnose(_revision(asked)).to_dict()),
             write(
                 "add",

@@ -11,11 +11,11 @@ from pathlib import Path
 from threading import Lock, RLock, Thread
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, PmmkitError
-from pmmkit.files import datasets_folder
+from pmmkit.files import datasets_folder, write_text
 from pmmkit.loop.saved import read_session
 from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
@@ -299,6 +299,29 @@ class Desk:
             saved = read_session(self.folder / STEPS)
             replace(saved, steps=left).save(self.folder / STEPS)
             self._change(state.with_steps(left))
+
+    def draft(self, folder: str) -> dict[str, Any]:
+        """Write a campaign file for a folder that has none, as `pmmkit new-campaign` does.
+
+        Raises
+        ------
+        DataError
+            If there is one, or the folder was not named.
+        """
+        from pmmkit.inspection.drafts.draft import draft_of
+        from pmmkit.inspection.drafts.propose import proposed
+        from pmmkit.inspection.drafts.write import written
+
+        place = self.named(folder)
+        if not any(place.is_relative_to(root) for root in self.roots):
+            raise DataError(f"{folder} belongs to pmmkit: nothing is written there.")
+        target = place / FILE_NAME
+        with self._changing:
+            if target.exists():
+                raise DataError(f"{target} is there: it was not replaced.")
+            text = written(proposed(draft_of(place, target), target))
+            write_text(target, text.text)
+        return {"file": str(target), "todo": list(text.todo), "text": text.text}
 
     def wait(self, say: Callable[[str], None]) -> None:
         """Wait for the long work.
