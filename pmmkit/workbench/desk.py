@@ -90,7 +90,7 @@ class Desk:
         again."""
         state = self._state
         if state is not None and not self._ready(state):
-            self.open(state.campaign, state.model, state.data)
+            self.open(state)
         self.warm()
 
     def warm(self) -> None:
@@ -237,9 +237,10 @@ class Desk:
 
     # What is done ---------------------------------------------------------------------------------
 
-    def open(self, campaign: str, model: str = "", data: str = "") -> Job:
+    def open(self, asked: State) -> Job:
         """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
         with self._changing:
+            campaign, model, data = asked.campaign, asked.model, asked.data
             place = self.named(campaign)
             if model and model not in structures() and model not in ships():
                 self.named(model)
@@ -247,7 +248,7 @@ class Desk:
             if demonstration and not model:
                 model = DEMONSTRATION[1]
             revision = -1 if self._state is None else self._state.revision
-            state = State(campaign=str(campaign), model=model, data=data, revision=revision + 1)
+            state = replace(asked, model=model, revision=revision + 1, steps=())
             job = self._worker.start(
                 "open",
                 {
@@ -277,7 +278,7 @@ class Desk:
         with self._changing:
             state = self._opened()
             asked = self._asked(state) | {"structure": structure}
-            del asked["effects"]
+            del asked["effects"], asked["settings"]
             return self._worker.start("reduce", asked)
 
     def add(self, revision: int, effect: str, why: str = "") -> Job:
@@ -401,6 +402,7 @@ class Desk:
             "folder": str(self.folder),
             "campaign": str(self.named(state.campaign)),
             "data": state.data,
+            "settings": state.settings,
             "effects": list(state.effects),
         }
 
