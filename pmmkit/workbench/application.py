@@ -14,6 +14,7 @@ from pmmkit.json_text import plain
 from pmmkit.workbench.desk import Desk, StaleRevision
 from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.guard import Guard
+from pmmkit.workbench.saved import State
 
 if TYPE_CHECKING:
     from starlette.applications import Starlette
@@ -87,9 +88,12 @@ def _routes(desk: Desk) -> Starlette:
             write(
                 "open",
                 lambda asked: desk.open(
-                    _given(asked, "campaign", str), asked.get("model") or "", ""
+                    State(
+                        campaign=_given(asked, "campaign", str), model=str(asked.get("model") or "")
+                    )
                 ).to_dict(),
             ),
+            write("draft", lambda asked: desk.draft(_given(asked, "folder", str))),
             write("diagnose", lambda asked: desk.diagnose(_revision(asked)).to_dict()),
             write(
                 "add",

@@ -32,6 +32,7 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     """
     tests = shlex.quote(state.campaign)
     more = f" --data {shlex.quote(state.data)}" if state.data else ""
+    told = "".join(f" --{name} {value:g}" for name, value in state.settings.items())
     found: list[dict[str, str]] = []
     model = shlex.quote(state.model)
     if not state.model or state.model in structures():
@@ -40,10 +41,10 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
         found.append(_line("reduce", f"{line} --out {_quoted(base)}{more}"))
         model = _quoted(base / "model.toml")
     found.append(_line("compare", f"compare {model} {tests}{more}"))
-    found.append(_line("diagnose", f"diagnose {model} {tests}{more}"))
+    found.append(_line("diagnose", f"diagnose {model} {tests}{told}{more}"))
     for number, step in enumerate(state.steps, start=1):
         made = _quoted(model_file(folder, state.effects[:number]))
-        found.append(_added(step, model, tests, made, more))
+        found.append(_added(step, model, tests, made, f"{told}{more}"))
         model = made
     if state.steps:
         first = found[0]["what"] == "reduce"
@@ -51,7 +52,7 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
             _quoted(folder / "reduced" / "model.toml") if first else shlex.quote(state.model)
         )
         steps = _quoted(folder / STEPS)
-        line = f"add {base_model} --steps {steps} --fit {tests} -o replayed.toml{more}"
+        line = f"add {base_model} --steps {steps} --fit {tests} -o replayed.toml{told}{more}"
         found.append(_line("replay", line))
     return found
 

@@ -11,11 +11,11 @@ from pathlib import Path
 from threading import Lock, RLock, Thread
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, PmmkitError
-from pmmkit.files import datasets_folder
+from pmmkit.files import datasets_folder, write_text
 from pmmkit.loop.saved import read_session
 from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
@@ -90,7 +90,7 @@ class Desk:
         again."""
         state = self._state
         if state is not None and not self._ready(state):
-            self.open(state.campaign, state.model, state.data)
+            self.open(state)
         self.warm()
 
     def warm(self) -> None:
@@ -237,9 +237,10 @@ class Desk:
 
     # What is done ---------------------------------------------------------------------------------
 
-    def open(self, campaign: str, model: str = "", data: str = "") -> Job:
+    def open(self, asked: State) -> Job:
         """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
         with self._changing:
+            campaign, model, data = asked.campaign, asked.model, asked.data
             place = self.named(campaign)
             if model and model not in structures() and model not in ships():
                 self.named(model)
@@ -247,7 +248,7 @@ class Desk:
             if demonstration and not model:
                 model = DEMONSTRATION[1]
             revision = -1 if self._state is None else self._state.revision
-            state = State(campaign=str(campaign), model=model, data=data, revision=revision + 1)
+            state = replace(asked, model=model, revision=revision + 1, steps=())
             job = self._worker.start(
                 "open",
                 {
@@ -277,7 +278,7 @@ class Desk:
         with self._changing:
             state = self._opened()
             asked = self._asked(state) | {"structure": structure}
-            del asked["effects"]
+            del asked["effects"], asked["settings"]
             return self._worker.start("reduce", asked)
 
     def add(self, revision: int, effect: str, why: str = "") -> Job:
@@ -299,6 +300,29 @@ class Desk:
             saved = read_session(self.folder / STEPS)
             replace(saved, steps=left).save(self.folder / STEPS)
             self._change(state.with_steps(left))
+
+    def draft(self, folder: str) -> dict[str, Any]:
+        """Write a campaign file for a folder that has none, as `pmmkit new-campaign` does.
+
+        Raises
+        ------
+        DataError
+            If there is one, or the folder was not named.
+        """
+        from pmmkit.inspection.drafts.draft import draft_of
+        from pmmkit.inspection.drafts.propose import proposed
+        from pmmkit.inspection.drafts.write import written
+
+        place = self.named(folder)
+        if not any(place.is_relative_to(root) for root in self.roots):
+            raise DataError(f"{folder} belongs to pmmkit: nothing is written there.")
+        target = place / FILE_NAME
+        with self._changing:
+            if target.exists():
+                raise DataError(f"{target} is there: it was not replaced.")
+            text = written(proposed(draft_of(place, target), target))
+            write_text(target, text.text)
+        return {"file": str(target), "todo": list(text.todo), "text": text.text}
 
     def wait(self, say: Callable[[str], None]) -> None:
         """Wait for the long work.
@@ -378,6 +402,7 @@ class Desk:
             "folder": str(self.folder),
             "campaign": str(self.named(state.campaign)),
             "data": state.data,
+            "settings": state.settings,
             "effects": list(state.effects),
         }
 

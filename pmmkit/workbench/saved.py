@@ -28,6 +28,8 @@ class State:
     campaign, model, data : str
         What was opened: path of a campaign, of a model file or name of a library ship, and folder
         of the measurements or nothing.
+    noise, floor : float, optional
+        As for `begin`.
     revision : int
         Grows with each change: a page that saw an older one is told so.
     steps : tuple of Step
@@ -37,13 +39,22 @@ class State:
     campaign: str
     model: str
     data: str = ""
+    noise: float | None = None
+    floor: float | None = None
     revision: int = 0
     steps: tuple[Step, ...] = ()
 
-    def is_about(self, campaign: str, model: str | None, data: str) -> bool:
-        """Whether these tests and, where one is named, this model were opened."""
-        same = Path(self.campaign).resolve() == Path(campaign).resolve()
-        return same and self.data == data and model in (None, self.model)
+    @property
+    def settings(self) -> dict[str, float]:
+        """Noise and floor, where they were given."""
+        both = {"noise": self.noise, "floor": self.floor}
+        return {name: value for name, value in both.items() if value is not None}
+
+    def is_about(self, other: State) -> bool:
+        """Whether the same was opened; a model that the other does not name is the same."""
+        same = Path(self.campaign).resolve() == Path(other.campaign).resolve()
+        alike = (self.data, self.settings) == (other.data, other.settings)
+        return same and alike and other.model in ("", self.model)
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -77,7 +88,9 @@ def find_state(folder: Path) -> State | None:
         kept = json.loads(path.read_text("utf-8"))
         texts = {name: kept[name] for name in ("campaign", "model", "data")}
         revision, count = kept["revision"], kept["count"]
+        numbers = {name: kept.get(name) for name in ("noise", "floor")}
         whole = all(isinstance(x, str) for x in texts.values())
+        whole = whole and all(x is None or isinstance(x, float) for x in numbers.values())
         if not (whole and isinstance(revision, int) and isinstance(count, int)):
             raise DataError(f"{path} is damaged.")
         steps = read_session(folder / STEPS).steps[:count] if count else ()
@@ -85,7 +98,7 @@ def find_state(folder: Path) -> State | None:
         raise DataError(
             f"{path} is damaged ({error}). Delete the folder {folder} to begin anew."
         ) from error
-    return State(**texts, revision=revision, steps=steps)
+    return State(**texts, **numbers, revision=revision, steps=steps)
 
 
 def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:

@@ -57,10 +57,17 @@ class Tasks:
         save_result(place, "checks", (), [item.to_dict() for item in findings])
 
     def diagnose(
-        self, folder: str, campaign: str, data: str, effects: Sequence[str], *, tell: Tell
+        self,
+        folder: str,
+        campaign: str,
+        data: str,
+        settings: Mapping[str, float],
+        effects: Sequence[str],
+        *,
+        tell: Tell,
     ) -> None:
         """What the base with these steps still lacks."""
-        session = self._session(folder, campaign, data, effects, tell)
+        session = self._session(folder, campaign, data, settings, effects, tell)
         tell(1, 2, "weighing the effects of the catalogue")
         page = missing_page(session, session.diagnose())
         save_result(Path(folder), "missing", tuple(effects), page)
@@ -70,6 +77,7 @@ class Tasks:
         folder: str,
         campaign: str,
         data: str,
+        settings: Mapping[str, float],
         effects: Sequence[str],
         effect: str,
         why: str,
@@ -78,7 +86,7 @@ class Tasks:
         tell: Tell,
     ) -> None:
         """One effect more: the model, its errors and the steps, written to the folder."""
-        session = self._session(folder, campaign, data, effects, tell)
+        session = self._session(folder, campaign, data, settings, effects, tell)
         tell(1, 3, f"fitting with {effect}")
         session = session.add(effect, why)
         if log_odds is not None:
@@ -116,11 +124,17 @@ class Tasks:
         return model_of(reduction, parts)
 
     def _session(
-        self, folder: str, campaign: str, data: str, effects: Sequence[str], tell: Tell
+        self,
+        folder: str,
+        campaign: str,
+        data: str,
+        settings: Mapping[str, float],
+        effects: Sequence[str],
+        tell: Tell,
     ) -> Session:
         """The session of these steps; the tests are looked at once."""
         base = model_file(Path(folder), ())
-        stamp = f"{base}:{base.stat().st_mtime_ns}"
+        stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(settings.items())}"
         key = (campaign, data, stamp, tuple(effects))
         if key not in self._sessions:
             first = (campaign, data, stamp, ())
@@ -128,8 +142,9 @@ class Tasks:
                 tell(0, 3, "reading the tests")
                 tests = self._campaign(campaign, data)
                 free = tests.kind == "free-running"
-                heard: dict[str, Any] = {"progress": partial(_heard, tell)} if free else {}
-                self._sessions[first] = begin(load_model(base), tests, **heard)
+                heard = {"progress": partial(_heard, tell)} if free else {}
+                given: dict[str, Any] = {**settings, **heard}
+                self._sessions[first] = begin(load_model(base), tests, **given)
             session = self._sessions[first]
             for step in steps_of(Path(folder), effects):
                 session = session.add(step, step.note)

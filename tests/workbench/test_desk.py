@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from asgi import Browser
 from commands import said
@@ -134,6 +135,30 @@ def test_a_folder_without_tests_is_said_in_place(tmp_path):
         assert browser.get("/api/state").json["opened"] is False
     finally:
         own.close()
+
+
+@pytest.mark.slow
+def test_a_campaign_file_is_drafted_as_the_command_does_it(tmp_path, capsys):
+    for name in ("alpha", "gamma"):
+        t = np.arange(400) / 20.0
+        table = np.column_stack([t, -20.0 + 0 * t, 3 * np.sin(t), np.cos(t)])
+        (tmp_path / name).mkdir()
+        head = "t [s],X [N],Y [N],N [Nm]"
+        np.savetxt(tmp_path / name / "run.csv", table, delimiter=",", header=head, comments="")
+    own = Desk(tmp_path / "workbench", [tmp_path / "alpha"])
+    browser = Browser(application(own, "key", 8175), 8175, "key")
+    try:
+        asked = {"folder": str(tmp_path / "alpha")}
+        assert browser.post("/api/draft", asked).json["todo"]
+        assert browser.post("/api/draft", asked).status == 400
+        assert browser.post("/api/draft", {"folder": str(tmp_path / "gamma")}).status == 400
+    finally:
+        own.close()
+    assert said(capsys, "new-campaign", tmp_path / "gamma")[0] == 0
+    mine, theirs = (
+        (tmp_path / name / "campaign.toml").read_text("utf-8") for name in ("alpha", "gamma")
+    )
+    assert mine == theirs.replace("gamma", "alpha")
 
 
 def test_words_of_all_languages_are_those_that_the_page_says():

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from pmmkit.cli.options import Data, stem
+from pmmkit.cli.options import Data, Floor, Noise, stem
 from pmmkit.cli.output import Outcome, say
 from pmmkit.cli.outputs import Out
 
@@ -44,6 +44,8 @@ def workbench(
         Path | None,
         typer.Option(help="Write the page as one HTML file, which opens by itself, and end."),
     ] = None,
+    floor: Floor = None,
+    noise: Noise = None,
     data: Data = None,
     out: Out = None,
 ) -> Outcome:
@@ -55,6 +57,7 @@ def workbench(
     from pmmkit.files import check_folder, free_folder
     from pmmkit.presentation import counted
     from pmmkit.workbench.desk import Desk
+    from pmmkit.workbench.saved import State
     from pmmkit.workbench.serving import serve
 
     target = out or Path("pmmkit-workbench" if campaign is None else f"{stem(campaign)}-workbench")
@@ -62,15 +65,22 @@ def workbench(
     own = [path for path in (campaign, Path(model) if model else None) if path]
     named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
     desk = Desk(target, named)
+    asked = State(
+        campaign=str(campaign or ""),
+        model=model or "",
+        data=str(data or ""),
+        noise=noise,
+        floor=floor,
+    )
     if campaign is not None and desk.state is not None:
-        if desk.state.is_about(str(campaign), model, str(data or "")):
+        if desk.state.is_about(asked):
             say(f"Going on with {target}: {counted(len(desk.state.steps), 'step')}.")
         else:
             target = free_folder(target)
             say(f"The folder holds another campaign or model: this goes to {target}.")
             desk = Desk(target, named)
     if campaign is not None and desk.state is None:
-        desk.open(str(campaign), model or "", str(data or ""))
+        desk.open(asked)
     if save is not None:
         return _saved(desk, target, save)
     serve(desk, port=port, browser=browser, say=lambda address: say(f"{address}\nCtrl+C ends it."))
@@ -83,6 +93,8 @@ def _saved(desk: Desk, folder: Path, target: Path) -> Outcome:
     from pmmkit.workbench.frozen import frozen_page
 
     try:
+        if desk.job.stand == "idle":
+            desk.resume()
         desk.wait(say)
         write_text(target, frozen_page(desk))
     finally:

@@ -22,12 +22,13 @@ def fall_page(fall: Fall) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``unit``, ``how``, ``remarks``, ``steps``: by step its name, ``error``, the ``level`` of
-        noise alone where it is known, and errors by channel with their units.
+        ``unit``, ``of`` (``force`` or ``heading``), ``how``, ``remarks``, ``steps``: by step its
+        name, ``error``, the ``level`` of noise alone where it is known, and errors by channel with
+        their units.
     """
     return {
         "unit": "%" if isinstance(fall, ErrorFall) else UNITS["heading"],
-        "of": "rms force" if isinstance(fall, ErrorFall) else "heading",
+        "of": "force" if isinstance(fall, ErrorFall) else "heading",
         "how": fall.how,
         "remarks": list(fall.remarks()),
         "useless": list(fall.useless),

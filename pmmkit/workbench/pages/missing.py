@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 
 from pmmkit.diagnosis.captive.adequacy import blocks_of
 from pmmkit.diagnosis.captive.held_out import held_out
-from pmmkit.diagnosis.captive.least_squares import solved, stacked
+from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import taken_as_given
 from pmmkit.diagnosis.evidence import Entry
@@ -131,26 +133,60 @@ def _effects_of(
     known = taken_as_given(system, session.given)
     base = held_out(system, known.blocks, with_level=False)
     before = base.of_channel()
-    without = _forces(system, known.blocks)
+    each = [tuple(blocks_of(known.system, entry)) for entry in chosen]
+    # One stack for all: the features of the smooth floor cost most, and are the same for each.
+    whole = _Whole.of(system, known.blocks, each)
+    without = whole.forces()
     shares, overlays = {}, {}
-    for entry in chosen:
-        blocks = (*known.blocks, *blocks_of(known.system, entry))
-        errors = held_out(system, blocks, with_level=False)
+    for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
+        errors = held_out(system, (*known.blocks, *own), with_level=False)
         after = errors.of_channel()
         shares[entry.names[0]] = {
             "all": short(1.0 - (errors.share() / base.share()) ** 2),
             "channels": {name: short(1.0 - (after[name] / before[name]) ** 2) for name in after},
         }
-        overlays[entry.names[0]] = _change(system, without, _forces(system, blocks))
+        overlays[entry.names[0]] = _change(system, without, whole.forces(number))
     return shares, overlays
 
 
-def _forces(system: System, blocks: Sequence[Block]) -> Mapping[str, Array]:
-    """Forces of all rows by channel [N, N m], as the model predicts them that `add` would give."""
-    stack = stacked(system, blocks, floor=system.floor)
-    own = len(stack.names)
-    fitted = stack.plain[:, :own] @ solved(stack).solution[:own]
-    return {name: fitted[rows] for name, rows in stack.places.items()}
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Whole:
+    """Base, what is known and all candidates in one stack, and the columns of each candidate."""
+
+    stack: Stack
+    known: int
+    columns: tuple[slice, ...]
+
+    @classmethod
+    def of(
+        cls, system: System, known: Sequence[Block], each: Sequence[tuple[Block, ...]]
+    ) -> _Whole:
+        stack = stacked(
+            system, [*known, *(block for own in each for block in own)], floor=system.floor
+        )
+        first = stack.begin + sum(len(sizes_of(block)) for block in known)
+        ends = np.cumsum([first, *(sum(len(sizes_of(block)) for block in own) for own in each)])
+        columns = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
+        return cls(stack=stack, known=first, columns=columns)
+
+    def forces(self, number: int | None = None) -> Mapping[str, Array]:
+        """Forces of all rows by channel [N, N m], as the model predicts them that `add` of a
+        candidate, or of none, would give."""
+        stack = self.stack
+        given = range(self.known)
+        more = () if number is None else range(stack.plain.shape[1])[self.columns[number]]
+        floor = range(len(stack.names), stack.plain.shape[1])
+        kept = np.array([*given, *more, *floor])
+        effects = kept[stack.begin : -1] - stack.begin
+        one = replace(
+            stack,
+            plain=stack.plain[:, kept],
+            white=stack.white[:, kept],
+            centre=stack.centre[effects],
+        )
+        count = len(given) + len(more)
+        fitted = one.plain[:, :count] @ solved(one).solution[:count]
+        return {name: fitted[rows] for name, rows in stack.places.items()}
 
 
 def _change(system: System, before: Mapping[str, Array], after: Mapping[str, Array]) -> Overlay:

@@ -157,13 +157,25 @@ async function drawPlace() {
 
 function begin(state) {
   if (state.job.stand === "running") return el("section", { class: "panel begin" }, el("h2", {}, t("opening")), el("p", { class: "soft" }, state.job.text || t("job_open")));
+  const drafted = el("div", { class: "stack" });
+  const draft = async () => {
+    try {
+      const found = await post("draft", { folder: where.value });
+      refill(drafted, el("p", {}, t("drafted", { file: found.file })), el("ul", { class: "sentences" }, found.todo.map((text) => el("li", {}, text))),
+        el("details", {}, el("summary", {}, t("drafted_text")), el("pre", { class: "scroll small", tabindex: 0 }, found.text)));
+    } catch (problem) {
+      refill(drafted, el("p", { class: "message", role: "alert" }, problem.message));
+    }
+  };
   const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_hint"), name: "campaign" });
   return el("section", { class: "panel begin" },
     el("h2", {}, t("begin")),
     el("p", {}, t("begin_about")),
     el("p", {}, el("button", { class: "primary", on: { click: () => app.act("open", { campaign: state.demonstration }) } }, t("demonstration"))),
     el("h3", {}, t("own_tests")),
-    el("form", { on: { submit: (event) => { event.preventDefault(); app.act("open", { campaign: where.value }); } } }, where, el("button", {}, t("open"))));
+    el("form", { on: { submit: (event) => { event.preventDefault(); app.act("open", { campaign: where.value }); } } }, where, el("button", {}, t("open"))),
+    el("p", { class: "soft small" }, t("draft_about")),
+    el("p", {}, el("button", { on: { click: draft } }, t("draft"))), drafted);
 }
 
 function kept(key, value) {

@@ -151,7 +151,7 @@ function waterfall(fall) {
   }
   const channels = Object.keys(steps[0].channels);
   return el("section", { class: "panel", "aria-label": t("fall") },
-    el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t("fall_about", { of: fall.of }))),
+    el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t(`fall_about_${fall.of}`))),
     el("div", { class: "plot" }, root),
     el("details", {}, el("summary", {}, t("by_channel")),
       el("table", { class: "plain" },
