@@ -154,9 +154,9 @@ function waterfall(fall) {
     el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t(`fall_about_${fall.of}`))),
     el("div", { class: "plot" }, root),
     el("details", {}, el("summary", {}, t("by_channel")),
-      el("table", { class: "plain" },
+      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("by_channel") }, el("table", { class: "plain" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${plainWord(name)} [${steps[0].channels[name].unit}]`)))),
-        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error))))))),
+        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error)))))))),
       el("p", { class: "soft small" }, fall.how), fall.remarks.map((text) => el("p", { class: "soft small" }, text))));
 }
 
