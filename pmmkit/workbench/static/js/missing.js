@@ -129,8 +129,8 @@ function waterfall(fall) {
   const steps = fall.steps;
   const most = Math.max(...steps.map((step) => step.error));
   const unit = fall.unit === "deg" ? "°" : ` ${fall.unit}`;
-  const [left, right, row, top] = [190, 70, 34, 8];
-  const width = 720;
+  const width = Math.min(720, Math.max(innerWidth - 80, 300));
+  const [left, right, row, top] = [width < 500 ? 135 : 190, 70, 34, 8];
   const height = top + row * steps.length + 22;
   const at = (x) => left + (x / most) * (width - left - right);
   const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": t("fall") });
