@@ -242,6 +242,8 @@ class Desk:
         with self._changing:
             campaign, model, data = asked.campaign, asked.model, asked.data
             place = self.named(campaign)
+            if not place.exists():
+                raise DataError(f"There is no {campaign}.")
             if model and model not in structures() and model not in ships():
                 self.named(model)
             demonstration = place == (datasets_folder() / DEMONSTRATION[0]).resolve()

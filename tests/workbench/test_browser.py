@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-import time
 from contextlib import contextmanager
 
 import pytest
@@ -57,7 +56,8 @@ def opened(page, looped, looped_desk):
 def settled(page):
     """Waits until nothing is being worked out."""
     page.wait("!document.querySelector('main [role=status]')")
-    time.sleep(0.1)
+    words = "[...document.querySelectorAll('main p')].some(x => x.textContent === 'Computing …')"
+    page.wait(f"!{words}")
 
 
 def test_each_place_shows_itself_and_complains_of_nothing(opened):

@@ -137,6 +137,13 @@ def test_a_folder_without_tests_is_said_in_place(tmp_path):
         own.close()
 
 
+def test_a_campaign_that_is_not_there_is_refused_before_anything_is_served(tmp_path, capsys):
+    status, told, _ = said(capsys, "workbench", tmp_path / "none", "--out", tmp_path / "w")
+    assert status == 1
+    assert "There is no" in told["error"]["message"]
+    assert not (tmp_path / "w" / STATE).exists()
+
+
 @pytest.mark.slow
 def test_a_campaign_file_is_drafted_as_the_command_does_it(tmp_path, capsys):
     for name in ("alpha", "gamma"):

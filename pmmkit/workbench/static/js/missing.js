@@ -129,8 +129,8 @@ function waterfall(fall) {
   const steps = fall.steps;
   const most = Math.max(...steps.map((step) => step.error));
   const unit = fall.unit === "deg" ? "°" : ` ${fall.unit}`;
-  const [left, right, row, top] = [190, 70, 34, 8];
-  const width = 720;
+  const width = Math.min(720, Math.max(innerWidth - 80, 300));
+  const [left, right, row, top] = [width < 500 ? 135 : 190, 70, 34, 8];
   const height = top + row * steps.length + 22;
   const at = (x) => left + (x / most) * (width - left - right);
   const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": t("fall") });
@@ -154,9 +154,9 @@ function waterfall(fall) {
     el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t(`fall_about_${fall.of}`))),
     el("div", { class: "plot" }, root),
     el("details", {}, el("summary", {}, t("by_channel")),
-      el("table", { class: "plain" },
+      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("by_channel") }, el("table", { class: "plain" },
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${plainWord(name)} [${steps[0].channels[name].unit}]`)))),
-        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error))))))),
+        el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error)))))))),
       el("p", { class: "soft small" }, fall.how), fall.remarks.map((text) => el("p", { class: "soft small" }, text))));
 }
 

@@ -20,7 +20,7 @@ export async function turnPanel(root, app) {
       el("span", { class: "soft small" }, t("turn_about", { rudder: 35, speed: num(after.approach), Fn: num(after.Fn) }))),
     el("div", { class: "pair" },
       el("div", { class: "plot" }, trackPlot(turns.after ? [[turns.before, "measured dashed"], [turns.after, "model"]] : [[turns.before, "model"]])),
-      el("div", {}, measures(turns))),
+      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, measures(turns))),
     turns.after ? el("p", { class: "legend" },
       el("span", {}, el("i", { class: "line c-measured" }), t("before")), el("span", {}, el("i", { class: "line c-model" }), t("after_all"))) : null);
 }

@@ -95,13 +95,13 @@ function draw(root, asked, found) {
       found.band ? el("span", { class: "soft small right" }, t("band_ships", { ships: found.band.ships })) : null),
     el("div", { class: turning ? "pair" : "" },
       turning ? el("div", { class: "plot" }, trackPlot([[found, "model"]], { height: 400 })) : null,
-      el("table", { class: "plain" },
+      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, el("table", { class: "plain" },
         el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
           const judged = verdict(row);
           return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)), el("td", {}, num(row.value)),
             el("td", { class: "soft" }, ends(row) ? `${num(ends(row)[0])}–${num(ends(row)[1])}` : ""),
             el("td", {}, judged ? el("span", { class: judged.passed ? "met" : "unmet" }, `${judged.passed ? "✓" : "✗"} IMO ≤ ${num(judged.limit)}`) : ""));
-        })))),
+        }))))),
     el("div", { class: "plot" }, time.root),
     el("p", { class: "legend" }, el("span", {}, el("i", { class: "line c-model" }), t("heading")), el("span", {}, el("i", { class: "line c-measured" }), t("rudder"))),
     found.notes.map((text) => el("p", { class: "soft small" }, text)));
