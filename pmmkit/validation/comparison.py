@@ -26,11 +26,12 @@ from pmmkit.validation.misfit import (
     STANDS_OUT,
     Cell,
     Standout,
+    Statement,
     cells,
     conditions,
     order_words,
-    sentences_of,
     standouts_of,
+    statements_of,
 )
 from pmmkit.validation.uncertainty import COVERAGE, SHARES, rms_of
 
@@ -301,9 +302,22 @@ class Comparison(Described):
         least : float
             As for `outstanding`.
         """
+        return tuple(item.text for item in self.statements(least))
+
+    def statements(self, least: float = STANDS_OUT) -> tuple[Statement, ...]:
+        """The sentences of `standouts`, each with the channel and the runs that it speaks of.
+
+        Parameters
+        ----------
+        least : float
+            As for `outstanding`.
+        """
         if self.captive:
-            return sentences_of(self.outstanding(least))
-        return (*_force_sentences(self.misfit(), least), *_measure_sentences(self.manoeuvres))
+            return statements_of(self.outstanding(least), self.captive)
+        return (
+            *_force_statements(self.misfit(), self.free, least),
+            *_measure_statements(self.manoeuvres, self.free),
+        )
 
     def metrics(self) -> pd.DataFrame:
         """Measures of manoeuvres side by side: run, test, speed, measure, unit, measured,
@@ -484,7 +498,9 @@ def _free_rows(run: FreeRun, floor: float) -> Iterable[dict[str, Any]]:
         }
 
 
-def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
+def _force_statements(
+    table: pd.DataFrame, records: Sequence[FreeRun], least: float
+) -> list[Statement]:
     """Forces through the smoother that stand out."""
     loud = table[table["channel"].isin(list(FORCE_UNITS)) & (table["ratio"] >= least)]
     rows: list[dict[str, Any]] = [
@@ -492,9 +508,17 @@ def _force_sentences(table: pd.DataFrame, least: float) -> list[str]:
         for row in loud.sort_values("ratio", ascending=False).to_dict("records")
     ]
     return [
-        f"{row['channel']}, {kind_of(row['test']).title}, {row['speed']:.3g} m/s: "
-        f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the measured "
-        f"force"
+        Statement(
+            text=f"{row['channel']}, {kind_of(row['test']).title}, {row['speed']:.3g} m/s: "
+            f"{row['ratio']:.1f} times the uncertainty, {100 * row['relative']:.0f} % of the "
+            f"measured force",
+            channel=row["channel"],
+            runs=tuple(
+                item.name
+                for item in records
+                if (item.run.test, item.run.settings.speed) == (row["test"], row["speed"])
+            ),
+        )
         for row in rows
     ]
 
@@ -509,22 +533,27 @@ def _told(item: Manoeuvre) -> list[dict[str, Any]]:
     return [row for row in item.rows() if row["measure"] in chosen]
 
 
-def _measure_sentences(manoeuvres: Sequence[Manoeuvre]) -> list[str]:
+def _measure_statements(
+    manoeuvres: Sequence[Manoeuvre], records: Sequence[FreeRun]
+) -> list[Statement]:
     """Measures that differ to one side in all runs of a kind of test."""
     found: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
     for item in manoeuvres:
         for row in _told(item):
             found.setdefault((row["test"], row["measure"]), []).append(row)
-    sentences = []
+    statements = []
     for (test, measure), rows in found.items():
         signs = {np.sign(row["error"]) for row in rows}
         if len(signs) > 1 or not all(row["ratio"] > 1.0 for row in rows):
             continue
         share = 100.0 * float(np.mean([row["relative"] for row in rows]))
-        sentences.append(
+        text = (
             f"{measure.removesuffix('_deg').replace('_', ' ')}, {kind_of(test).title}, "
             f"{'all' if len(rows) > 1 else 'the'} {len(rows) if len(rows) > 1 else 'one'} "
             f"run{'s' if len(rows) > 1 else ''}: simulated {abs(share):.0f} % "
             f"{'more' if share > 0 else 'less'} than measured"
         )
-    return sentences
+        told = {row["run"] for row in rows}
+        runs = tuple(item.name for item in records if item.run.id in told)
+        statements.append(Statement(text=text, channel="", runs=runs))
+    return statements

@@ -148,6 +148,17 @@ class Standout:
             text += f"; falls with {listed(falls)}"
         return text
 
+    def holds(self, run: CaptiveRun) -> bool:
+        """Whether a run is among those that it speaks of."""
+        view = run.view
+        orders = {int(label[1:]) for label in view.labels}
+        return (
+            view.run.test == self.test
+            and self.channel in run.channels
+            and round(view.speed, 4) in self.speeds
+            and self.harmonic in orders
+        )
+
     def __str__(self) -> str:
         size = f"{self.size}, " if self.size else ""
         return (
@@ -156,17 +167,43 @@ class Standout:
         )
 
 
-def sentences_of(standouts: Sequence[Standout]) -> tuple[str, ...]:
+@dataclass(frozen=True, kw_only=True)
+class Statement:
+    """A sentence on a comparison, and what of the tests it speaks of.
+
+    Parameters
+    ----------
+    text : str
+        The sentence.
+    channel : str
+        X, Y, N or K; empty where it speaks of a measure of whole manoeuvres.
+    runs : tuple of str
+        Ids of the runs, or names of the records.
+    """
+
+    text: str
+    channel: str
+    runs: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return self.text
+
+
+def statements_of(
+    standouts: Sequence[Standout], runs: Sequence[CaptiveRun]
+) -> tuple[Statement, ...]:
     """Sentences that join what belongs together, the worst first.
 
     Parameters
     ----------
     standouts : sequence of Standout
         The worst first.
+    runs : sequence of CaptiveRun
+        From `compare_captive`.
 
     Returns
     -------
-    tuple of str
+    tuple of Statement
         All harmonics of a channel and kind of test together; and where only one stands out, all
         kinds of test of which the same does.
 
@@ -176,10 +213,22 @@ def sentences_of(standouts: Sequence[Standout]) -> tuple[str, ...]:
     ...         "growth": {}, "known": True, "sign": "too small"}
     >>> first = Standout(harmonic=1, ratio=8.0, error=6.0, **cell)
     >>> mean = Standout(harmonic=0, ratio=4.0, error=2.0, **cell)
-    >>> print(*sentences_of([first, mean]))
+    >>> print(*statements_of([first, mean], ()))
     Y, pure sway, 1.5 m/s: first harmonic 6 N too small (8 times the uncertainty), mean 2 N too \
 small (4 times the uncertainty)
     """
+    return tuple(
+        Statement(
+            text=_sentence(own),
+            channel=own[0].channel,
+            runs=tuple(run.view.run.id for run in runs if any(item.holds(run) for item in own)),
+        )
+        for own in _joined(standouts)
+    )
+
+
+def _joined(standouts: Sequence[Standout]) -> tuple[list[Standout], ...]:
+    """What one sentence tells together."""
     by_test: dict[tuple[str, str], list[Standout]] = {}
     for item in standouts:
         by_test.setdefault((item.channel, item.test), []).append(item)
@@ -188,7 +237,7 @@ small (4 times the uncertainty)
         alone = own[0] if len(own) == 1 else None
         place = ("harmonic", str(alone.harmonic), alone.where) if alone else ("test", own[0].test)
         joined.setdefault((own[0].channel, *place), []).extend(own)
-    return tuple(_sentence(own) for own in joined.values())
+    return tuple(joined.values())
 
 
 def _sentence(own: Sequence[Standout]) -> str:

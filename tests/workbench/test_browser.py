@@ -55,7 +55,7 @@ def opened(page, looped, looped_desk):
 
 def settled(page):
     """Waits until nothing is being worked out."""
-    page.wait("!document.querySelector('main [role=status]')")
+    page.wait("![...document.querySelectorAll('main [role=status]')].some(x => x.matches('p'))")
     words = "[...document.querySelectorAll('main p')].some(x => x.textContent === 'Computing …')"
     page.wait(f"!{words}")
 
@@ -100,6 +100,24 @@ def test_the_map_is_walked_by_arrow_keys(opened):
     assert after != before
     assert opened.run("document.activeElement.getAttribute('aria-selected')") == "true"
     assert opened.run("document.querySelectorAll('td[aria-selected=true]').length") == 1
+
+
+def test_a_sentence_leads_to_its_worst_cell_by_enter(opened):
+    opened.run("location.hash = 'where'")
+    settled(opened)
+    opened.run("document.querySelectorAll('.sentences button')[1].focus()")
+    opened.key("Enter", "\r")
+    marked = "document.querySelectorAll('td.marked').length"
+    assert opened.wait(marked)
+    assert opened.run(
+        "document.activeElement === document.querySelector('td.marked[aria-selected=true]')"
+    )
+    told = opened.run(
+        "document.querySelector('section[aria-label=Runs] [role=status]').textContent"
+    )
+    assert told == f"runs marked: {opened.run(marked)}"
+    opened.run("document.querySelector('.sentences button[aria-pressed=true]').click()")
+    assert opened.run(marked) == 0
 
 
 def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):

@@ -13,6 +13,7 @@ from hidden_effects import hidden_campaign
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.loop.session import begin
 from pmmkit.models import load_model
 from pmmkit.simulation import simulate
@@ -23,6 +24,11 @@ from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
 from pmmkit.workbench.pages.turning import sailed_page
+
+
+@pytest.fixture(scope="module")
+def esso_osaka(datasets, shared_data):
+    return open_campaign(datasets / "esso_osaka", data=shared_data)
 
 
 @pytest.fixture(scope="module")
@@ -79,8 +85,32 @@ def test_the_map_holds_every_row_of_the_comparison(comparison):
         cell = shown[row["run"], row["channel"]]
         assert cell["ratio"] == pytest.approx(row["ratio"], rel=1e-4)
         assert cell["within"] == row["within"]
-    assert page["sentences"][0] == comparison.standouts()[0]
+    assert page["sentences"][0]["text"] == comparison.standouts()[0]
     json.dumps(page, allow_nan=False)
+
+
+@pytest.mark.slow
+def test_a_sentence_leads_to_the_runs_that_stand_out(comparison):
+    """Of each sentence a run and channel of the map that errs by more than it may."""
+    page = misfit_page(comparison)
+    shown = {row["run"]: row["cells"] for group in page["groups"] for row in group["rows"]}
+    tests = {item.view.run.id: item.view.run.test for item in comparison.captive}
+    assert page["sentences"]
+    for sentence, item in zip(page["sentences"], comparison.statements(), strict=False):
+        cells = [shown[run][sentence["channel"]] for run in sentence["runs"]]
+        assert max(cell["ratio"] for cell in cells) > 1.0
+        told = {x.test for x in comparison.outstanding() if x.channel == item.channel}
+        assert {tests[run] for run in item.runs} <= told
+
+
+@pytest.mark.slow
+def test_a_sentence_on_a_measure_leads_to_the_records_that_it_joins(esso_osaka):
+    page = misfit_page(compare(load_model("esso-osaka-3m"), esso_osaka))
+    shown = {row["run"] for group in page["groups"] for row in group["rows"]}
+    assert page["sentences"]
+    for sentence in page["sentences"]:
+        assert sentence["runs"]
+        assert set(sentence["runs"]) <= shown
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -26,9 +27,9 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``kind``, ``columns`` (name and unit), ``groups`` (test, title, rows), ``sentences``,
-        ``within``, ``cells``, ``notes``. A row has the run's name, its settings in words and by
-        column what `Comparison.rows` says of it.
+        ``kind``, ``columns`` (name and unit), ``groups`` (test, title, rows), ``sentences`` (text,
+        channel, runs), ``within``, ``cells``, ``notes``. A row has the run's name, its settings in
+        words and by column what `Comparison.rows` says of it.
     """
     runs = {item.view.run.id: item.view.run for item in comparison.captive}
     runs |= {item.name: item.run for item in comparison.free}
@@ -47,7 +48,7 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
         own["cells"][row["channel"]] = {
             name: short(row[name]) for name in ("error", "measured", "uncertainty", "ratio")
         } | {"within": row["within"]}
-    sentences = comparison.standouts()
+    statements = comparison.statements()
     every = [
         cell for own in groups.values() for row in own.values() for cell in row["cells"].values()
     ]
@@ -59,8 +60,8 @@ def misfit_page(comparison: Comparison) -> dict[str, Any]:
             {"test": test, "title": kind_of(test).title, "rows": _sorted(list(own.values()))}
             for test, own in groups.items()
         ],
-        "sentences": list(sentences[:MOST]),
-        "more": max(len(sentences) - MOST, 0),
+        "sentences": [asdict(item) for item in statements[:MOST]],
+        "more": max(len(statements) - MOST, 0),
         "within": sum(cell["within"] for cell in every),
         "cells": len(every),
         "notes": list(comparison.notes),

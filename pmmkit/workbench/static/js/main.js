@@ -227,7 +227,7 @@ async function start() {
   setTheme(kept("theme") ?? "");
   await useLanguage(kept("language") ?? "en");
   page.replaceWith(parts.header, parts.nav, parts.main, parts.rail);
-  addEventListener("hashchange", () => { app.problem = ""; drawFrame(); drawPlace().then(() => parts.main.focus({ preventScroll: true })); scrollTo(0, 0); });
+  addEventListener("hashchange", () => { app.problem = ""; drawFrame(); parts.main.focus({ preventScroll: true }); scrollTo(0, 0); drawPlace(); });
   addEventListener("keydown", keys);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawPlace());
   await refresh();

@@ -13,6 +13,13 @@ export async function showWhere(root, app, shown) {
   if (!misfit) return void refill(root, el("p", { class: "soft" }, t("not_yet")));
   const detail = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("selected_run") });
   const chosen = chosenCell(app, misfit);
+  const marked = el("span", { class: "small right", role: "status" });
+  const runs = map(misfit, chosen, (run, channel) => select(detail, app, misfit, run, channel));
+  const said = sentences(misfit, app, (sentence, go) => {
+    runs.mark(sentence);
+    marked.textContent = sentence ? t("marked", { count: sentence.runs.length }) : "";
+    if (sentence && go) runs.goTo(worstOf(misfit, sentence));
+  });
   refill(
     root,
     el("section", { class: "panel", "aria-label": t("what_stands_out") },
@@ -20,26 +27,39 @@ export async function showWhere(root, app, shown) {
         el("h2", {}, t("what_stands_out")),
         el("span", { class: "soft small" }, t("within", { count: misfit.within, of: misfit.cells })),
         app.state.steps.length ? stepChoice(app, root) : null),
-      sentences(misfit)),
+      said),
     el("div", { class: "two" },
       el("section", { class: "panel", "aria-label": t("map") },
-        el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t(misfit.kind === "captive" ? "map_about" : "map_about_free"))),
+        el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t(misfit.kind === "captive" ? "map_about" : "map_about_free")), marked),
         key(SCALES[misfit.kind]),
-        map(misfit, chosen, (run, channel) => select(detail, app, misfit, run, channel))),
+        runs.box),
       detail),
   );
   if (chosen) await select(detail, app, misfit, chosen.run, chosen.channel);
 }
 
-function sentences(misfit) {
+// Each sentence leads to the worst of its cells and marks its runs in the map.
+function sentences(misfit, app, show) {
   if (!misfit.sentences.length) return el("ul", { class: "sentences calm" }, el("li", {}, t("nothing_stands_out")));
-  const item = (text) => el("li", {}, text);
-  const first = misfit.sentences.slice(0, 3);
-  const rest = misfit.sentences.slice(3);
+  const buttons = new Map();
+  const press = (sentence, go) => {
+    app.marked = sentence?.text ?? null;
+    for (const [own, button] of buttons) button.setAttribute("aria-pressed", own === sentence ? "true" : "false");
+    show(sentence, go);
+  };
+  const item = (sentence) => {
+    const button = el("button", { class: "link", title: t("show_cells"), "aria-pressed": "false", on: { click: () => press(app.marked === sentence.text ? null : sentence, true) } }, sentence.text);
+    buttons.set(sentence, button);
+    return el("li", {}, button);
+  };
+  const first = misfit.sentences.slice(0, 3).map(item);
+  const rest = misfit.sentences.slice(3).map(item);
+  const kept = misfit.sentences.find((sentence) => sentence.text === app.marked);
+  press(kept ?? null, false);
   return el("div", { class: "stack" },
-    el("ul", { class: "sentences" }, first.map(item)),
+    el("ul", { class: "sentences" }, first),
     rest.length
-      ? el("details", {}, el("summary", {}, t("more", { count: rest.length + misfit.more })), el("ul", { class: "sentences" }, rest.map(item)))
+      ? el("details", { open: misfit.sentences.indexOf(kept) > 2 }, el("summary", {}, t("more", { count: rest.length + misfit.more })), el("ul", { class: "sentences" }, rest))
       : null);
 }
 
@@ -59,15 +79,26 @@ function key(scale) {
 function chosenCell(app, misfit) {
   const rows = misfit.groups.flatMap((group) => group.rows);
   const kept = app.selected && rows.find((row) => row.run === app.selected.run && row.cells[app.selected.channel]);
-  if (kept) return app.selected;
+  return kept ? app.selected : worstOf(misfit);
+}
+
+// The worst cell, of a sentence or of all.
+function worstOf(misfit, sentence = null) {
   let worst = null;
-  for (const row of rows) {
+  for (const row of misfit.groups.flatMap((group) => group.rows)) {
     for (const [channel, cell] of Object.entries(row.cells)) {
       const size = SCALES[misfit.kind].of(cell) ?? 0;
-      if (!worst || size > worst.size) worst = { run: row.run, channel, size };
+      if (speaksOf(misfit, sentence, row.run, channel) && (!worst || size > worst.size)) worst = { run: row.run, channel, size };
     }
   }
   return worst && { run: worst.run, channel: worst.channel };
+}
+
+// A sentence on what is no column of the map, such as an overshoot, speaks of whole rows.
+function speaksOf(misfit, sentence, run, channel) {
+  if (!sentence) return true;
+  const column = misfit.columns.some((own) => own.name === sentence.channel);
+  return sentence.runs.includes(run) && (!column || sentence.channel === channel);
 }
 
 function map(misfit, chosen, choose) {
@@ -111,7 +142,16 @@ function map(misfit, chosen, choose) {
     bodies);
   const box = el("div", { class: "map scroll" }, table);
   requestAnimationFrame(() => inView(box, current?.node));
-  return box;
+  const mark = (sentence) => cells.flat().forEach((cell) =>
+    cell.node.classList.toggle("marked", sentence !== null && !cell.node.classList.contains("none") && speaksOf(misfit, sentence, cell.run, cell.channel)));
+  const goTo = (place) => {
+    const cell = place && cells.flat().find((own) => own.run === place.run && own.channel === place.channel);
+    if (!cell) return;
+    pick(cell);
+    inView(box, cell.node);
+    cell.node.focus();
+  };
+  return { box, mark, goTo };
 }
 
 function cellOf(row, channel, own, misfit) {
