@@ -101,6 +101,16 @@ def _routes(desk: Desk) -> Starlette:
                     _revision(asked), _given(asked, "effect", str), str(asked.get("why") or "")
                 ).to_dict(),
             ),
+            write(
+                "check",
+                lambda asked: desk.check(_given(asked, "name", str), _given(asked, "text", str)),
+            ),
+            write(
+                "write",
+                lambda asked: desk.write(
+                    _revision(asked), _given(asked, "name", str), _given(asked, "text", str)
+                ).to_dict(),
+            ),
             write("reduce", lambda asked: desk.reduce(_given(asked, "structure", str)).to_dict()),
             write("undo", lambda asked: desk.undo(_revision(asked))),
             write("cancel", lambda _: desk.cancel().to_dict()),

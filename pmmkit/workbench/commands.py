@@ -8,7 +8,7 @@ from typing import Final
 
 from pmmkit.models.step import Step
 from pmmkit.structures import structures
-from pmmkit.workbench.saved import STEPS, State, model_file
+from pmmkit.workbench.saved import OWN, STEPS, State, model_file
 
 PROGRAM: Final = "pmmkit"
 
@@ -32,7 +32,8 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     """
     tests = shlex.quote(state.campaign)
     more = f" --data {shlex.quote(state.data)}" if state.data else ""
-    told = "".join(f" --{name} {value:g}" for name, value in state.settings.items())
+    own = f" --own {_quoted(folder / OWN)}" if (folder / OWN).is_file() else ""
+    told = own + "".join(f" --{name} {value:g}" for name, value in state.settings.items())
     found: list[dict[str, str]] = []
     model = shlex.quote(state.model)
     if not state.model or state.model in structures():

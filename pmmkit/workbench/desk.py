@@ -13,6 +13,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
 from pmmkit.campaigns.run import Campaign
+from pmmkit.effects.grammar import own_effect
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.files import datasets_folder, write_text
@@ -36,6 +37,8 @@ from pmmkit.workbench.saved import (
     find_result,
     find_state,
     model_file,
+    own_of,
+    save_own,
     save_state,
     steps_of,
 )
@@ -141,6 +144,7 @@ class Desk:
                 "ship": tests.ship.name,
                 "kind": tests.kind,
                 "runs": len(tests),
+                "own": [{"name": x.name, "text": x.text} for x in own_of(self.folder)],
                 "asked": find_result(self.folder, "missing", state.effects) is not None,
             }
         return page
@@ -273,6 +277,33 @@ class Desk:
         with self._changing:
             return self._worker.start("diagnose", self._asked(self._current(revision)))
 
+    def check(self, name: str, text: str) -> dict[str, Any]:
+        """What an effect of one's own would have as coefficients, with their usual sizes, or what
+        of its text cannot be read: a text that is being typed is mostly wrong."""
+        try:
+            effect = own_effect(name, text)
+        except DataError as error:
+            return {"error": str(error)}
+        sizes = [{"name": key, "typical": size} for key, size in effect.typical.items()]
+        return {"coefficients": sizes}
+
+    def write(self, revision: int, name: str, text: str) -> Job:
+        """Keep an effect of one's own, new or rewritten, and ask what is missing with it."""
+        with self._changing:
+            state = self._current(revision)
+            if self._campaign(state).kind != "captive":
+                raise DataError("Effects of your own are weighed by captive tests.")
+            if name in state.effects:
+                raise DataError(f"{name} is in the model: undo it before you rewrite it.")
+            effect = own_effect(name, text)
+            others = [item for item in own_of(self.folder) if item.name != name]
+            self._idle()
+            save_own(self.folder, [*others, effect])
+            for old in self.folder.glob("missing_*.json"):
+                old.unlink(missing_ok=True)
+            self._change(replace(state, revision=state.revision + 1))
+            return self._worker.start("diagnose", self._asked(state))
+
     def reduce(self, structure: str) -> Job:
         """Derivatives of the tests by a structure."""
         if structure not in structures():
@@ -294,8 +325,7 @@ class Desk:
         """Take the last step back."""
         with self._changing:
             state = self._current(revision)
-            if self._worker.job.stand == "running":
-                raise DataError("Something is being worked out: wait for it, or cancel it.")
+            self._idle()
             if not state.steps:
                 raise DataError("There is no step to undo.")
             left = state.steps[:-1]
@@ -369,6 +399,10 @@ class Desk:
         return place
 
     # What stands behind ---------------------------------------------------------------------------
+
+    def _idle(self) -> None:
+        if self._worker.job.stand == "running":
+            raise DataError("Something is being worked out: wait for it, or cancel it.")
 
     def _finished(self, job: Job) -> None:
         if job.name == "add":

@@ -8,14 +8,19 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.effects.effect import Effect
+from pmmkit.effects.grammar import own_effects
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.files import write_text
 from pmmkit.json_text import readable
 from pmmkit.loop.saved import read_session
 from pmmkit.models.step import Step
+from pmmkit.toml_files import toml_text
 
 STATE: Final = "workbench.json"
 STEPS: Final = "steps.toml"
+OWN: Final = "own.toml"
+"""Effects of the user's own, as ``--own`` reads them."""
 SCHEMA: Final = 1
 
 
@@ -113,6 +118,26 @@ def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:
     if tuple(step.effect for step in steps[: len(effects)]) != tuple(effects):
         raise DataError(f"{folder / STEPS} was changed from outside. Reload the page.")
     return steps[: len(effects)]
+
+
+def own_of(folder: Path) -> tuple[Effect, ...]:
+    """The user's own effects.
+
+    Raises
+    ------
+    DataError
+        If the file was damaged.
+    """
+    return own_effects(folder / OWN) if (folder / OWN).is_file() else ()
+
+
+def save_own(folder: Path, effects: Sequence[Effect]) -> None:
+    """Write own effects to be read by `own_of`, and by the commands."""
+    tables = [
+        {"name": item.name, "summary": item.summary, "terms": item.text, "check": item.check}
+        for item in effects
+    ]
+    write_text(folder / OWN, toml_text({"effects": tables}))
 
 
 def model_file(folder: Path, effects: tuple[str, ...]) -> Path:

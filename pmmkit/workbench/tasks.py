@@ -17,7 +17,7 @@ from pmmkit.models import Model, load_model, save_model
 from pmmkit.structures import structures
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.missing import missing_page
-from pmmkit.workbench.saved import STEPS, model_file, save_result, steps_of
+from pmmkit.workbench.saved import STEPS, model_file, own_of, save_result, steps_of
 from pmmkit.workbench.worker import Tell
 
 if TYPE_CHECKING:
@@ -134,7 +134,9 @@ class Tasks:
     ) -> Session:
         """The session of these steps; the tests are looked at once."""
         base = model_file(Path(folder), ())
-        stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(settings.items())}"
+        own = own_of(Path(folder))
+        texts = [(item.name, item.text) for item in own]
+        stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(settings.items())}:{texts}"
         key = (campaign, data, stamp, tuple(effects))
         if key not in self._sessions:
             first = (campaign, data, stamp, ())
@@ -144,7 +146,7 @@ class Tasks:
                 free = tests.kind == "free-running"
                 heard = {"progress": partial(_heard, tell)} if free else {}
                 given: dict[str, Any] = {**settings, **heard}
-                self._sessions[first] = begin(load_model(base), tests, **given)
+                self._sessions[first] = begin(load_model(base), tests, own=own, **given)
             session = self._sessions[first]
             for step in steps_of(Path(folder), effects):
                 session = session.add(step, step.note)

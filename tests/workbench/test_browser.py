@@ -120,12 +120,31 @@ def test_a_sentence_leads_to_its_worst_cell_by_enter(opened):
     assert opened.run(marked) == 0
 
 
+def test_an_own_effect_is_checked_while_it_is_typed(opened):
+    opened.run("location.hash = 'missing'")
+    settled(opened)
+
+    def typed(text):
+        opened.run(
+            f"(() => {{ const x = document.querySelector('textarea'); x.value = {text!r}; "
+            "x.dispatchEvent(new Event('input')); })()"
+        )
+
+    typed("Y: v*w")
+    assert "character" in opened.wait("document.querySelector('#own-said pre')?.textContent")
+    assert opened.run("document.querySelector('textarea').ariaInvalid") == "true"
+    typed("Y: v*r*r")
+    assert opened.wait("document.querySelector('#own-said').textContent.includes('Yvrr ≈')")
+    assert opened.run("document.querySelector('textarea').ariaInvalid") == "false"
+    assert opened.complaints == []
+
+
 def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):
     for name in PLACES:
         opened.run(f"location.hash = '{name}'")
         settled(opened)
         nameless = opened.run(
-            "[...document.querySelectorAll('button, a, select, input, [role=img]')]"
+            "[...document.querySelectorAll('button, a, select, input, textarea, [role=img]')]"
             ".filter(x => !(x.textContent.trim() || x.ariaLabel || x.labels?.length))"
             ".map(x => x.outerHTML.slice(0, 90))"
         )

@@ -46,6 +46,7 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
         ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
         set and its rivals), ``hidden``, ``overlays`` by effect.
     """
+    own = {item.name: item for item in getattr(session.evidence, "own", ())}
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
     visible = {item.name: item for item in found.covered}
@@ -53,10 +54,10 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
     chosen = [
         entry
         for number, entry in enumerate(singles)
-        if number < SHOWN or entry.names[0] in named or entry.names[0] in findings
+        if number < SHOWN or entry.names[0] in {*named, *findings, *own}
     ]
     shares, overlays = _effects_of(session, chosen)
-    entries = catalogue()
+    entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
         name = entry.names[0]
@@ -67,7 +68,7 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
                 "effect": name,
                 "family": seen.family if seen else "",
                 "kind": "fault" if is_fault(name) else "physics",
-                "summary": effect.summary if effect else "",
+                "summary": (effect.summary or effect.text) if effect else "",
                 "log_odds": short(finding.log_odds if finding else entry.log_evidence),
                 "evidence": odds(finding.log_odds if finding else entry.log_evidence),
                 "share": shares.get(name),

@@ -6,6 +6,7 @@ import { fixed, num, plainWord } from "./format.js";
 import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
 import { frozen } from "./api.js";
+import { ownPanel } from "./own.js";
 
 const STRONG = Math.log(1e6);
 
@@ -16,7 +17,7 @@ export async function showMissing(root, app, shown) {
   const left = el("div", { class: "stack" });
   refill(root, el("div", { class: "two" }, left, right));
   const fresh = found?.since === 0;
-  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null);
+  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
   refill(right, fall ? waterfall(fall) : null, run, turns);
