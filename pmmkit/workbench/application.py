@@ -82,6 +82,7 @@ def _routes(desk: Desk) -> Starlette:
             read("missing", lambda _: desk.missing()),
             read("fall", lambda _: desk.fall()),
             read("turns", lambda _: desk.turns()),
+            read("trials", lambda _: desk.trials()),
             read("range", lambda _: desk.range()),
             Route("/api/frozen", lambda _: _saved(desk), methods=["GET"]),
             write("sail", lambda asked: desk.sail(_settings(asked))),

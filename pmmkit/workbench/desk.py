@@ -30,7 +30,7 @@ from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.numbers import BUCKETS
 from pmmkit.workbench.pages.records import record_page
 from pmmkit.workbench.pages.runs import runs_page
-from pmmkit.workbench.pages.turning import sailed_page, spiral_page
+from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
 from pmmkit.workbench.saved import (
     STEPS,
     State,
@@ -222,6 +222,12 @@ class Desk:
         if manoeuvre == "spiral":
             return spiral_page(model, speed=speed)
         return sailed_page(model, manoeuvre, speed=speed, **settings)
+
+    def trials(self) -> dict[str, list[dict[str, Any]]]:
+        """Measured turns and zigzags of the tests, by manoeuvre; none of captive tests."""
+        effects = self._opened().effects
+        comparison = self._comparison(effects)
+        return trials_page(comparison.manoeuvres, self._model(effects).ship.L)
 
     def range(self) -> dict[str, Any]:
         """What the sliders of the ship reach."""

@@ -131,7 +131,9 @@ def test_an_own_effect_is_checked_while_it_is_typed(opened):
         )
 
     typed("Y: v*w")
-    assert "character" in opened.wait("document.querySelector('#own-said pre')?.textContent")
+    assert "character" in opened.wait(
+        "document.querySelector('#own-said pre') && document.querySelector('#own-said').textContent"
+    )
     assert opened.run("document.querySelector('textarea').ariaInvalid") == "true"
     typed("Y: v*r*r")
     assert opened.wait("document.querySelector('#own-said').textContent.includes('Yvrr ≈')")

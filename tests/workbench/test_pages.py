@@ -23,7 +23,7 @@ from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
-from pmmkit.workbench.pages.turning import sailed_page
+from pmmkit.workbench.pages.turning import sailed_page, trials_page
 
 
 @pytest.fixture(scope="module")
@@ -191,6 +191,23 @@ def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
     assert found["advance_L"] == pytest.approx(track.metrics["advance_L"], rel=1e-4)
     assert max(page["y"]) == pytest.approx(float(track.y.max()) / track.L, rel=1e-2)
     assert {item["criterion"] for item in page["verdicts"]} == {"advance", "tactical_diameter"}
+
+
+@pytest.mark.slow
+def test_measured_tracks_are_those_of_the_trials_at_the_scale_of_the_ship(esso_osaka):
+    """Froude's law: four times the length, twice the time; paths in lengths stay."""
+    comparison = compare(load_model("esso-osaka-3m"), esso_osaka)
+    length = esso_osaka.ship.L
+    page = trials_page(comparison.manoeuvres, 4.0 * length)
+    assert {name: len(found) for name, found in page.items()} == {"turning": 4, "zigzag": 6}
+    for item in comparison.manoeuvres:
+        trial = item.trial
+        drawn = next(x for x in page[trial.test] if x["run"] == trial.run)
+        assert drawn["t"][0] >= 0.0
+        assert drawn["t"][-1] == pytest.approx(2.0 * trial.t[-1], rel=1e-3)
+        assert drawn["x"][-1] == pytest.approx(trial.x[-1] / length, rel=1e-3, abs=1e-3)
+        assert drawn["rudder"] == pytest.approx(trial.rudder_deg, rel=1e-3)
+    json.dumps(page, allow_nan=False)
 
 
 @given(

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.errors import PmmkitError
 from pmmkit.metrics import in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
 from pmmkit.simulation import Track, imo_turning, simulate, spiral_curve
 from pmmkit.simulation.bands import Bands, bands_of
+from pmmkit.validation.free_running import Manoeuvre
 from pmmkit.workbench.pages.numbers import short
 
 SHIPS: Final = 40
@@ -59,10 +62,57 @@ def sailed_page(
     return page
 
 
+def trials_page(manoeuvres: Sequence[Manoeuvre], length: float) -> dict[str, list[dict[str, Any]]]:
+    """Measured turns and zigzags, to be drawn beside simulated ones.
+
+    Parameters
+    ----------
+    manoeuvres : sequence of Manoeuvre
+        From a comparison with free-running records.
+    length : float
+        Of the ship that is sailed [m]: times are brought to it by Froude's law.
+
+    Returns
+    -------
+    dict
+        By manoeuvre its runs: ``run``, ``Fn``, ``rudder`` [deg]; from the order on ``t`` [s], ``x``
+        and ``y`` [ship lengths], ``psi``, ``delta`` [deg]; ``metrics`` by name, those in metres
+        left out.
+    """
+    found: dict[str, list[dict[str, Any]]] = {}
+    for item in manoeuvres:
+        trial = item.trial
+        after = np.flatnonzero(trial.t >= 0.0)
+        kept = after[_evenly(len(after))]
+        found.setdefault(trial.test, []).append(
+            {
+                "run": trial.run,
+                "Fn": short(item.track.Fn),
+                "rudder": short(trial.rudder_deg),
+                "t": short(trial.t[kept] * math.sqrt(length / trial.L)),
+                "x": short(trial.x[kept] / trial.L),
+                "y": short(trial.y[kept] / trial.L),
+                "psi": short(np.degrees(trial.psi[kept])),
+                "delta": short(np.degrees(trial.delta[kept])),
+                "metrics": {
+                    name: short(value)
+                    for name, value in trial.metrics.items()
+                    if unit_of(name) in ("L", "deg", "-") and math.isfinite(value)
+                },
+            }
+        )
+    return found
+
+
+def _evenly(count: int) -> NDArray[np.intp]:
+    """Places of the samples that are drawn. A path is smooth: evenly spaced samples draw it, where
+    extremes alone would cut its corners."""
+    return np.unique(np.linspace(0, max(count - 1, 0), POINTS).round().astype(int))
+
+
 def track_page(track: Track) -> dict[str, Any]:
     """A track as the page draws it; arguments and keys as for `sailed_page`."""
-    # A path is smooth: evenly spaced samples draw it, where extremes alone would cut its corners.
-    kept = np.unique(np.linspace(0, len(track.t) - 1, POINTS).round().astype(int))
+    kept = _evenly(len(track.t))
     judged = imo_turning(track) if track.manoeuvre == "turning" else []
     names = told("turn", in_lengths(track.metrics)) if judged else list(track.metrics)
     return {

@@ -37,6 +37,7 @@ const app = {
   missing: () => app.once("missing", () => get("missing")),
   fall: () => app.once("fall", () => get("fall")),
   turns: () => app.once("turns", () => get("turns")),
+  trials: () => app.once("trials", () => get("trials")),
   range: () => app.once("range", () => get("range")),
   checks: () => app.once("checks", () => get("checks")),
   runs: (first) => app.once(`runs ${first}`, () => get("runs", { first })),

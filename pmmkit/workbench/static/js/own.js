@@ -27,7 +27,10 @@ export function ownPanel(app) {
     waiting?.abort();
     waiting = new AbortController();
     if (!draft.text.trim()) return tell(null);
-    const wrong = (message) => tell(false, el("pre", { class: "scroll small fault", tabindex: 0 }, message));
+    const wrong = (message) => {
+      const [head, ...place] = message.split("\n");
+      tell(false, el("p", { class: "small" }, head), place.length ? el("pre", { class: "scroll small fault", tabindex: 0 }, place.map((line) => line.slice(4)).join("\n")) : null);
+    };
     try {
       const found = await post("check", { name: draft.name || "mine", text: draft.text }, waiting.signal);
       if (found.error) wrong(found.error);

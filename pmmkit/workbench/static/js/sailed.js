@@ -66,5 +66,7 @@ function measures(turns) {
 
 export function metricTitle(row) {
   const unit = unitOf(row.unit);
-  return unit ? `${row.title} [${unit}]` : row.title;
+  const number = /_(\d+)(_|$)/.exec(row.name)?.[1];
+  const title = number ? `${row.title} ${number}` : row.title;
+  return unit ? `${title} [${unit}]` : title;
 }

@@ -16,10 +16,11 @@ export async function showShip(root, app, shown) {
     refill(root, panel);
     return turnPanel(panel, app);
   }
-  const range = await app.range();
+  const [range, trials] = await Promise.all([app.range(), app.trials()]);
   shown();
   const speeds = range.speeds;
-  const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: 35, zigzag_deg: 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: 0, wind_direction_deg: 0, depth: null };
+  const tested = Math.abs(trials.zigzag?.[0]?.rudder ?? 0);
+  const asked = app.sailing ?? { manoeuvre: "turning", rudder_deg: 35, zigzag_deg: tested ? Math.min(Math.max(Math.round(tested), 5), 30) : 10, speed: speeds[Math.floor(speeds.length / 2)], wind_speed: 0, wind_direction_deg: 0, depth: null };
   app.sailing = asked;
   const picture = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("track") });
   const controls = el("section", { class: "panel", "aria-label": t("settings") });
@@ -30,7 +31,7 @@ export async function showShip(root, app, shown) {
     waiting = new AbortController();
     try {
       const found = await post("sail", request(asked, band), waiting.signal);
-      draw(picture, asked, found);
+      draw(picture, asked, found, trials[asked.manoeuvre] ?? []);
     } catch (problem) {
       if (problem.name !== "AbortError") refill(picture, el("p", { class: "soft" }, problem.message));
     }
@@ -83,28 +84,57 @@ function slider(asked, name, label, min, max, step, unit, sail) {
   return el("label", { class: "slider" }, el("span", {}, label), shown, input);
 }
 
-function draw(root, asked, found) {
+// The record that was steered most like it.
+function nearest(asked, found, trials) {
+  const rudder = asked.manoeuvre === "turning" ? asked.rudder_deg : asked.zigzag_deg;
+  const away = (trial) => Math.abs(trial.rudder - rudder) / 35 + Math.abs(trial.Fn - found.Fn) / found.Fn;
+  return trials.reduce((best, trial) => (best && away(best) <= away(trial) ? best : trial), null);
+}
+
+function draw(root, asked, found, trials) {
   if (asked.manoeuvre === "spiral") return spiral(root, found);
   const turning = asked.manoeuvre === "turning";
-  const time = frame({ width: roomOf(root), height: 220, x: extent(found.t, 0), y: extent([...found.psi, ...found.delta]), xLabel: t("time_s"), yLabel: `${t("heading")}, ${t("rudder")} [°]` });
-  time.root.append(path(time, found.t, found.delta, "measured"), path(time, found.t, found.psi, "model"));
-  const verdict = (row) => found.verdicts.find((item) => item.criterion === row.name.replace(/_L$/, ""));
-  const ends = (row) => found.band?.measures?.[row.name];
+  const near = nearest(asked, found, trials);
+  const until = found.t.at(-1);
+  const others = trials.filter((trial) => trial !== near);
+  const shown = (trial, name) => trial[name].filter((_, i) => trial.t[i] <= until);
+  const time = frame({
+    width: roomOf(root), height: turning ? 220 : 340, x: extent(found.t, 0),
+    y: extent([...found.psi, ...found.delta, ...(near ? shown(near, "psi") : [])]), xLabel: t("time_s"), yLabel: `${t("heading")}, ${t("rudder")} [°]`,
+  });
+  time.root.append(path(time, found.t, found.delta, "rudder"));
+  if (near) time.root.append(path(time, shown(near, "t"), shown(near, "delta"), "rudder dashed"), path(time, shown(near, "t"), shown(near, "psi"), "measured"));
+  time.root.append(path(time, found.t, found.psi, "model"));
+  const tracks = [...others.map((trial) => [trial, "measured faint"]), ...(near ? [[near, "measured"]] : []), [found, "model"]];
+  const key = (name, text) => el("span", {}, el("i", { class: `line ${name}` }), text);
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
       found.band ? el("span", { class: "soft small right" }, t("band_ships", { ships: found.band.ships })) : null),
+    near ? el("p", { class: "legend" }, key("c-model", t("model")),
+      key("c-measured", t("measured_run", { run: near.run, rudder: num(Math.abs(near.rudder), 2), Fn: num(near.Fn) })),
+      turning && others.length ? key("c-measured faint", t("other_runs", { count: others.length })) : null) : null,
     el("div", { class: turning ? "pair" : "" },
-      turning ? el("div", { class: "plot" }, trackPlot([[found, "model"]], { height: 400 })) : null,
-      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, el("table", { class: "plain" },
-        el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
-          const judged = verdict(row);
-          return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)), el("td", {}, num(row.value)),
-            el("td", { class: "soft" }, ends(row) ? `${num(ends(row)[0])}–${num(ends(row)[1])}` : ""),
-            el("td", {}, judged ? el("span", { class: judged.passed ? "met" : "unmet" }, `${judged.passed ? "✓" : "✗"} IMO ≤ ${num(judged.limit)}`) : ""));
-        }))))),
+      turning ? el("div", { class: "plot" }, trackPlot(tracks, { height: 400 })) : null,
+      el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("measures") }, measures(found, near))),
     el("div", { class: "plot" }, time.root),
-    el("p", { class: "legend" }, el("span", {}, el("i", { class: "line c-model" }), t("heading")), el("span", {}, el("i", { class: "line c-measured" }), t("rudder"))),
+    el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
+      near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
     found.notes.map((text) => el("p", { class: "soft small" }, text)));
+}
+
+function measures(found, near) {
+  const verdict = (row) => found.verdicts.find((item) => item.criterion === row.name.replace(/_L$/, ""));
+  const ends = (row) => found.band?.measures?.[row.name];
+  const heads = ["model", "measured"].map((name) => el("th", { scope: "col" }, t(name)));
+  return el("table", { class: "plain" },
+    near ? el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), heads, found.verdicts.length ? el("th", { scope: "col" }, "IMO") : null)) : null,
+    el("tbody", {}, found.metrics.slice(0, 12).map((row) => {
+      const judged = verdict(row);
+      return el("tr", {}, el("th", { scope: "row" }, metricTitle(row)),
+        el("td", {}, num(row.value), ends(row) ? el("small", { class: "soft" }, ` ${num(ends(row)[0])}–${num(ends(row)[1])}`) : null),
+        near ? el("td", {}, num(near.metrics[row.name])) : null,
+        near && !found.verdicts.length ? null : el("td", {}, judged ? el("span", { class: judged.passed ? "met" : "unmet" }, `${judged.passed ? "✓" : "✗"} ${near ? "" : "IMO "}≤ ${num(judged.limit)}`) : ""));
+    })));
 }
 
 function spiral(root, found) {
