@@ -6,9 +6,12 @@ import threading
 from contextlib import contextmanager
 
 import pytest
+from asgi import Browser
 from chromium import chromium, found
+from long_work import done
 
 from pmmkit.workbench.application import application
+from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.serving import listening
 
@@ -51,6 +54,17 @@ def opened(page, looped, looped_desk):
         page.open(address)
         page.wait("document.querySelectorAll('td[role], .map td').length")
         yield page
+
+
+@pytest.fixture(scope="module")
+def asked_desk(place):
+    """Asked what is missing, with nothing added yet."""
+    desk = Desk(place / "asked", [place])
+    browser = Browser(application(desk, "key", 8175), 8175, "key")
+    done(browser, "open", campaign=str(place / "hidden.h5"), model=str(place / "model.toml"))
+    done(browser, "diagnose")
+    yield desk
+    desk.close()
 
 
 def settled(page):
@@ -187,3 +201,22 @@ def test_the_file_opens_from_disk_with_the_same_plots(page, looped, looped_desk,
     )
     assert page.complaints == []
     assert {x for x in page.requests if not x.startswith(("file:", "data:"))} == set()
+
+
+def test_two_candidates_stand_side_by_side(page, asked_desk):
+    with served(asked_desk) as address:
+        page.open(address)
+        page.wait("document.querySelectorAll('.map td').length")
+        page.run("location.hash = 'missing'")
+        page.wait("document.querySelectorAll('.tick input').length > 2")
+        settled(page)
+        ticked = "[...document.querySelectorAll('.tick input:checked')].map(x => x.value)"
+        for number, expected in enumerate((1, 2, 2)):
+            page.run(f"document.querySelectorAll('.tick input')[{number}].focus()")
+            page.key(" ", " ")
+            assert len(page.run(ticked)) == expected
+        names = [x.replace("_", " ") for x in page.run(ticked)]
+        heads = "[...document.querySelectorAll('.beside thead th[scope]')].map(x => x.textContent)"
+        assert page.run(heads) == names
+        assert page.run("document.querySelectorAll('.c-overlay, .c-second').length") == 2
+        assert page.run("document.documentElement.scrollWidth <= innerWidth")

@@ -19,6 +19,9 @@ const parts = { header: el("header"), nav: el("nav", { "aria-label": "pmmkit" })
 const app = {
   state: null,
   selected: null,
+  marked: null,
+  pair: [],
+  draft: null,
   count: null,
   known: new Map(),
   problem: "",

@@ -44,9 +44,13 @@ function answer(found, app, view) {
 
 function candidate(item, app, view) {
   const own = app.selected ? item.share?.channels?.[app.selected.channel] : null;
-  const preview = () => view.draw(item.effect);
-  const leave = () => view.draw(null);
+  const preview = () => view.draw([item.effect]);
+  const leave = () => view.draw(app.pair);
   const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
+  const tick = item.share ? el("input", {
+    type: "checkbox", checked: app.pair.includes(item.effect), "aria-label": t("compare_effect", { effect: plainWord(item.effect) }), value: item.effect,
+    on: { change: (event) => pairUp(event.target, app, view) },
+  }) : null;
   return el("li", { on: { mouseenter: preview, mouseleave: leave } },
     el("span", { class: "name" }, name,
       item.named ? el("span", { class: "tag named" }, t("named")) : null,
@@ -59,7 +63,30 @@ function candidate(item, app, view) {
     item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${channel} ${fixed(100 * share, 0)} %`).join(" · ")) : null,
     item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
     item.test ? el("p", { class: "summary" }, t("to_be_sure", { test: item.test })) : null,
-    item.coefficients.length ? coefficients(item.coefficients) : null);
+    item.coefficients.length ? coefficients(item.coefficients) : null,
+    tick ? el("label", { class: "summary tick" }, tick, t("compare")) : null);
+}
+
+// Two at most stand beside each other: a third takes the place of the first.
+function pairUp(box, app, view) {
+  const others = app.pair.filter((effect) => effect !== box.value);
+  app.pair = box.checked ? [...others, box.value].slice(-2) : others;
+  for (const own of box.closest("ol").querySelectorAll("input[type=checkbox]")) own.checked = app.pair.includes(own.value);
+  view.draw(app.pair);
+}
+
+function beside(items) {
+  if (items.length < 2) return null;
+  const row = (title, give) => el("tr", {}, el("th", { scope: "row" }, title), items.map((item) => el("td", {}, give(item))));
+  const percent = (share) => `${fixed(100 * share, 0)} %`;
+  return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("side_by_side") },
+    el("table", { class: "plain beside" },
+      el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), items.map((item) => el("th", { scope: "col" }, plainWord(item.effect))))),
+      el("tbody", {},
+        row(t("takes_away"), (item) => percent(item.share.all)),
+        Object.keys(items[0].share.channels).map((channel) => row(t(`channel_${channel}`), (item) => percent(item.share.channels[channel]))),
+        row(t("evidence"), (item) => `${item.evidence} (${t("log_odds", { odds: num(item.log_odds) })})`),
+        row(t("separating_test"), (item) => item.test || "–"))));
 }
 
 function meter(kind, label, share, text) {
@@ -110,19 +137,21 @@ async function runView(root, app, found) {
     return () => {};
   }
   const plots = el("div");
-  const keys = el("div");
+  const keys = el("div", { "aria-live": "polite" });
   refill(root,
     el("div", { class: "head" }, el("h2", {}, `${t(`channel_${app.selected.channel}`)} · ${history.title}, ${history.words}`),
       el("a", { class: "small right", href: "#where" }, t("another_run"))),
     keys, plots);
   let shown;
-  const draw = (effect) => {
-    if (effect === shown) return;
-    shown = effect;
-    refill(keys, legend(effect ? plainWord(effect) : null));
-    runPlots(plots, history, app.selected.channel, { overlay: effect ? found?.overlays?.[effect] : null, compact: true });
+  const draw = (asked) => {
+    const items = asked.map((effect) => found?.candidates.find((item) => item.effect === effect)).filter((item) => item?.share);
+    const effects = items.map((item) => item.effect);
+    if (effects.join() === shown) return;
+    shown = effects.join();
+    refill(keys, legend(effects.map(plainWord)), beside(items));
+    runPlots(plots, history, app.selected.channel, { overlays: effects.map((effect) => found.overlays[effect]), compact: true });
   };
-  draw(null);
+  draw(app.pair);
   return draw;
 }
 

@@ -9,13 +9,15 @@ import { area, dots, extent, frame, path, roomOf } from "./linear.js";
 import { circle, halfBand, overPhase, summed } from "./harmonics.js";
 
 const DEGREES = 180 / Math.PI;
+const OVERLAYS = ["overlay", "second"];
+const DASH = { second: [6, 4] };
 
-export function runPlots(root, history, channel, { overlay = null, compact = false } = {}) {
+export function runPlots(root, history, channel, { overlays = [], compact = false } = {}) {
   const own = history.channels[channel];
   if (!own) return refill(root, el("p", { class: "soft" }, t("no_channel", { channel }))), null;
-  const change = overlay?.[history.run]?.[channel] ?? null;
+  const changes = overlays.map((runs, i) => ({ runs, values: runs?.[history.run]?.[channel], name: OVERLAYS[i] })).filter((change) => change.values);
   const force = `${channel} [${unitOf(own.unit)}]`;
-  const shape = { history, own, channel, change, force, others: overlay };
+  const shape = { history, own, channel, changes, force };
   const near = el("div", { class: "plot" });
   const time = el("div", { class: "plot" });
   const rest = el("div", { class: "plot" });
@@ -42,23 +44,25 @@ export function runPlots(root, history, channel, { overlay = null, compact = fal
   return shape;
 }
 
-export function legend(change) {
+// `effects`: names of those that are drawn over the run, two at most.
+export function legend(effects = []) {
   const item = (name, text) => el("span", {}, el("i", { class: `line c-${name}` }), text);
   return el("p", { class: "legend" },
     item("measured", t("measured")),
     item("model", t("model")),
-    change ? item("overlay", t("with_effect", { effect: change })) : null,
+    effects.map((effect, i) => item(OVERLAYS[i], t("with_effect", { effect }))),
     el("span", {}, el("i", { class: "b-band" }), t("band")));
 }
 
-function changeAt({ history, change }, i) {
-  if (!change) return null;
-  return history.steady ? change[0] : summed(history.labels, change, history.theta[i] ?? 0);
+// The model over time with a candidate.
+function changed({ history, channel }, { values }) {
+  const at = (i) => (history.steady ? values[0] : summed(history.labels, values, history.theta[i] ?? 0));
+  return history.predicted[channel].map((x, i) => (x === null ? null : x + at(i)));
 }
 
-function withChange(shape) {
-  const base = shape.history.predicted[shape.channel];
-  return shape.change ? base.map((x, i) => (x === null ? null : x + changeAt(shape, i))) : null;
+// The harmonics of the model with each candidate.
+function changedHarmonics({ own, changes }) {
+  return changes.map(({ values, name }) => ({ values: own.predicted.map((x, i) => x + (values[i] ?? 0)), name }));
 }
 
 function timePlot(root, shape, follow) {
@@ -76,7 +80,7 @@ function timePlot(root, shape, follow) {
       { values: mean.map((x, i) => x + half[i]), colour: "band", hidden: true },
       { values: mean.map((x, i) => x - half[i]), colour: "band", hidden: true, bandWith: 1 },
       { values: history.predicted[channel], colour: "model", width: 2 },
-      shape.change ? { values: withChange(shape), colour: "overlay", width: 2 } : null,
+      ...shape.changes.map((change) => ({ values: changed(shape, change), colour: change.name, width: 2 })),
     ],
     follow, height: 230,
   });
@@ -90,20 +94,18 @@ function residualPlot(root, shape, follow, compact) {
     return;
   }
   const less = (values) => values.map((x, i) => (x === null || measured[i] === null ? null : x - measured[i]));
-  const changed = withChange(shape);
   lines(root, {
     title: t("residual"), label: t("residual"), x: history.t, xLabel: t("time_s"), yLabel: `Δ${shape.force}`,
     series: [
       { values: less(history.predicted[channel]), colour: "model", width: 1.25 },
-      changed ? { values: less(changed), colour: "overlay", width: 1.25 } : null,
+      ...shape.changes.map((change) => ({ values: less(changed(shape, change)), colour: change.name, width: 1.25 })),
     ],
     follow, height: compact ? 150 : 140, zero: true,
   });
 }
 
 // A plot over time by uPlot; all of them share their cursor and their zoom.
-function lines(root, { title, label, x, xLabel, yLabel, series, follow, height, zero = false }) {
-  const shown = series.filter(Boolean);
+function lines(root, { title, label, x, xLabel, yLabel, series: shown, follow, height, zero = false }) {
   const axis = { stroke: colour("soft"), grid: { stroke: colour("line"), width: 1 }, ticks: { show: false }, font: "11.5px system-ui", labelFont: "11.5px system-ui" };
   const mount = el("div", { role: "img", "aria-label": label });
   root.append(el("h3", {}, title), mount);
@@ -120,7 +122,7 @@ function lines(root, { title, label, x, xLabel, yLabel, series, follow, height, 
       series: [
         {},
         ...shown.map((item) => ({
-          stroke: item.hidden ? "transparent" : colour(item.colour), width: item.width ?? 0, alpha: item.alpha ?? 1,
+          stroke: item.hidden ? "transparent" : colour(item.colour), width: item.width ?? 0, alpha: item.alpha ?? 1, dash: DASH[item.colour],
           points: { show: false }, spanGaps: true,
         })),
       ],
@@ -145,20 +147,20 @@ function cyclePlot(root, shape) {
   const half = phases.map((angle) => halfBand(history.labels, own.uncertainty, angle));
   const measured = at(own.measured);
   const model = at(own.predicted);
-  const changed = shape.change ? at(own.predicted.map((x, i) => x + (shape.change[i] ?? 0))) : null;
+  const others = changedHarmonics(shape).map(({ values, name }) => ({ values: at(values), name }));
   const raw = history.measured[channel] ?? [];
   const degrees = phases.map((x) => x * DEGREES);
   const high = measured.map((x, i) => x + half[i]);
   const low = measured.map((x, i) => x - half[i]);
   const plot = frame({
-    x: [0, 360], y: extent([...raw, ...high, ...low, ...model, ...(changed ?? [])]), xLabel: t("phase_deg"), yLabel: shape.force, label: t("over_cycle"),
+    x: [0, 360], y: extent([...raw, ...high, ...low, ...model, ...others.flatMap((other) => other.values)]), xLabel: t("phase_deg"), yLabel: shape.force, label: t("over_cycle"),
   });
   plot.root.append(
     dots(plot, history.theta.map((x) => x * DEGREES), raw, "dots faint", 1.1),
     area(plot, degrees, low, high),
     path(plot, degrees, measured, "measured"),
     path(plot, degrees, model, "model"),
-    changed ? path(plot, degrees, changed, "overlay") : "",
+    ...others.map((other) => path(plot, degrees, other.values, other.name)),
   );
   const now = svg("circle", { class: "now", r: 4, visibility: "hidden" });
   plot.root.append(now);
@@ -186,17 +188,17 @@ function motionPlot(root, shape) {
   const at = (values) => phases.map((angle) => summed(history.labels, values, angle));
   const measured = at(own.measured);
   const model = at(own.predicted);
-  const changed = shape.change ? at(own.predicted.map((x, i) => x + (shape.change[i] ?? 0))) : null;
+  const others = changedHarmonics(shape).map(({ values, name }) => ({ values: at(values), name }));
   const raw = history.measured[channel] ?? [];
   const plot = frame({
-    x: extent(motion.values), y: extent([...raw, ...measured, ...model, ...(changed ?? [])]),
+    x: extent(motion.values), y: extent([...raw, ...measured, ...model, ...others.flatMap((other) => other.values)]),
     xLabel: `${name} [${motion.unit}]`, yLabel: shape.force, label: t("over_motion"),
   });
   plot.root.append(
     dots(plot, motion.values, raw, "dots faint", 1.1),
     path(plot, over, measured, "measured"),
     path(plot, over, model, "model"),
-    changed ? path(plot, over, changed, "overlay") : "",
+    ...others.map((other) => path(plot, over, other.values, other.name)),
   );
   const now = svg("circle", { class: "now", r: 4, visibility: "hidden" });
   plot.root.append(now);
@@ -221,16 +223,18 @@ function familyPlot(root, shape) {
   const { measured, predicted, uncertainty } = own;
   const high = measured.map((x, i) => (x === null ? null : x + uncertainty[i]));
   const low = measured.map((x, i) => (x === null ? null : x - uncertainty[i]));
-  const changed = shape.others ? family.runs.map((run, i) => (shape.others[run]?.[channel] ? predicted[i] + shape.others[run][channel][0] : null)) : null;
+  const others = shape.changes.map(({ runs, name }) => ({
+    values: family.runs.map((run, i) => (runs[run]?.[channel] ? predicted[i] + runs[run][channel][0] : null)), name,
+  }));
   const plot = frame({
-    width: roomOf(root), height: 290, x: extent(family.at), y: extent([...high, ...low, ...predicted, ...(changed ?? [])]),
+    width: roomOf(root), height: 290, x: extent(family.at), y: extent([...high, ...low, ...predicted, ...others.flatMap((other) => other.values)]),
     xLabel: `${t(`over_${family.over}`)} [${family.unit}]`, yLabel: shape.force, label: t("over_family"),
   });
   family.at.forEach((x, i) => {
     if (measured[i] === null) return;
     plot.root.append(svg("line", { class: "measured", x1: plot.px(x), x2: plot.px(x), y1: plot.py(low[i]), y2: plot.py(high[i]) }));
   });
-  plot.root.append(path(plot, family.at, predicted, "model"), changed ? path(plot, family.at, changed, "overlay") : "", dots(plot, family.at, measured, "dots", 3));
+  plot.root.append(path(plot, family.at, predicted, "model"), ...others.map((other) => path(plot, family.at, other.values, other.name)), dots(plot, family.at, measured, "dots", 3));
   const place = family.runs.indexOf(history.run);
   if (place >= 0 && measured[place] !== null) {
     plot.root.append(svg("circle", { class: "now", r: 4.5, cx: plot.px(family.at[place]), cy: plot.py(measured[place]) }));

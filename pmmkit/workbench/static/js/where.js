@@ -205,7 +205,7 @@ async function select(detail, app, misfit, run, channel) {
       el("h2", {}, `${t(`channel_${channel}`)} · ${history.title}, ${history.words}`),
       el("span", { class: "soft small right" }, run)),
     history.kind === "free" ? null : facts(history, channel, cell),
-    legend(null),
+    legend(),
     plots);
   if (history.kind === "free") recordPlots(plots, history, channel);
   else runPlots(plots, history, channel);
