@@ -21,13 +21,14 @@ from pmmkit.equations.compilation import compiled
 from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
 from pmmkit.identification.binding import bound, driven
+from pmmkit.identification.methods import identify
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.seakeeping import drift_table, frequencies
 from tests.support.few_stations import thinned
 from tests.support.free_tank.campaigns import Setup, write
 from tests.support.free_tank.cases import FLEETS
-from tests.support.free_tank.container import Container
+from tests.support.free_tank.container import BODY, Container
 from tests.support.free_tank.hidden import NOTHING, Hidden
 from tests.support.free_tank.sailing import Order, sail
 from tests.support.free_tank.sensors import recorded
@@ -36,6 +37,7 @@ FLEET = FLEETS["s175"]
 SHIP = pk.load_model(FLEET.model)
 HEIGHT, PERIOD, WIND = 3.0, 8.0, 8.0
 SENSORS = ("x", "y", "psi", "u", "v", "r", "phi")
+NOISE = {name: FLEET.noise[name] for name in SENSORS}
 RIVALS = ("wave_drift", "wind", "current", "asymmetry", "fault_rudder_zero", "surge_quadratic")
 RUNS = (
     #speed rudder switch seconds sea   wind
@@ -46,7 +48,7 @@ RUNS = (
 )  # fmt: skip
 
 
-def orders(height: float) -> list[Order]:
+def orders(*, one_side: bool) -> list[Order]:
     """Turns and zigzags at two speeds, waves and a light wind from sides of their own."""
     return [
         Order(
@@ -55,19 +57,19 @@ def orders(height: float) -> list[Order]:
             speed=speed,
             seconds=seconds,
             wind_speed=WIND,
-            wind_from=wind,
-            sea_height=height,
+            wind_from=sea if one_side else wind,
+            sea_height=HEIGHT,
             sea_from=sea,
         )
         for speed, rudder, switch, seconds, sea, wind in RUNS
     ]
 
 
-def sailed(hidden: Hidden, *, stated: bool = True, seed: int = 0) -> list[FreeRecord]:
-    """Records of the tank's own container ship; where a sea is stated it acts as is hidden."""
+def sailed(hidden: Hidden, *, one_side: bool = False, seed: int = 0) -> list[FreeRecord]:
+    """Records of the tank's own container ship; the sea that they state acts as is hidden."""
     rng, every = np.random.default_rng(seed), 4
     found = []
-    for number, run in enumerate(sail(Container(hidden), orders(HEIGHT), FLEET.step)):
+    for number, run in enumerate(sail(Container(hidden), orders(one_side=one_side), FLEET.step)):
         seen = recorded(run, hidden, FLEET.noise, every, rng)
         true = np.ones(len(seen["t"]))
         found.append(
@@ -80,9 +82,9 @@ def sailed(hidden: Hidden, *, stated: bool = True, seed: int = 0) -> list[FreeRe
                 speed=run.order.speed,
                 wind_speed=run.order.wind_speed * true,
                 wind_direction=run.order.wind_from * true,
-                wave_height=HEIGHT * true if stated else None,
-                wave_direction=run.order.sea_from * true if stated else None,
-                wave_period=PERIOD if stated else None,
+                wave_height=HEIGHT * true,
+                wave_direction=run.order.sea_from * true,
+                wave_period=PERIOD,
             )
         )
     return found
@@ -109,9 +111,8 @@ def table() -> dict[str, tuple[float, ...]]:
     return drift_table(found, waves)
 
 
-def asked(model: Model, records: Sequence[FreeRecord]) -> Diagnosis:
-    noise = {name: FLEET.noise[name] for name in SENSORS}
-    return diagnose_free(model, records, candidates=RIVALS, sensors=noise, most=2)
+def asked(model: Model, records: Sequence[FreeRecord], rivals: Sequence[str] = RIVALS) -> Diagnosis:
+    return diagnose_free(model, records, candidates=rivals, sensors=NOISE, most=2)
 
 
 def still(seconds: float = 4.0, **sea: object) -> FreeRecord:
@@ -242,3 +243,31 @@ def test_it_is_added_and_taken_out_again(table):
     added = pk.with_effect(model, found.findings[0])
     assert added.values("wave_drift")["ky"] == pytest.approx(found.model.values("wave_drift")["ky"])
     assert pk.without_effect(added, "wave_drift").values("wave_drift")["ky"] == 0.0
+
+
+@pytest.mark.slow
+def test_a_wind_sea_is_told_from_a_wind_that_the_model_knows(table):
+    """From one side they are one force: only what is known of the wind tells them apart."""
+    areas = {"AF": BODY.front, "AL": BODY.flank, "cx": 0.7, "cy": 0.8, "cn": 0.1}
+    part = Part(effect="wind", values=MappingProxyType(areas))
+    ready = with_table(SHIP, table)
+    knows = ready.with_(parts=MappingProxyType({**ready.parts, "wind": part}))
+    others = [name for name in RIVALS if name != "wind"]
+    windy, both = (
+        asked(knows, sailed(hidden, one_side=True), others)
+        for hidden in (Hidden(windage=1.0), Hidden(waves=1.0, windage=1.0))
+    )
+    assert windy.group == ()
+    assert [names for names, _ in both.group] == [("wave_drift",)]
+    taken = asked(ready, sailed(Hidden(waves=1.0), one_side=True))
+    assert taken.group[0][0] == ("wind",)
+    assert taken.findings[0].coefficients["cy"] > 2.0
+
+
+@pytest.mark.slow
+def test_a_filter_fits_the_factors_in_the_sea_of_each_record(table):
+    """The side force at about what the walls of the tank make, which is less than the table."""
+    model = with_table(SHIP, table, 1.0)
+    records = sailed(Hidden(waves=1.0))
+    found = identify(model, records, ["wave_drift.ky"], spread=0.5, sensors=NOISE)
+    assert 0.3 < found.model.values("wave_drift")["ky"] < 1.1
