@@ -90,7 +90,7 @@ class SettingsEntry(Entry):
     )
     wave_period: Positive | None = said("its peak period [s]", None)
     waves_from_deg: Annotated[float, Field(ge=-360, le=360)] | None = said(
-        "where it comes from, as headings are counted", None
+        "where it comes from, clockwise from where the heading is zero", None
     )
     vdot_amplitude: float | None = said("v̇' of pure sway, instead of the amplitude", None)
     v_amplitude: float | None = said("v' of pure sway, instead of it", None)
