@@ -111,7 +111,9 @@ def table() -> dict[str, tuple[float, ...]]:
     return drift_table(found, waves)
 
 
-def asked(model: Model, records: Sequence[FreeRecord], rivals: Sequence[str] = RIVALS) -> Diagnosis:
+def asked(
+    model: Model, records: Sequence[FreeRecord], rivals: Sequence[str] | None = RIVALS
+) -> Diagnosis:
     return diagnose_free(model, records, candidates=rivals, sensors=NOISE, most=2)
 
 
@@ -203,9 +205,9 @@ def test_the_sea_of_a_campaign_reaches_its_records(tmp_path):
 
 
 @pytest.mark.slow
-def test_waves_are_named_beside_a_wind_and_a_current_that_do_nothing(table):
+def test_waves_are_named_among_the_whole_catalogue(table):
     """Walls that send short waves back, by another form and other numbers than the table."""
-    found = asked(with_table(SHIP, table), sailed(Hidden(waves=1.0)))
+    found = asked(with_table(SHIP, table), sailed(Hidden(waves=1.0)), None)
     assert found.group[0][0] == ("wave_drift",)
     assert found.group[0][1] > 0.9
     (finding,) = found.findings
