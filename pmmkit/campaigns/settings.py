@@ -14,6 +14,7 @@ SETTING_KEYS: Final = {
     "yaw_amplitude": "yaw_amplitude_deg",
     "amplitude": "amplitude_m",
     "phase": "phase_deg",
+    "waves_from": "waves_from_deg",
 }
 """Keys of a campaign file that differ from the names in `Settings`, which are SI."""
 
@@ -59,6 +60,10 @@ class Settings:
         That point at rest, forward of the point whose motion is meant [m].
     switch : float, optional
         Heading at which a zigzag switches [rad].
+    wave_height, wave_period : float, optional
+        Significant height [m] and peak period [s] of the sea.
+    waves_from : float, optional
+        Direction it comes from, from north [rad].
     repeat_of : str, optional
         The run that this one repeats.
     """
@@ -77,6 +82,9 @@ class Settings:
     strut_spacing: float | None = None
     strut_centre: float = 0.0
     switch: float | None = None
+    wave_height: float | None = None
+    wave_period: float | None = None
+    waves_from: float | None = None
     repeat_of: str | None = None
 
     @property

@@ -40,6 +40,7 @@ EXCITES: Final = {
     "sinkage": "measured sinkage",
     "wind": "measured wind",
     "depth": "a stated depth of less than six draughts",
+    "waves": "a stated sea, and a table of its drift in the model",
 }
 """What tests must hold to show an effect, and what that means."""
 

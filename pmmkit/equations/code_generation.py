@@ -21,7 +21,7 @@ from pmmkit.equations.structure import ACCELERATIONS, FORCES, Structure, Used
 MOTION: Final = ("u", "v", "r", "p", "phi", "psi", "U", "beta", "Fn")
 CONTROLS: Final = ("delta", "n", "n_order", "bucket")
 PARTICULARS: Final = ("L", "B", "d", "mass", "volume", "GM", "rho", "g")
-CONDITIONS: Final = ("wind_speed", "wind_direction", "depth")
+CONDITIONS: Final = ("wind_speed", "wind_direction", "depth", "wave_height", "wave_direction")
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
 ENGINE: Final = ("equilibrium.py", "integrator.py", "queries.py")

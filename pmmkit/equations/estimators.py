@@ -59,6 +59,12 @@ def blown(speed: float, direction: float, k: Array) -> None:
         )
 
 
+def seaway(start: Array, k: Array) -> None:
+    """Set the waves."""
+    k[Constant.wave_height] = start[InputField.wave_height]
+    k[Constant.wave_direction] = start[InputField.wave_direction]
+
+
 def heeled(start: Array, stop: Array, share: float, k: Array) -> None:
     """Set the measured heel and its two rates at a share of the way between two instants."""
     roll, rate = start[InputField.roll], start[InputField.roll_rate]
@@ -76,6 +82,7 @@ def advance(
     h = time / count
     z, k1, k2, k3, k4 = work[0], work[1], work[2], work[3], work[4]
     blown(start[InputField.wind_speed], start[InputField.wind_direction], k)
+    seaway(start, k)
     for i in range(count):
         a, c = i / count, (i + 1.0) / count
         b = 0.5 * (a + c)
@@ -504,6 +511,7 @@ def along(states: Array, inputs: Array, more: Array, k: Array, out: Array) -> No
     y, rate = np.zeros(NS), np.zeros(NS)
     for t in range(len(states)):
         blown(inputs[t, InputField.wind_speed], inputs[t, InputField.wind_direction], k)
+        seaway(inputs[t], k)
         heeled(inputs[t], inputs[t], 0.0, k)
         for i in range(more.shape[1]):
             k[Constant.more_X + i] = more[t, i]

@@ -19,7 +19,7 @@ from pmmkit.ship import Ship
 
 HISTORY: Final = ("u", "v", "r", "p", "phi", "psi", "udot", "vdot", "rdot", "pdot", *CONTROLS)
 """What a history of motion may hold; what it lacks is zero."""
-WIND: Final = ("wind_speed", "wind_direction")
+AROUND: Final = ("wind_speed", "wind_direction", "wave_height", "wave_direction")
 
 
 def water_forces(
@@ -38,7 +38,7 @@ def water_forces(
         effects bring. States that are left out follow the motion where the time ``t`` is given,
         settled at its start; without ``t`` they are settled throughout. Revolutions of a model with
         a shaft are those given. With ``wind_speed`` and ``wind_direction`` the true wind changes
-        along the history.
+        along the history, and so do waves with ``wave_height`` and ``wave_direction``.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def water_forces(
     zero = np.zeros(size)
     given = {name: np.asarray(motion.get(name, zero), float) for name in HISTORY}
     constants = list(k)
-    for name in WIND:
+    for name in AROUND:
         if name in motion:
             constants[Constant[name]] = np.asarray(motion[name], float)
     states = [name for name in structure.brought if name != "n"]

@@ -66,6 +66,8 @@ Constant = IntEnum(
         "roll",
         "roll_rate",
         "roll_acceleration",
+        "wave_height",
+        "wave_direction",
     ),
     start=0,
 )
@@ -73,7 +75,10 @@ Constant = IntEnum(
 mass of surge and the inverse of the mass matrix of sway, yaw and roll (i11 to i33). More forces
 [N, N m] than those of the effects are zero but in a filter that looks for what the effects lack.
 Heel [rad], roll rate [rad/s] and its rate [rad/s²] are those measured, where estimators drive a
-ship that does not roll by itself."""
+ship that does not roll by itself. Wave height [m] and direction [rad] are those that a record
+states; a height below zero where none does, and the model has a sea of its own or none."""
+NO_SEA: Final = -1.0
+"""Wave height where none is stated."""
 POLYNOMIAL: Final = -1
 """The last constant of the kernel for all polynomials says where its products begin."""
 
@@ -153,6 +158,8 @@ InputField = IntEnum(
         "bucket",
         "wind_speed",
         "wind_direction",
+        "wave_height",
+        "wave_direction",
         "roll",
         "roll_rate",
         "roll_acceleration",

@@ -20,7 +20,7 @@ from pmmkit.effects.roll import ROLL_PART
 from pmmkit.effects.shallow_water import SHALLOW_WATER, apply, factors
 from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
-from pmmkit.equations.layouts import Constant, State
+from pmmkit.equations.layouts import NO_SEA, Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
 from pmmkit.errors import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.models import Model
@@ -366,6 +366,7 @@ def packed(
         Constant.current_x: current_x,
         Constant.current_y: current_y,
         Constant.speed: speed,
+        Constant.wave_height: NO_SEA,
     }
     k: list[Any] = [common.get(place, 0.0) for place in Constant]
     if not generic:

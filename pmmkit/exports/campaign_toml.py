@@ -31,6 +31,9 @@ _OPTIONAL: Final = {
     "propeller_rps": ("propeller_rps", False),
     "yaw_rate": ("yaw_rate", False),
     "radius": ("radius", False),
+    "wave_height": ("wave_height", False),
+    "wave_period": ("wave_period", False),
+    "waves_from": ("waves_from_deg", True),
     "repeat_of": ("repeat_of", False),
 }
 """Settings that may be absent: their keys, and whether those are in degrees."""

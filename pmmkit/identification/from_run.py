@@ -120,6 +120,7 @@ def _record(
         delta = rate_limited(t, delta, rate)
     blowing = _true_wind(t, columns) if wind else None
     driven = None if model.rolls or not roll else _roll(t, columns)
+    sea = run.settings
     return FreeRecord(
         name=run.id,
         t=t,
@@ -129,6 +130,9 @@ def _record(
         speed=run.settings.speed,
         wind_speed=blowing[0] if blowing else None,
         wind_direction=blowing[1] if blowing else None,
+        wave_height=None if sea.wave_height is None else np.full(len(t), sea.wave_height),
+        wave_direction=None if sea.waves_from is None else np.full(len(t), sea.waves_from),
+        wave_period=sea.wave_period,
         roll=driven[0] if driven else None,
         roll_rate=driven[1] if driven else None,
         roll_acceleration=driven[2] if driven else None,

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.equations.layouts import InputField, OverGround, State
+from pmmkit.equations.layouts import NO_SEA, InputField, OverGround, State
 from pmmkit.equations.prepared import Conditions
 from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.numerics import Array
@@ -41,6 +41,11 @@ class FreeRecord:
         Of `CHANNELS`, SI and radians, the heading unwrapped, NaN where nothing was measured.
     wind_speed, wind_direction : array (n,), optional
         True wind over ground [m/s] and where it comes from, from north [rad].
+    wave_height, wave_direction : array (n,), optional
+        Significant height of the sea [m] and where it comes from, from north [rad]; by default the
+        sea is that of the model, if it has one.
+    wave_period : float, optional
+        Its peak period [s].
     bucket : array (n,), optional
         Of waterjets, 0 up to 1 down.
     roll, roll_rate, roll_acceleration : array (n,), optional
@@ -61,6 +66,9 @@ class FreeRecord:
     speed: float
     wind_speed: Array | None = None
     wind_direction: Array | None = None
+    wave_height: Array | None = None
+    wave_direction: Array | None = None
+    wave_period: float | None = None
     bucket: Array | None = None
     roll: Array | None = None
     roll_rate: Array | None = None
@@ -74,12 +82,18 @@ class FreeRecord:
             raise DataError(f"The arrays of record {self.name!r} must have one length, 2 or more.")
         if not np.all(np.diff(self.t) > 0):
             raise DataError(f"The instants of record {self.name!r} must ascend.")
+        if (self.wave_height is None) != (self.wave_direction is None):
+            raise DataError(
+                f"Record {self.name!r} states half a sea: give wave_height and wave_direction."
+            )
         for name, values in (
             ("rudder", self.delta),
             ("revolutions", self.turns),
             ("heel", self.roll),
             ("roll rate", self.roll_rate),
             ("rate of the roll rate", self.roll_acceleration),
+            ("wave height", self.wave_height),
+            ("wave direction", self.wave_direction),
         ):
             if values is not None and not np.all(np.isfinite(values)):
                 raise DataError(
@@ -116,6 +130,7 @@ class FreeRecord:
             InputField[name]: values for name, values in self._optional.items()
         }
         found = np.zeros((len(self), len(InputField)))
+        found[:, InputField.wave_height] = NO_SEA
         for place, values in columns.items():
             if values is not None:
                 found[:, place] = values

@@ -316,6 +316,8 @@ def implied_forces(model: Model, smoothed: Smoothed, *, memory: float = MEMORY) 
     motion |= {"delta": record.delta, "n": record.turns}
     if record.wind_speed is not None and record.wind_direction is not None:
         motion |= {"wind_speed": record.wind_speed, "wind_direction": record.wind_direction}
+    if record.wave_height is not None and record.wave_direction is not None:
+        motion |= {"wave_height": record.wave_height, "wave_direction": record.wave_direction}
     if not model.rolls and record.roll is not None and record.roll_rate is not None:
         motion |= {"phi": record.roll, "p": record.roll_rate}
         if record.roll_acceleration is not None:

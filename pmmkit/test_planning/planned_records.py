@@ -14,6 +14,7 @@ from pmmkit.diagnosis.free_running.findings import model_of, moved
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.system import FreeSystem
 from pmmkit.effects.seen import CURRENT, RUDDER_ZERO
+from pmmkit.effects.waves import WAVE_DRIFT
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import ModelError
 from pmmkit.identification.record import FreeRecord
@@ -90,7 +91,7 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
     Parameters
     ----------
     sea : Sea
-        Ship and surroundings: the wind of the last record of like speed, and the current.
+        Ship and surroundings: wind and waves of the last record of like speed, and the current.
     option : FreeOption
         The manoeuvre.
 
@@ -102,7 +103,7 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
     speed, like = option.settings.speed, sea.like(option.settings.speed)
     course = _approach(like) + option.course
     track = simulate(
-        sea.model,
+        _in_waves(sea.model, like, course),
         option.test,
         speed=speed,
         dt=float(np.median(np.diff(like.t))),
@@ -125,7 +126,14 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
         measured=MappingProxyType({name: shown[name] for name in like.measured}),
         speed=speed,
         wind_speed=None if like.wind_speed is None else np.mean(like.wind_speed) * still,
-        wind_direction=None if like.wind_direction is None else _from(like) * still,
+        wind_direction=None
+        if like.wind_direction is None
+        else _middle(like.wind_direction) * still,
+        wave_height=None if like.wave_height is None else np.mean(like.wave_height) * still,
+        wave_direction=None
+        if like.wave_direction is None
+        else _middle(like.wave_direction) * still,
+        wave_period=like.wave_period,
         depth=like.depth,
         roll=roll,
         roll_rate=rate,
@@ -141,9 +149,25 @@ def _approach(record: FreeRecord) -> float:
     return float(psi[np.isfinite(psi)][0])
 
 
-def _from(record: FreeRecord) -> float:
-    """Where the wind comes from, from north [rad]."""
-    way = record.wind_direction
+def _in_waves(model: Model, like: FreeRecord, course: float) -> Model:
+    """The ship in the sea that a record states, as `simulate` takes it."""
+    if (
+        like.wave_height is None
+        or like.wave_direction is None
+        or WAVE_DRIFT.name not in model.parts
+    ):
+        return model
+    angle = math.degrees(_middle(like.wave_direction) - course)
+    return model.with_values(WAVE_DRIFT.name, Hs=float(np.mean(like.wave_height)), from_deg=angle)
+
+
+def _steady(way: Array | None, still: Array) -> Array | None:
+    """The direction in the mean, at all instants."""
+    return None if way is None else _middle(way) * still
+
+
+def _middle(way: Array | None) -> float:
+    """Where wind or waves come from in the mean, from north [rad]."""
     if way is None:
         return 0.0
     return math.atan2(float(np.mean(np.sin(way))), float(np.mean(np.cos(way))))
@@ -160,7 +184,7 @@ def _around(sea: Sea, like: FreeRecord, course: float) -> dict[str, Any]:
         found["depth"] = like.depth
     if like.wind_speed is not None:
         found["wind_speed"] = float(np.mean(like.wind_speed))
-        found["wind_direction_deg"] = math.degrees(_from(like) - course)
+        found["wind_direction_deg"] = math.degrees(_middle(like.wind_direction) - course)
     return found
 
 

@@ -345,6 +345,7 @@ def _point(case: _Case) -> Iterator[dict[str, Any]]:
         "L": ship.L, "B": ship.B, "d": ship.d, "mass": ship.mass, "volume": ship.volume,
         "GM": ship.GM or 0.05 * ship.B, "rho": water.rho, "g": water.g, "n_order": 1.5,
         "wind_speed": speed, "wind_direction": 0.7, "depth": 3.0 * ship.d, "bucket": 0.0,
+        "wave_height": 0.01 * ship.L, "wave_direction": 0.4,
     }  # fmt: skip
     signals = [x for x in arguments_of(case.effect) if x not in GIVEN]
     for share, angle, turn, rudder in product(

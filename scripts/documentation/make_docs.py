@@ -179,7 +179,6 @@ WITHOUT_ENTRY = {
     "residual is left of it.",
     "tank_waves": "Waves of earlier runs have another phase in each run: whole cycles average "
     "them out, what is left is noise between the harmonics. Wait longer.",
-    "wave_drift": "Needs the waves beside the record: it comes with the ship in waves.",
     "engine_limit": "Records hold the revolutions, so the engine is not asked. In a model it is "
     "the part `shaft`.",
     "rudder_rate": "Records hold the rudder, so its gear is not asked. In a model it is "

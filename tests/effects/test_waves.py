@@ -40,7 +40,9 @@ def sailed(from_deg, height, table=None, **options):
 
 def push(form, bearing, table):
     tables = [table[name] for name in ("angle_deg", "DX", "DY", "DN")] if table else [NONE] * 4
-    return drift(0.0, 175.0, 25.4, 1025.0, 9.81, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables)
+    return drift(
+        0.0, 175.0, 25.4, 1025.0, 9.81, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables
+    )
 
 
 @given(st.floats(1.0, 179.0))

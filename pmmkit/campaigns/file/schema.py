@@ -85,6 +85,13 @@ class SettingsEntry(Entry):
     yaw_rate: float | None = said("of a circle [rad/s]", None)
     radius: float | None = said("of a circle instead [m]", None)
     switch_deg: Degrees | None = said("heading at which a zigzag puts the rudder over", None)
+    wave_height: Annotated[float, Field(ge=0)] | None = said(
+        "significant height of the sea, of a free-running test [m]", None
+    )
+    wave_period: Positive | None = said("its peak period [s]", None)
+    waves_from_deg: Annotated[float, Field(ge=-360, le=360)] | None = said(
+        "where it comes from, clockwise from where the heading is zero", None
+    )
     vdot_amplitude: float | None = said("v̇' of pure sway, instead of the amplitude", None)
     v_amplitude: float | None = said("v' of pure sway, instead of it", None)
     r_amplitude: float | None = said("r' of pure yaw, instead of the heading", None)

@@ -8,8 +8,9 @@ from typing import Final
 import numpy as np
 
 from pmmkit.effects.catalogue import catalogue, effect_of
+from pmmkit.effects.waves import WAVE_DRIFT
 from pmmkit.identification.prior import Prior, prior_of
-from pmmkit.models import Model
+from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.vessel import Sailing, moves_of
 from pmmkit.numerics import Array
@@ -70,8 +71,18 @@ class Base:
         return found
 
 
+def idle(part: Part) -> bool:
+    """Whether all that is uncertain of a part with a candidate of its own is zero."""
+    own = [part.values.get(item.name) for item in part.known.parameters if item.uncertain]
+    return part.effect == WAVE_DRIFT.name and not any(own)
+
+
 def movable(model: Model) -> tuple[str, ...]:
-    """Derivatives of hull, rudder and added mass, and the uncertain values of other parts."""
+    """Derivatives of hull, rudder and added mass, and the uncertain values of other parts.
+
+    A table of wave drift whose factors are zero waits to be asked for: it does not act, and no base
+    moves it.
+    """
     derivatives = [
         name
         for part in DERIVATIVE_PARTS
@@ -83,7 +94,7 @@ def movable(model: Model) -> tuple[str, ...]:
         f"{part.effect}.{item.name}"
         for part in model.parts.values()
         for item in part.known.parameters
-        if item.uncertain and item.name in part.values
+        if item.uncertain and item.name in part.values and not idle(part)
     ]
     return (*derivatives, *others)
 

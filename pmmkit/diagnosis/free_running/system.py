@@ -9,7 +9,12 @@ from functools import cache, cached_property
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate, candidate_of, candidates_for
+from pmmkit.diagnosis.free_running.candidates import (
+    FreeCandidate,
+    candidate_of,
+    candidates_for,
+    check_seas,
+)
 from pmmkit.diagnosis.free_running.contest import base_alone, steady
 from pmmkit.diagnosis.free_running.fits import Fit, Place, first_place, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import Names
@@ -146,11 +151,12 @@ def free_system(
     Raises
     ------
     DataError
-        If there is no record.
+        If there is no record, or one table of wave drift cannot stand for their seas.
     UnknownNameError
         If a candidate that is named has no place in the model or in such records.
     """
     given = tuple(records_of(records, model))
+    check_seas(model, given)
     speed = given[0].speed
     offered = {x.name: x for x in candidates_for(model, given, windage=windage, own=own)}
     every: dict[str, FreeCandidate] = offered if candidates is None else {}

@@ -10,6 +10,7 @@ from typing import Any, Final
 from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import effect_of
 from pmmkit.equations import Prepared, prepare
+from pmmkit.equations.layouts import NO_SEA
 from pmmkit.equations.prepared import values_at
 from pmmkit.equations.structure import ACCELERATIONS, FORCES, POLYNOMIALS, Used
 from pmmkit.errors import ModelError, Problem
@@ -303,6 +304,8 @@ def _ship(model: Model) -> _Section:
         Line(target="rho", text=number(water.rho), note="density of the water (kg/m3)"),
         Line(target="g", text=number(water.g), note="gravity (m/s2)"),
         Line(target="depth", text=number(depth), note="of the water (m)"),
+        Line(target="wave_height", text=number(NO_SEA), note="no sea but that of the model (m)"),
+        Line(target="wave_direction", text=number(0.0), note="where it comes from (rad)"),
         Line(target="Fn", text="U/sqrt(g*L)", note="Froude number"),
     ]
     return _Section(title="Ship and water", lines=lines)

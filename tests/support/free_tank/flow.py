@@ -9,13 +9,25 @@ import numpy as np
 
 from .hidden import Hidden
 
-AIR = 1.225
+AIR, GRAVITY = 1.225, 9.81
 STRIPS = (np.arange(40) + 0.5) / 40 - 0.5
 """Middles of strips over the length, forward of midship."""
 STALL, FALL, LOST = math.radians(20.0), math.radians(8.0), 0.3
 """Lift falls beyond the first angle, over about the second, by this share of its top."""
 TAPER = 1.3
 """Drag of a strip at x over L in yaw alone is 1 - TAPER x."""
+
+SWELL = 0.8
+"""Frequency of the waves [rad/s]."""
+_ALONG = np.linspace(-0.5, 0.5, 61)
+_ASIDE = 0.0726 * (1.0 - np.abs(2.0 * _ALONG) ** 3)
+_RUN, _RISE = np.diff(_ALONG), np.diff(_ASIDE)
+WALL = np.stack(
+    [np.tile(_ALONG[:-1] + _RUN / 2, 2), np.outer([1, -1], _ASIDE[:-1] + _RISE / 2).ravel()]
+)
+PIECES = np.tile(np.hypot(_RUN, _RISE), 2)
+NORMALS = np.stack([np.tile(-_RISE, 2), np.outer([1, -1], _RUN).ravel()]) / PIECES
+"""Middles, lengths and outward normals of the walls at the waterline, over the length."""
 
 GROWTH = (2.3, 0.7, 1.7, 0.7)
 """Of Yv, Yr, Nv and Nr near the bottom, per square of draught over depth: first order of what
@@ -59,7 +71,8 @@ def hidden_forces(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """X, Y [N] and N [N m] of what is hidden on the hull and of the wind.
 
-    `blows` holds the true wind of each run: its speed [m/s] and where it comes from [rad].
+    `blows` holds the true wind of each run, its speed [m/s] and where it comes from [rad], and the
+    significant height of its waves [m] and where they come from.
     """
     U = now.speed
     q = 0.5 * body.rho * body.L**2 * U**2
@@ -86,6 +99,9 @@ def hidden_forces(
     if hidden.windage:
         wind = wind_forces(body, now, blows)
         X, Y, N = (a + hidden.windage * b for a, b in zip((X, Y, N), wind, strict=True))
+    if hidden.waves:
+        sea = wave_forces(body, now, blows)
+        X, Y, N = (a + hidden.waves * b for a, b in zip((X, Y, N), sea, strict=True))
     return X, Y, N
 
 
@@ -105,6 +121,23 @@ def wind_forces(
     X = -pressure * body.front * (0.75 * np.cos(angle) - 0.05 * np.cos(3.0 * angle))
     Y = -pressure * body.flank * (0.82 * np.sin(angle) - 0.04 * np.sin(3.0 * angle))
     return X, Y, Y * body.L * (0.23 * np.cos(angle) + 0.01)
+
+
+def wave_forces(
+    body: Body, now: Motion, blows: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """X, Y, N of short waves on walls that send half of their energy back, as Faltinsen and others
+    (1980) have it: by the square of how squarely they meet the exposed wall, and more the faster
+    they meet it."""
+    angle = (blows[3] - now.psi)[:, None]
+    square = np.maximum(np.cos(angle) * NORMALS[0] + np.sin(angle) * NORMALS[1], 0.0) ** 2
+    met = np.maximum(1.0 + 2.0 * SWELL * now.u / GRAVITY * np.cos(angle[:, 0]), 0.0)
+    size = 0.5 * body.rho * GRAVITY * blows[2] ** 2 / 16.0 * met
+    X, Y, N = (
+        -(square * way * PIECES).sum(axis=1)
+        for way in (NORMALS[0], NORMALS[1], WALL[0] * NORMALS[1] - WALL[1] * NORMALS[0])
+    )
+    return size * body.L * X, size * body.L * Y, size * body.L**2 * N
 
 
 def normal_lift(slope: float, attack: np.ndarray, stalled: float) -> np.ndarray:

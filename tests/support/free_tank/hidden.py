@@ -45,6 +45,8 @@ class Hidden:
         Share of a rudder whose lift falls beyond its stall angle, in place of one that never does.
     windage : float
         Share of the areas above water; 1 is the ship's, 0 a calm.
+    waves : float
+        Share of the mean force of the sea; 1 is that of `flow.wave_forces`, 0 a calm.
     current : (float, float)
         Velocity of the water along the first heading, and to starboard of it [m/s].
     rudder_zero : float
@@ -83,6 +85,7 @@ class Hidden:
     steering_drag: float = 0.0
     stalled: float = 0.0
     windage: float = 0.0
+    waves: float = 0.0
     current: tuple[float, float] = (0.0, 0.0)
     rudder_zero: float = 0.0
     late_positions: float = 0.0

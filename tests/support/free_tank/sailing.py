@@ -40,7 +40,8 @@ class Ship(Protocol):
 @dataclass(frozen=True, kw_only=True)
 class Order:
     """A manoeuvre from steady running: rudder and heading of reversal [rad], none in a turn;
-    speed [m/s], length [s], true wind [m/s] and where it comes from [rad]."""
+    speed [m/s], length [s], true wind [m/s] and where it comes from [rad], significant height [m]
+    of the waves and where they come from."""
 
     rudder: float
     speed: float
@@ -48,6 +49,8 @@ class Order:
     switch: float | None = None
     wind_speed: float = 0.0
     wind_from: float = 0.0
+    sea_height: float = 0.0
+    sea_from: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,9 @@ def sail(ship: Ship, orders: Sequence[Order], step: float) -> list[Sailed]:
     speed = np.array([order.speed for order in orders])
     switch = np.array([np.inf if order.switch is None else order.switch for order in orders])
     want = np.array([order.rudder for order in orders])
-    blows = np.array([[order.wind_speed, order.wind_from] for order in orders]).T
+    blows = np.array(
+        [[order.wind_speed, order.wind_from, order.sea_height, order.sea_from] for order in orders]
+    ).T
     n, delta = ship.revolutions(speed), np.zeros(len(orders))
     state = np.zeros((len(ROWS), len(orders)))
     state[ROWS.index("u")] = speed
