@@ -143,7 +143,7 @@ def _saved(desk: Desk) -> Response:
         page = frozen_page(desk)
     except PmmkitError as error:
         return PlainTextResponse(str(error), status_code=400)
-    named = {"content-disposition": 'attachment; filename="workbench.html"'}
+    named = {"content-disposition": "attachment; filename=workbench.html"}
     return HTMLResponse(page, headers=named)
 
 
