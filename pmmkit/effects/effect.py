@@ -17,7 +17,9 @@ from pmmkit.presentation import Described, Grid, Group, Section
 
 Kind = Literal["force", "mass", "state", "terms", "freed", "fault"]
 KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
-Role = Literal["hull", "inertia", "roll", "propulsion", "shaft", "steering", "wind", "depth"]
+Role = Literal[
+    "hull", "inertia", "roll", "propulsion", "shaft", "steering", "wind", "waves", "depth"
+]
 """What a part does for a ship: manoeuvres and tests ask for parts by their role."""
 BY_SPEED: Final = " F"
 """Mark of a derivative that is multiplied by F = (Fn/Fn0)² - 1."""

@@ -97,6 +97,7 @@ WAVE_DRIFT: Final = Effect(
     kind="force",
     estimates=some_sea,
     not_captive="a tank is calm while a model is towed",
+    roles=("waves",),
     needs=("wave_height", "wave_direction"),
     excites=("waves",),
     moves=together,

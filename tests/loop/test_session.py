@@ -19,16 +19,12 @@ from pmmkit.loop.session import begin, fit, replay, undone
 from pmmkit.models import load_model, model_text, save_model
 from pmmkit.ship_library import datasets_folder
 from pmmkit.simulation.simulate import simulate
+from tests.support.uncoupled import uncoupled
 
 
 @pytest.fixture(scope="module")
 def bare():
-    """Son and Nomoto's ship without its terms of sway and yaw together."""
-    ship = load_model("s175-3dof")
-    hull = ship.parts["hull_polynomial"]
-    kept = {k: v for k, v in hull.values.items() if k not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}
-    changed = replace(hull, values=MappingProxyType(kept))
-    return ship.with_(parts=MappingProxyType({**ship.parts, "hull_polynomial": changed}))
+    return uncoupled()
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -24,6 +22,7 @@ from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.numbers import BUCKETS, short, thinned
 from pmmkit.workbench.pages.turning import sailed_page, trials_page
+from tests.support.uncoupled import uncoupled
 
 
 @pytest.fixture(scope="module")
@@ -33,12 +32,7 @@ def esso_osaka(datasets, shared_data):
 
 @pytest.fixture(scope="module")
 def bare():
-    """Son and Nomoto's ship without its terms of sway and yaw together."""
-    ship = load_model("s175-3dof")
-    hull = ship.parts["hull_polynomial"]
-    kept = {k: v for k, v in hull.values.items() if k not in ("Yvvr", "Yvrr", "Nvvr", "Nvrr")}
-    changed = replace(hull, values=MappingProxyType(kept))
-    return ship.with_(parts=MappingProxyType({**ship.parts, "hull_polynomial": changed}))
+    return uncoupled()
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,6 @@ from typing import Final
 import numpy as np
 
 from pmmkit.effects.catalogue import catalogue, effect_of
-from pmmkit.effects.waves import WAVE_DRIFT
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -74,7 +73,7 @@ class Base:
 def idle(part: Part) -> bool:
     """Whether all that is uncertain of a part with a candidate of its own is zero."""
     own = [part.values.get(item.name) for item in part.known.parameters if item.uncertain]
-    return part.effect == WAVE_DRIFT.name and not any(own)
+    return "waves" in part.known.roles and not any(own)
 
 
 def movable(model: Model) -> tuple[str, ...]:

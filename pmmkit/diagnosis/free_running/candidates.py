@@ -13,11 +13,11 @@ from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
 from pmmkit.effects.seen import OUTSIDE
-from pmmkit.effects.waves import WAVE_DRIFT
 from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
+from pmmkit.models.roles import parts_of
 from pmmkit.models.vessel import Sailing, moves_of, told
 
 ONE_SEA: Final = 1.2
@@ -103,7 +103,7 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
             "roll": model.rolls
             or (bool(records) and all(item.roll is not None for item in records)),
             "wind": bool(records) and all(item.wind_speed is not None for item in records),
-            "waves": WAVE_DRIFT.name in model.parts
+            "waves": bool(parts_of(model, "waves"))
             and bool(records)
             and all(item.wave_height is not None for item in records),
             "depth": any((item.depth or math.inf) < DEEP * model.ship.d for item in records),
@@ -122,7 +122,7 @@ def check_seas(model: Model, records: Sequence[FreeRecord]) -> None:
         a fifth.
     """
     periods = [item.wave_period for item in records if item.wave_period is not None]
-    if WAVE_DRIFT.name in model.parts and periods and max(periods) > ONE_SEA * min(periods):
+    if parts_of(model, "waves") and periods and max(periods) > ONE_SEA * min(periods):
         raise DataError(
             f"The records state waves of {min(periods):g} to {max(periods):g} s, and a table of "
             f"wave drift holds at one period: give the records of one sea, with a table made for "

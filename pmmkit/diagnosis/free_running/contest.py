@@ -86,10 +86,8 @@ class Contest:
         known = {item.names: item for item in self.settled}
         if rest in known:
             return known[rest]
-        fit = fitted(self.settled[0].fit.place, rest, self.settled[0].fit.forces)
-        price = self.price * len(rest)
-        gain = fit.log_probability - self.null.log_probability - price
-        return Named(names=rest, gain=gain, fit=fit)
+        best = self.settled[0].fit
+        return _named(fitted(best.place, rest, best.forces), self.null, self.price)
 
     @property
     def price(self) -> float:
@@ -164,12 +162,11 @@ def contest_of(
         for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
             tell(f"Fit with {' and '.join(chosen)}")
             fit = fitted(place, chosen, forces)
-            gain = fit.log_probability - null.log_probability - price * len(chosen)
-            item = Named(names=chosen, gain=gain, fit=fit)
+            item = _named(fit, null, price)
             # The linear problem may promise what the equations, far from there, do not keep.
             why = why_not(model, every, fit, speed)
             if why:
-                barred.append(Refused(names=chosen, gain=gain, why=why))
+                barred.append(Refused(names=chosen, gain=item.gain, why=why))
                 continue
             # A base that moves by much may predict as well as an effect: where no error matters
             # the evidence alone decides.
@@ -203,6 +200,12 @@ def contest_of(
     )
 
 
+def _named(fit: Fit, null: Fit, price: float) -> Named:
+    """A fit with ln of the odds of its set against none, the price of each effect taken off."""
+    gain = fit.log_probability - null.log_probability - price * len(fit.names)
+    return Named(names=fit.names, gain=gain, fit=fit)
+
+
 def _by_gain(sets: Iterable[Named]) -> list[Named]:
     return sorted(sets, key=lambda item: -item.gain)
 
@@ -217,12 +220,11 @@ def _thinned(
     """
     while order and len(order[0].names) > 1:
         best, known = order[0], {item.names for item in order}
-        found = []
-        for rest in combinations(best.names, len(best.names) - 1):
-            if rest not in known:
-                fit = fitted(best.fit.place, rest, best.fit.forces)
-                gain = fit.log_probability - null.log_probability - price * len(rest)
-                found.append(Named(names=rest, gain=gain, fit=fit))
+        found = [
+            _named(fitted(best.fit.place, rest, best.fit.forces), null, price)
+            for rest in combinations(best.names, len(best.names) - 1)
+            if rest not in known
+        ]
         fair = [item for item in found if item.error < best.error + FALL and can_be(item)]
         order = _by_gain([*order, *fair])
         if order[0] is best:
