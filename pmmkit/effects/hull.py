@@ -61,7 +61,7 @@ def regressors(
     ship: Ship,
     water: Water,
     convention: Convention,
-    approach_speed: float,
+    approach_speed: float | Array,
 ) -> Array:
     """What each derivative multiplies, in newtons (newton metres) per unit of the derivative.
 
@@ -77,7 +77,7 @@ def regressors(
         Lengths, volume, density and gravity of the non-dimensional system.
     convention : Convention
         System, speed and meaning of the factors.
-    approach_speed : float
+    approach_speed : float or array (n,)
         Carriage speed Uc, or the speed of the approach [m/s].
 
     Returns

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -63,6 +63,22 @@ class State:
         return cls(
             **{
                 field.name: np.broadcast_to(arrays.get(field.name, zero), (length,))
+                for field in fields(cls)
+            }
+        )
+
+    @classmethod
+    def joined(cls, states: Sequence[State]) -> State:
+        """Several states one after another.
+
+        Examples
+        --------
+        >>> State.joined([State.of(u=1.0), State.of(u=[2.0, 3.0])]).u
+        array([1., 2., 3.])
+        """
+        return cls(
+            **{
+                field.name: np.concatenate([getattr(state, field.name) for state in states])
                 for field in fields(cls)
             }
         )

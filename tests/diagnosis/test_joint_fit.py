@@ -66,7 +66,7 @@ def test_a_condition_left_out_is_predicted_as_by_a_fit_without_its_runs(system):
     for channel in ("Y", "N"):
         squares = []
         for view in outside:
-            predicted = system.base.design(view, channel) @ [
+            predicted = system.base.design(system.base.names[channel], [view]) @ [
                 values[name] for name in system.base.names[channel]
             ]
             for block in own:

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import condition_on
+from pmmkit.diagnosis.captive.conditioning import condition_on, spread
 from pmmkit.diagnosis.captive.evidence import Sets, evidence_at, price
 from pmmkit.diagnosis.captive.leave_one_out import columns_at, least_gains
 from pmmkit.diagnosis.captive.parity import BOTH, Parity, floor_places, parities
@@ -267,6 +267,7 @@ def _with_floor(
 ) -> float:
     """ln evidence of blocks beside a floor larger by a factor in some parities, against the floor
     as it is."""
+    system, blocks = spread(system, blocks)
     floor = floor_places(system, wanted)
     at = np.concatenate([*(block.places for block in blocks), floor])
     if not len(at):
@@ -283,6 +284,7 @@ def lack_of_fit(system: System, blocks: Sequence[Block]) -> tuple[Lack, ...]:
     kind of test scatter more about the answer than the noise between the harmonics allows. Means
     are left out: what each run draws as its offset is not normal on every rig.
     """
+    system, blocks = spread(system, blocks)
     at = np.concatenate([np.zeros(0, np.intp), *(block.places for block in blocks)])
     covariance = np.linalg.inv(system.gram[np.ix_(at, at)] + np.eye(len(at)))
     gram = system.gram[np.ix_(at, at)]

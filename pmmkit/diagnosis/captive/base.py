@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
 
 from pmmkit.conventions import Convention
 from pmmkit.effects.hull import regressors
@@ -12,6 +16,8 @@ from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 from pmmkit.ship import Ship, Water
 
+JOINED: Final = 16
+"""Views whose samples are looked at together: more of them leave the processor's cache."""
 Forces = dict[str, Array]
 """Histories (n,) or (n, q), or their harmonics, by channel."""
 
@@ -41,7 +47,7 @@ class Base:
     convention: Convention
     reference: float
 
-    def columns(self, names: Sequence[str], motion: State, speed: float) -> Array:
+    def columns(self, names: Sequence[str], motion: State, speed: float | Array) -> Array:
         """What derivatives multiply along a motion [N, N m], (n, len(names))."""
         return regressors(
             names,
@@ -54,9 +60,12 @@ class Base:
 
     def forces(self, motion: State, speed: float) -> Forces:
         """Predicted forces of the water along a motion [N, N m]."""
+        every = [name for names in self.names.values() for name in names]
+        columns = self.columns(every, motion, speed) * [self.values[name] for name in every]
+        edges = np.cumsum([0, *map(len, self.names.values())]).tolist()
         return {
-            channel: self.columns(names, motion, speed) @ [self.values[name] for name in names]
-            for channel, names in self.names.items()
+            channel: columns[:, begin:end].sum(axis=1)
+            for channel, (begin, end) in zip(self.names, pairwise(edges), strict=True)
         }
 
     def expected(self, view: View) -> Forces:
@@ -66,9 +75,20 @@ class Base:
         forces = self.forces(view.motion, view.speed)
         return {channel: view.harmonics(history) for channel, history in forces.items()}
 
-    def design(self, view: View, channel: str) -> Array:
-        """Harmonics of what the derivatives of a channel multiply in a view, (m, p)."""
-        return view.project(self.columns(self.names[channel], view.motion, view.speed))
+    def design(self, names: Sequence[str], views: Sequence[View]) -> Array:
+        """Harmonics of what derivatives multiply in views, one below the other (n, len(names))."""
+        parts = [np.zeros((0, len(names)))]
+        for begin in range(0, len(views), JOINED):
+            own = views[begin : begin + JOINED]
+            counts = [len(view.motion.u) for view in own]
+            columns = self.columns(
+                names,
+                State.joined([view.motion for view in own]),
+                np.repeat([view.speed for view in own], counts),
+            )
+            samples = np.split(columns, np.cumsum(counts)[:-1])
+            parts += [view.project(x) for view, x in zip(own, samples, strict=True)]
+        return np.concatenate(parts)
 
     def change(
         self, view: View, moved: Callable[[View], tuple[State, float]], step: float

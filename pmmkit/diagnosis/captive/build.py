@@ -10,8 +10,10 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
 from pmmkit.diagnosis.captive.system import (
     FEATURES,
+    MANY,
     WIDER,
     Block,
     System,
@@ -21,6 +23,7 @@ from pmmkit.diagnosis.captive.system import (
     floor_features,
     offset_column,
     run_columns,
+    term_columns,
 )
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
@@ -71,16 +74,26 @@ def build(
         for value in candidate.grid
     ]
     own = run_columns(channels, views, base, predicted)
-    floors = {c.name: floor * floor_features(c, views, base) for c in channels}
+    features = tuple(floor_features(c, views, base) for c in channels)
+    floors = {c.name: floor * x for c, x in zip(channels, features, strict=True)}
     if scatter is None:
         models = {c.name: _largest(c, raw) for c in channels}
         scatter = estimated_scatter(channels, own, models, floors)
-    drawn = [(item, value) for item in for_each for value in item.grid]
-    fading = [
-        [each_run_columns(item, value, c, views, base, predicted[c.name]) for item, value in drawn]
-        for c in channels
+    drawn = [
+        _EachRun(
+            item,
+            value,
+            tuple(
+                each_run_columns(item, value, c, views, base, predicted[c.name]).times(size)
+                for c in channels
+            ),
+        )
+        for item in for_each
+        for size in prior_sizes(item)
+        for value in item.grid
     ]
-    layout = _layout(raw, drawn, [[x.shape[1] for x in own] for own in fading])
+    few = [item for item in drawn if item.count <= MANY]
+    layout = _layout(raw, few, len(channels))
     gram, score = np.zeros((layout.width, layout.width)), np.zeros(layout.width)
     square, rows = 0.0, 0
     pieces: list[Piece] = []
@@ -92,7 +105,7 @@ def build(
                 for item in raw
                 if c.name in item.columns
             ]
-            + [prior_sizes(item) * x for (item, _), x in zip(drawn, fading[number], strict=True)]
+            + [item.own[number].dense() for item in few]
             + [floors[c.name]]
         )
         projection = _projection(c, floors[c.name], own[c.name], scatter)
@@ -103,6 +116,23 @@ def build(
         score[at] += piece.columns.T @ piece.data
         square += float(piece.data @ piece.data)
         rows += projection.freedom
+    beside = [
+        Block(
+            candidate=item.candidate,
+            value=item.value,
+            columns=slice(0, 0),
+            drawn=Drawn.of(
+                [
+                    x.whitened(c, own[c.name], scatter)
+                    for x, c in zip(item.own, channels, strict=True)
+                ],
+                pieces,
+                layout.width,
+            ),
+        )
+        for item in drawn
+        if item.count > MANY
+    ]
     prior, centre = np.ones(layout.width), np.zeros(layout.width)
     for block in layout.blocks[: len(raw)]:
         prior[block.columns] = prior_sizes(block.candidate)
@@ -113,7 +143,7 @@ def build(
         base=base,
         channels=channels,
         scatter=scatter,
-        blocks=layout.blocks,
+        blocks=(*layout.blocks, *beside),
         gram=gram,
         score=score,
         square=square,
@@ -123,6 +153,7 @@ def build(
         prior=prior,
         centre=centre,
         pieces=tuple(pieces),
+        features=features,
     )
 
 
@@ -152,6 +183,33 @@ class _Raw:
     candidate: Candidate
     value: float
     columns: Mapping[str, Array]
+
+
+@dataclass(frozen=True)
+class _EachRun:
+    """One candidate that each run draws, at one grid point: its columns by channel."""
+
+    candidate: Candidate
+    value: float
+    own: tuple[OwnColumns, ...]
+
+    @property
+    def count(self) -> int:
+        return sum(item.count for item in self.own)
+
+
+def _raw(
+    candidates: Sequence[Candidate], channels: Sequence[Channel], views: Sequence[View], base: Base
+) -> list[_Raw]:
+    """All candidates in all their forms at their grid points."""
+    asked = [(form, value) for item in candidates for form in item.forms for value in item.grid]
+    terms = [item for item, _ in asked if item.terms]
+    made = iter(term_columns(terms, channels, views, base))
+    return [
+        _Raw(item, value, next(made) if item.terms else
+             candidate_columns(item, value, channels, views, base))
+        for item, value in asked
+    ]  # fmt: skip
 
 
 def _largest(channel: Channel, raw: Sequence[_Raw]) -> Array:
@@ -186,26 +244,24 @@ class _Layout:
         return np.concatenate([*own, *self.transients[number], self.floors[number]])
 
 
-def _layout(
-    raw: Sequence[_Raw], drawn: Sequence[tuple[Candidate, float]], runs: Sequence[Sequence[int]]
-) -> _Layout:
+def _layout(raw: Sequence[_Raw], drawn: Sequence[_EachRun], channels: int) -> _Layout:
     """Places of candidates, of those that each run draws (by channel and draw), and features."""
     blocks, at = [], 0
     for item in raw:
         end = at + item.candidate.size
         blocks.append(Block(candidate=item.candidate, value=item.value, columns=slice(at, end)))
         at = end
-    transients: list[list[Places]] = [[] for _ in runs]
-    for place, (candidate, value) in enumerate(drawn):
+    transients: list[list[Places]] = [[] for _ in range(channels)]
+    for one in drawn:
         begin = at
-        for number, counts in enumerate(runs):
-            transients[number].append(np.arange(at, at + counts[place]))
-            at += counts[place]
+        for own, places in zip(one.own, transients, strict=True):
+            places.append(np.arange(at, at + own.count))
+            at += own.count
         if at > begin:
-            blocks.append(Block(candidate=candidate, value=value, columns=slice(begin, at)))
+            blocks.append(Block(candidate=one.candidate, value=one.value, columns=slice(begin, at)))
     begin = at
     floors = []
-    for _ in runs:
+    for _ in transients:
         floors.append(np.arange(at, at + FEATURES))
         at += FEATURES
     return _Layout(

@@ -9,7 +9,7 @@ from typing import Final, Literal
 from pmmkit.channels import did_you_mean
 from pmmkit.conventions import parse_derivative
 from pmmkit.diagnosis.captive.base import Base
-from pmmkit.diagnosis.captive.columns import Columns, columns_of, of_terms
+from pmmkit.diagnosis.captive.columns import Columns, Terms, columns_of, of_terms, terms_of
 from pmmkit.effects.effect import BY_SPEED, Effect
 from pmmkit.errors import Problem, Remedy, UnknownNameError, Way
 from pmmkit.numerics import Array
@@ -56,6 +56,9 @@ class Candidate:
         Places of the coefficients that are linear in the motion, of an effect with many others.
     partial : bool
         Whether it is only these.
+    terms : sequence of mapping of str to float
+        Derivatives that each coefficient stands for, with its share of them, where `columns` are
+        those: of many such candidates they are made together.
     """
 
     name: str
@@ -74,6 +77,7 @@ class Candidate:
     excites: tuple[str, ...] = field(default=())
     linear: tuple[int, ...] = ()
     partial: bool = False
+    terms: Terms = ()
 
     @property
     def size(self) -> int:
@@ -99,6 +103,7 @@ class Candidate:
             columns=linear,
             linear=(),
             partial=True,
+            terms=tuple(self.terms[k] for k in places) if self.terms else (),
         )
         return (self, part)
 
@@ -134,6 +139,7 @@ def polynomial(
     >>> polynomial("sway_drag", "hull", "Drag of sway.", {"Yv|v|": -0.02}).coefficients
     ('Yv|v|',)
     """
+    terms = tuple({label: 1.0} for label in sizes)
     return Candidate(
         name=name,
         family=family,
@@ -141,7 +147,8 @@ def polynomial(
         summary=summary,
         coefficients=tuple(sizes),
         typical=tuple(sizes.values()),
-        columns=of_terms([{label: 1.0} for label in sizes]),
+        columns=of_terms(terms),
+        terms=terms,
         check=check,
         excites=excites,
     )
@@ -186,6 +193,7 @@ def candidate_of(effect: Effect, speeds: Sequence[float] = ()) -> Candidate:
         check=effect.check,
         excites=effect.excites,
         linear=_linear(effect),
+        terms=terms_of(effect),
     )
 
 

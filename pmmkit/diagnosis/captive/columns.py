@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -17,6 +18,8 @@ from pmmkit.numerics import Array
 from pmmkit.observations.views import View
 
 CHANNELS: Final = ("X", "Y", "N")
+Terms = Sequence[Mapping[str, float]]
+"""Derivatives that each coefficient stands for, with its share of them."""
 Columns = Callable[[View, Base, float], Mapping[str, Array]]
 """Harmonics of an effect in one view by channel, (m, q), at one grid point, q coefficients."""
 
@@ -25,9 +28,15 @@ def columns_of(effect: Effect) -> Columns:
     """The columns of an effect, by its kind."""
     if effect.columns is not None:
         return _of_a_fault(effect)
-    if effect.kind == "terms":
-        return of_terms([effect.derivatives_of(name) for name in effect.typical])
-    return _of_a_force(effect)
+    terms = terms_of(effect)
+    return of_terms(terms) if terms else _of_a_force(effect)
+
+
+def terms_of(effect: Effect) -> Terms:
+    """Derivatives that the coefficients of an effect stand for; none where it is no such effect."""
+    if effect.columns is not None or effect.kind != "terms":
+        return ()
+    return tuple(effect.derivatives_of(name) for name in effect.typical)
 
 
 def spread_over(
@@ -36,7 +45,7 @@ def spread_over(
     """Columns by channel from single columns: channel to one array per coefficient."""
     return MappingProxyType(
         {
-            channel: np.stack([np.asarray(part, float) for part in own], axis=1)
+            channel: np.array(own, float).T
             for channel, own in parts.items()
             if channel in view.force and len(own) == count
         }
@@ -53,7 +62,7 @@ def _of_a_fault(effect: Effect) -> Columns:
     return columns
 
 
-def of_terms(shares: Sequence[Mapping[str, float]]) -> Columns:
+def of_terms(shares: Terms) -> Columns:
     """Columns of coefficients that stand for derivatives, each with its share of them.
 
     A derivative with the mark of the speed is multiplied by F at the speed of the run.
@@ -61,25 +70,65 @@ def of_terms(shares: Sequence[Mapping[str, float]]) -> Columns:
 
     def columns(view: View, base: Base, value: float) -> Mapping[str, Array]:
         del value
-        found: dict[str, Array] = {}
-        for channel in dict.fromkeys(name[0] for own in shares for name in own):
-            if channel not in view.force:
-                continue
-            names = [name for own in shares for name in own if name[0] == channel]
-            plain = [name.removesuffix(BY_SPEED) for name in names]
-            part = view.project(base.columns(plain, view.motion, view.speed))
-            law = base.law(view.speed)
-            weights = np.array(
-                [
-                    [own.get(name, 0.0) * (law if name.endswith(BY_SPEED) else 1.0)
-                     for own in shares]
-                    for name in names
-                ]
-            )  # fmt: skip
-            found[channel] = part @ weights
-        return MappingProxyType(found)
+        known = tuple(name for name in channels_of_terms([shares]) if name in view.force)
+        found = {name: TermTable.of([shares], name, [view], base) for name in known}
+        return MappingProxyType({name: table.columns(shares) for name, table in found.items()})
 
     return columns
+
+
+def channels_of_terms(every: Sequence[Terms]) -> tuple[str, ...]:
+    """Channels that derivatives act in."""
+    return tuple(dict.fromkeys(name[0] for shares in every for own in shares for name in own))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TermTable:
+    """Harmonics of what derivatives multiply in one channel of some views.
+
+    Parameters
+    ----------
+    names : mapping of str to int
+        Column of each derivative.
+    plain : array (n, p)
+        Harmonics, the views one below the other.
+    law : array (n, 1)
+        F at the speed of each row's run.
+    channel : str
+        The channel.
+    """
+
+    names: Mapping[str, int]
+    plain: Array
+    law: Array
+    channel: str
+
+    @classmethod
+    def of(
+        cls, every: Sequence[Terms], channel: str, views: Sequence[View], base: Base
+    ) -> TermTable:
+        """Of all derivatives of a channel that some coefficients stand for."""
+        named = (name for shares in every for own in shares for name in own if name[0] == channel)
+        names = list(dict.fromkeys(name.removesuffix(BY_SPEED) for name in named))
+        law = np.repeat([base.law(view.speed) for view in views], [view.rows for view in views])
+        return cls(
+            names=MappingProxyType({name: place for place, name in enumerate(names)}),
+            plain=base.design(names, views),
+            law=law[:, None],
+            channel=channel,
+        )
+
+    def columns(self, shares: Terms) -> Array:
+        """Of coefficients that stand for derivatives (n, q)."""
+        weights = np.zeros((2, len(self.names), len(shares)))
+        for place, own in enumerate(shares):
+            for name, share in own.items():
+                if name[0] == self.channel:
+                    by_speed = int(name.endswith(BY_SPEED))
+                    weights[by_speed, self.names[name.removesuffix(BY_SPEED)], place] += share
+        still, with_speed = weights
+        found: Array = self.plain @ still
+        return found + self.law * (self.plain @ with_speed) if with_speed.any() else found
 
 
 def _of_a_force(effect: Effect) -> Columns:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
+from pmmkit.diagnosis.captive.drawn import Drawn
 from pmmkit.diagnosis.captive.system import Block, System
 
 
@@ -32,6 +34,17 @@ def condition_on(system: System, blocks: Sequence[Block]) -> System:
     """
     if not blocks:
         return system
+    names = {block.candidate.name for block in blocks}
+    rest = [block for block in system.blocks if block.candidate.name not in names]
+    if len(blocks) == 1 and blocks[0].drawn and not any(block.drawn for block in rest):
+        return replace(_beside_drawn(system, blocks[0].drawn), blocks=tuple(rest))
+    if any(block.drawn for block in blocks):
+        system, dense = spread(system, [*blocks, *rest])
+        blocks, rest = dense[: len(blocks)], list(dense[len(blocks) :])
+    return _beside(replace(system, blocks=tuple(rest)), blocks)
+
+
+def _beside(system: System, blocks: Sequence[Block]) -> System:
     own = np.concatenate([block.places for block in blocks])
     root = np.linalg.cholesky(system.gram[np.ix_(own, own)] + np.eye(len(own)))
     centre = system.centre[own]
@@ -44,11 +57,83 @@ def condition_on(system: System, blocks: Sequence[Block]) -> System:
         + float(centre @ system.gram[np.ix_(own, own)] @ centre)
         - float(explained @ explained)
     )
-    names = {block.candidate.name for block in blocks}
     return replace(
         system,
         gram=system.gram - across.T @ across,
         score=system.score - system.gram[:, own] @ centre - across.T @ explained,
         square=square,
-        blocks=tuple(block for block in system.blocks if block.candidate.name not in names),
+        blocks=tuple(
+            block
+            if block.drawn is None
+            else replace(block, drawn=block.drawn.beside(own, root, across, explained, centre))
+            for block in system.blocks
+        ),
+    )
+
+
+def _beside_drawn(system: System, drawn: Drawn) -> System:
+    known = drawn.solve(np.column_stack([drawn.across.T, drawn.score]))
+    return replace(
+        system,
+        gram=system.gram - drawn.across @ known[:, :-1],
+        score=system.score - drawn.across @ known[:, -1],
+        square=system.square - float(drawn.score @ known[:, -1]),
+    )
+
+
+def spread(system: System, blocks: Sequence[Block]) -> tuple[System, tuple[Block, ...]]:
+    """A system that holds the columns of some blocks, and these blocks in it.
+
+    Parameters
+    ----------
+    system : System
+        Runs, base and candidates.
+    blocks : sequence of Block
+        Those that are asked for; what each of very many runs draws among them is written out.
+    """
+    made = []
+    for block in blocks:
+        if block.drawn is not None:
+            system, block = _written_out(system, block)
+        made.append(block)
+    return system, tuple(made)
+
+
+def _written_out(system: System, asked: Block) -> tuple[System, Block]:
+    """A system with the columns of a block that each run draws, and that block."""
+    key = (asked.candidate.name, asked.value, asked.count)
+    old, drawn = next(
+        (block, block.drawn)
+        for block in system.blocks
+        if block.drawn and (block.candidate.name, block.value, block.count) == key
+    )
+    width = len(system.score)
+    new = replace(old, columns=slice(width, width + drawn.count), drawn=None)
+    blocks = []
+    for block in system.blocks:
+        if block.drawn and block is not old:
+            across = np.vstack([block.drawn.across, drawn.products(block.drawn)])
+            block = replace(block, drawn=replace(block.drawn, across=across))
+        blocks.append(new if block is old else block)
+    edges = np.cumsum([0, *(part.shape[1] for part in drawn.parts)]).tolist()
+    return (
+        replace(
+            system,
+            gram=np.block([[system.gram, drawn.across], [drawn.across.T, drawn.products(drawn)]]),
+            score=np.concatenate([system.score, drawn.score]),
+            prior=np.concatenate([system.prior, np.ones(drawn.count)]),
+            centre=np.concatenate([system.centre, np.zeros(drawn.count)]),
+            blocks=tuple(blocks),
+            pieces=tuple(
+                replace(
+                    piece,
+                    columns=np.hstack([piece.columns, piece.projection.outside(part.toarray())]),
+                    places=np.concatenate([piece.places, width + np.arange(begin, end)]),
+                )
+                for piece, part, (begin, end) in zip(
+                    system.pieces, drawn.parts, pairwise(edges), strict=True
+                )
+            ),
+        ),
+        new,
     )

@@ -70,9 +70,8 @@ def _not_held(candidate: Candidate) -> Visible:
 
 def _at_usual_size(block: Block) -> Array:
     """Coefficients at the usual size, in units of the prior."""
-    count = block.columns.stop - block.columns.start
     if block.candidate.each_run:
-        return np.full(count, 1.0 / WIDER)
+        return np.full(block.count, 1.0 / WIDER)
     sizes = np.array(block.candidate.typical)
     centre = block.candidate.centre
     usual: Array = np.array(centre) / (WIDER * np.abs(sizes)) if centre else np.sign(sizes) / WIDER
@@ -81,18 +80,23 @@ def _at_usual_size(block: Block) -> Array:
 
 def _signal(system: System, block: Block) -> float:
     a = _at_usual_size(block)
+    if block.drawn:
+        return block.drawn.square_of(a)
     return float(a @ system.gram[block.columns, block.columns] @ a)
+
+
+def _signature(system: System, block: Block) -> list[Array]:
+    """An effect at its usual size in each channel (n + D,)."""
+    a = _at_usual_size(block)
+    if block.drawn:
+        return block.drawn.left(system.pieces, a)
+    return [columns_at(piece, block.places) @ a for piece in system.pieces]
 
 
 def _without_a_run(system: System, blocks: Sequence[Block]) -> list[tuple[float, str]]:
     """What is left of each signal without the run that shows most of it, and that run."""
-    sizes = [_at_usual_size(block) for block in blocks]
-    columns = [
-        np.column_stack(
-            [columns_at(piece, b.places) @ a for b, a in zip(blocks, sizes, strict=True)]
-        )
-        for piece in system.pieces
-    ]
+    shown = zip(*(_signature(system, block) for block in blocks), strict=True)
+    columns = [np.column_stack(own) for own in shown]
     taken = {run: np.diagonal(x) for run, x in taken_with(system, columns).items()}
     runs = list(taken)
     lost = np.stack([taken[run] for run in runs])
@@ -123,7 +127,8 @@ def _mimics(
         if name == block.candidate.name or wide(other):
             continue
         G = system.gram[other.columns, other.columns]
-        cross = system.gram[other.columns, block.columns] @ a
+        products = block.drawn.across if block.drawn else system.gram[:, block.columns]
+        cross = products[other.columns] @ a
         share = float(cross @ np.linalg.lstsq(G, cross, rcond=1e-9)[0]) / signal
         if share >= MIMICS:
             found[name] = share

@@ -10,16 +10,14 @@ from typing import Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.conditioning import condition_on
-from pmmkit.diagnosis.captive.system import Block, System
+from pmmkit.diagnosis.captive.conditioning import condition_on, spread
+from pmmkit.diagnosis.captive.system import MANY, Block, System
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Places
 
 MOST: Final = 3
 """Effects in a set."""
-MANY: Final = 200
-"""Columns from which a block is wide."""
 NEAR: Final = 2
 """Grid points of an effect, those that explain most alone, that stand in sets of several."""
 AHEAD: Final = 8
@@ -58,6 +56,11 @@ def evidence_at(system: System, at: Places, size: Array | None = None) -> float:
     )
 
 
+def evidence_of(system: System, block: Block) -> float:
+    """`log_evidence` of one effect at one grid point."""
+    return block.drawn.log_evidence if block.drawn else evidence_at(system, block.places)
+
+
 def price(system: System) -> float:
     """ln evidence that an effect must pay for the size of the catalogue."""
     return math.log(2.0 * len({block.candidate.name for block in system.blocks}))
@@ -86,9 +89,12 @@ class Sets:
 
     def value_of(self, blocks: Sequence[Block]) -> float:
         """ln evidence of blocks; one with many columns is taken into account once for all sets."""
+        if len(blocks) == 1:
+            return evidence_of(self.system, blocks[0])
         many = [block for block in blocks if id(block) in self.beside]
-        if len(blocks) == 1 or len(many) != 1:
-            return evidence_at(self.system, np.concatenate([block.places for block in blocks]))
+        if len(many) != 1:
+            system, blocks = spread(self.system, blocks)
+            return evidence_at(system, np.concatenate([block.places for block in blocks]))
         alone, rest = self.beside[id(many[0])]
         at = np.concatenate([block.places for block in blocks if block is not many[0]])
         return alone + evidence_at(rest, at)
@@ -129,11 +135,11 @@ def sets_of(system: System) -> Sets:
     for block in system.blocks:
         by_name.setdefault(block.candidate.name, []).append(block)
     near = {
-        name: sorted(own, key=lambda b: -evidence_at(system, b.places))[:NEAR]
+        name: sorted(own, key=lambda b: -evidence_of(system, b))[:NEAR]
         for name, own in by_name.items()
     }
     beside = {
-        id(block): (evidence_at(system, block.places), condition_on(system, [block]))
+        id(block): (evidence_of(system, block), condition_on(system, [block]))
         for own in near.values()
         for block in own
         if wide(block)
@@ -166,7 +172,7 @@ def ranked_sets(sets: Sets, *, most: int = MOST) -> list[Entry]:
 
 def wide(block: Block) -> bool:
     """Whether a block has so many columns (one per run) that sets with it need another way."""
-    return len(block.places) > MANY
+    return block.drawn is not None or block.count > MANY
 
 
 def gate(system: System, best: float, *, draws: int = 400, seed: int = 0) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pmmkit.diagnosis.captive.candidate import no_such_effect
-from pmmkit.diagnosis.captive.evidence import evidence_at
+from pmmkit.diagnosis.captive.evidence import evidence_of
 from pmmkit.diagnosis.captive.system import Block, System
 
 
@@ -18,4 +18,4 @@ def best_blocks(system: System, name: str, count: int = 1) -> list[Block]:
     own = [block for block in system.blocks if block.candidate.name == name]
     if not own:
         raise no_such_effect(name, (block.candidate.name for block in system.blocks))
-    return sorted(own, key=lambda b: -evidence_at(system, b.places))[:count]
+    return sorted(own, key=lambda b: -evidence_of(system, b))[:count]

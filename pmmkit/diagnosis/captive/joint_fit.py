@@ -92,7 +92,7 @@ def _tangents(system: System, effects: Sequence[Block]) -> list[Block]:
     made = []
     at = len([name for c in system.channels for name in system.base.names[c.name]])
     for block in effects:
-        width = len(block.places)
+        width = block.count
         if block.candidate.continuous:
             sizes = solution[at : at + width] * sizes_of(block)
             made.append(_tangent(block, sizes))

@@ -10,13 +10,7 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.build import prior_sizes
 from pmmkit.diagnosis.captive.candidate import Candidate
-from pmmkit.diagnosis.captive.system import (
-    Block,
-    System,
-    candidate_columns,
-    each_run_columns,
-    floor_features,
-)
+from pmmkit.diagnosis.captive.system import Block, System, candidate_columns, each_run_columns
 from pmmkit.numerics import Array
 from pmmkit.observations.whitening import whitened
 
@@ -30,10 +24,13 @@ class Stack:
 
     Parameters
     ----------
-    plain, white : array (n, q + 1)
-        As they are, and over the root of their covariance; the data are the last column.
+    plain : array (n, p + 1)
+        Base and effects as they are; the data are the last column.
+    white : array (k, q + 1)
+        All over the root of their covariance. With a floor the rows of each channel are condensed
+        to a triangle of the same products: they are many, and each has the features of its own.
     places : mapping of channel to slice
-        Rows of each channel.
+        Rows of each channel in `plain`.
     names : tuple of str
         Derivatives, then coefficients of effects.
     unit : array
@@ -73,16 +70,18 @@ def stacked(
     columns : sequence of mapping, optional
         Those of the effects (`effect_columns`), where they are known.
     """
-    base, views, channels = system.base, system.views, system.channels
+    base, channels = system.base, system.channels
     own = {piece.projection.channel.name: piece.projection.own for piece in system.pieces}
     known = [name for c in channels for name in base.names[c.name]]
     parts = [effect_columns(system, block) for block in effects] if columns is None else columns
-    features = {c.name: floor * floor_features(c, views, base) for c in channels if floor > 0}
+    features = [floor * x for x in system.features] if floor > 0 else []
     widths = [next(iter(part.values())).shape[1] for part in parts]
-    total = len(known) + sum(widths) + sum(x.shape[1] for x in features.values())
+    coefficients = len(known) + sum(widths)
+    edges = np.cumsum([coefficients, *(x.shape[1] for x in features)]).tolist()
+    total = edges[-1]
     plain, white, places, row = [], [], {}, 0
     for number, c in enumerate(channels):
-        block = np.zeros((len(c.y), total + 1))
+        block = np.zeros((len(c.y), coefficients + 1))
         first = sum(len(base.names[x.name]) for x in channels[:number])
         block[:, first : first + c.design.shape[1]] = c.design
         at = len(known)
@@ -90,13 +89,17 @@ def stacked(
             if c.name in part:
                 block[:, at : at + width] = part[c.name]
             at += width
-        for name, feature in features.items():
-            if name == c.name:
-                block[:, at : at + feature.shape[1]] = feature
-            at += feature.shape[1]
         block[:, -1] = c.y
         plain.append(block)
-        white.append(whitened(c, block, own[c.name], system.scatter))
+        if features:
+            acting = [*range(coefficients), *range(edges[number], edges[number + 1]), total]
+            every = np.column_stack([block[:, :-1], features[number], c.y])
+            root = np.linalg.qr(whitened(c, every, own[c.name], system.scatter), mode="r")
+            condensed = np.zeros((len(root), total + 1))
+            condensed[:, acting] = root
+            white.append(condensed)
+        else:
+            white.append(whitened(c, block, own[c.name], system.scatter))
         places[c.name] = slice(row, row + len(c.y))
         row += len(c.y)
     names = [*known, *(label for block in effects for label in _labels(block))]
@@ -139,7 +142,7 @@ def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
             system.views,
             base,
             c.design @ [base.values[name] for name in base.names[c.name]],
-        )
+        ).dense()
         for c in system.channels
     }
     edges = np.cumsum([0, *(x.shape[1] for x in parts.values())])
@@ -153,7 +156,7 @@ def effect_columns(system: System, block: Block) -> Mapping[str, Array]:
 def _labels(block: Block) -> list[str]:
     c = block.candidate
     if c.each_run:
-        return [f"{c.name}: share {number + 1} [-]" for number in range(len(block.places))]
+        return [f"{c.name}: share {number + 1} [-]" for number in range(block.count)]
     return labels(c)
 
 
@@ -165,13 +168,13 @@ def labels(candidate: Candidate) -> list[str]:
 def sizes_of(block: Block) -> Array:
     """Prior standard deviations of the coefficients of an effect, a transient's of each run."""
     if block.candidate.each_run:
-        return np.full(len(block.places), prior_sizes(block.candidate)[0])
+        return np.full(block.count, prior_sizes(block.candidate)[0])
     return prior_sizes(block.candidate)
 
 
 def _expected(block: Block) -> tuple[float, ...]:
     """Values about which the coefficients are expected."""
-    return block.candidate.centre or (0.0,) * len(block.places)
+    return block.candidate.centre or (0.0,) * block.count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from pmmkit.campaigns.run import Run
+from pmmkit.diagnosis.captive.conditioning import spread
 from pmmkit.diagnosis.captive.evidence import log_evidence
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.numerics import Array
@@ -51,24 +52,19 @@ def taken_with(
     found: dict[str, Array] = {}
     for piece, own in zip(system.pieces, columns, strict=True):
         projection = piece.projection
+        channel = projection.channel
+        first = {
+            rows.start: system.views[i].run
+            for i, rows in zip(channel.views, channel.rows, strict=True)
+        }
         together: dict[str, list[int]] = {}
-        for number, rows in enumerate(projection.channel.runs):
-            run = _run_of(system, piece, int(rows[0]))
-            together.setdefault(named(run), []).append(number)
+        for number, rows in enumerate(channel.runs):
+            together.setdefault(named(first[int(rows[0])]), []).append(number)
         for name, numbers in together.items():
             rows = np.concatenate([projection.channel.runs[number] for number in numbers])
             part = own[rows].T @ projection.without(numbers) @ own[rows]
             found[name] = found[name] + part if name in found else part
     return found
-
-
-def _run_of(system: System, piece: Piece, row: int) -> Run:
-    channel = piece.projection.channel
-    return next(
-        system.views[i].run
-        for i, rows in zip(channel.views, channel.rows, strict=True)
-        if rows.start <= row < rows.stop
-    )
 
 
 def least_gains(
@@ -89,10 +85,11 @@ def least_gains(
     -------
     tuple of (float, str)
     """
-    at = np.concatenate([block.places for block in (*blocks, *given)])
+    system, every = spread(system, [*blocks, *given])
+    at = np.concatenate([block.places for block in every])
     columns = [np.column_stack([columns_at(p, at), p.data]) for p in system.pieces]
     gram, score, centre = system.gram[np.ix_(at, at)], system.score[at], system.centre[at]
-    edges = np.cumsum([0, *(len(block.places) for block in blocks)])
+    edges = np.cumsum([0, *(block.count for block in blocks)])
     rest = [np.delete(np.arange(len(at)), np.arange(a, b)) for a, b in pairwise(edges)]
     found = [(np.inf, "")] * len(blocks)
     for run, taken in taken_with(system, columns).items():

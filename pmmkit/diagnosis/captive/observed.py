@@ -106,8 +106,9 @@ def filtered(harmonics: Array, factor: Callable[[int], complex]) -> Array:
     [0.0, 0.0, 2.0]
     """
     found = np.zeros_like(harmonics)
-    found[0] = (factor(0) * harmonics[0]).real
-    for n in range(1, (len(harmonics) - 1) // 2 + 1):
-        value = (harmonics[2 * n - 1] - 1j * harmonics[2 * n]) * factor(n)
-        found[2 * n - 1], found[2 * n] = value.real, -value.imag
+    orders = range((len(harmonics) - 1) // 2 + 1)
+    factors = np.array([factor(n) for n in orders], complex)
+    found[0] = factors[0].real * harmonics[0]
+    values = (harmonics[1::2] - 1j * harmonics[2::2]) * factors[1:]
+    found[1::2], found[2::2] = values.real, -values.imag
     return found

@@ -99,7 +99,7 @@ def signatures(candidates: Sequence[Candidate]) -> tuple[Signature, ...]:
     """
     views, base = standard_tests()
     sizes = _sizes(views, base)
-    hull = {c: np.concatenate([base.design(view, c) for view in views]) for c in CHANNELS}
+    hull = {c: base.design(base.names[c], views) for c in CHANNELS}
     over = {
         c: np.concatenate([np.full(v.rows, sizes[v.speed, c]) for v in views]) for c in CHANNELS
     }

@@ -12,6 +12,8 @@ import numpy as np
 
 from pmmkit.diagnosis.captive.base import Base
 from pmmkit.diagnosis.captive.candidate import Candidate
+from pmmkit.diagnosis.captive.columns import TermTable, channels_of_terms
+from pmmkit.diagnosis.captive.drawn import Drawn, OwnColumns
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.channels import Channel, Places, Scatter
@@ -20,6 +22,8 @@ from pmmkit.observations.whitening import Piece
 
 WIDER: Final = 1.5
 """Prior standard deviation of a coefficient over its typical size."""
+MANY: Final = 200
+"""Columns from which those that each run draws stand beside the system."""
 FEATURES: Final = 128
 """Random features of the smooth floor, per channel: half of them of the channel's own parity."""
 TURNED: Final = 6
@@ -34,16 +38,26 @@ LEAST: Final = 1e-4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Block:
-    """One candidate at one grid point: its columns, whitened and projected, over prior sizes."""
+    """One candidate at one grid point: its columns, whitened and projected, over prior sizes.
+
+    Columns that each of very many runs draws stand beside the system, as `drawn`.
+    """
 
     candidate: Candidate
     value: float
     columns: slice
+    drawn: Drawn | None = None
 
     @property
     def places(self) -> Places:
-        """Places of the columns in the system."""
+        """Places of the columns in the system, which has those of very many runs only `spread`."""
+        assert self.drawn is None
         return np.arange(self.columns.start, self.columns.stop)
+
+    @property
+    def count(self) -> int:
+        """Number of columns."""
+        return self.columns.stop - self.columns.start if self.drawn is None else self.drawn.count
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,6 +94,8 @@ class System:
         Expected value of each column's coefficient, in those.
     pieces : tuple of Piece
         The channels, one by one.
+    features : tuple of array (n, D)
+        Of the smooth floor in each channel, at size one.
     unasked : tuple of Candidate
         Those for which these runs hold nothing.
     """
@@ -98,6 +114,7 @@ class System:
     prior: Array
     centre: Array
     pieces: tuple[Piece, ...]
+    features: tuple[Array, ...]
     unasked: tuple[Candidate, ...] = ()
 
     def whole(self, names: Sequence[str]) -> System:
@@ -125,11 +142,7 @@ def channels_of(views: Sequence[View], base: Base) -> tuple[Channel, ...]:
         edges = np.cumsum([0, *(views[i].rows for i in having)]).tolist()
         rows = tuple(slice(a, b) for a, b in pairwise(edges))
         y = np.concatenate([views[i].force[name] for i in having])
-        design = (
-            np.concatenate([base.design(views[i], name) for i in having])
-            if names
-            else np.zeros((len(y), 0))
-        )
+        design = base.design(names, [views[i] for i in having])
         scale = scale_of(name, [views[i] for i in having])
         groups: dict[str, list[int]] = {}
         for place, i in enumerate(having):
@@ -267,26 +280,26 @@ def each_run_columns(
     views: Sequence[View],
     base: Base,
     predicted: Array,
-) -> Array:
-    """A candidate of which each run draws a share: a column per run that knows it (n, runs).
+) -> OwnColumns:
+    """A candidate of which each run draws a share: a column per run that knows it.
 
     A unit is the force of the run, that of its later cycles where it stands in two pieces.
     """
     by_view = {i: candidate.columns(views[i], base, value).get(channel.name) for i in channel.views}
-    knows = [i for i in channel.views if by_view[i] is not None]
-    ids = list(dict.fromkeys(views[i].run.id for i in knows))
-    found = np.zeros((len(channel.y), len(ids)))
+    ids = dict.fromkeys(views[i].run.id for i, own in by_view.items() if own is not None)
+    number = {run: place for place, run in enumerate(ids)}
+    values, column = np.zeros(len(channel.y)), np.full(len(channel.y), -1, np.intp)
     sizes: dict[str, float] = {}
     for i, rows in zip(channel.views, channel.rows, strict=True):
-        if i in knows and not views[i].early:
+        column[rows] = number.get(views[i].run.id, -1)
+        if by_view[i] is not None and not views[i].early:
             sizes[views[i].run.id] = float(np.linalg.norm(predicted[rows]))
     for i, rows in zip(channel.views, channel.rows, strict=True):
         own = by_view[i]
         if own is not None:
-            run = views[i].run.id
-            size = sizes.get(run, float(np.linalg.norm(predicted[rows])))
-            found[rows, ids.index(run)] = size * own[:, 0]
-    return found
+            size = sizes.get(views[i].run.id, float(np.linalg.norm(predicted[rows])))
+            values[rows] = size * own[:, 0]
+    return OwnColumns(values=values, column=column, count=len(number))
 
 
 def candidate_columns(
@@ -297,6 +310,8 @@ def candidate_columns(
     base: Base,
 ) -> Mapping[str, Array]:
     """Columns of a candidate by channel (n, q)."""
+    if candidate.terms:
+        return term_columns([candidate], channels, views, base)[0]
     by_view = [candidate.columns(view, base, value) for view in views]
     found = {}
     for channel in channels:
@@ -307,3 +322,18 @@ def candidate_columns(
         if np.any(block):
             found[channel.name] = block
     return found
+
+
+def term_columns(
+    candidates: Sequence[Candidate], channels: Sequence[Channel], views: Sequence[View], base: Base
+) -> list[Mapping[str, Array]]:
+    """`candidate_columns` of candidates that stand for derivatives, each motion looked at once."""
+    every = [candidate.terms for candidate in candidates]
+    acting = channels_of_terms(every)
+    tables = {
+        c.name: TermTable.of(every, c.name, [views[i] for i in c.views], base)
+        for c in channels
+        if c.name in acting
+    }
+    found = ({name: table.columns(terms) for name, table in tables.items()} for terms in every)
+    return [{name: x for name, x in own.items() if np.any(x)} for own in found]

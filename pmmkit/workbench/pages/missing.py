@@ -176,17 +176,12 @@ class _Whole:
         stack = self.stack
         given = range(self.known)
         more = () if number is None else range(stack.plain.shape[1])[self.columns[number]]
-        floor = range(len(stack.names), stack.plain.shape[1])
+        floor = range(len(stack.names), stack.white.shape[1])
         kept = np.array([*given, *more, *floor])
         effects = kept[stack.begin : -1] - stack.begin
-        one = replace(
-            stack,
-            plain=stack.plain[:, kept],
-            white=stack.white[:, kept],
-            centre=stack.centre[effects],
-        )
-        count = len(given) + len(more)
-        fitted = one.plain[:, :count] @ solved(one).solution[:count]
+        one = replace(stack, white=stack.white[:, kept], centre=stack.centre[effects])
+        own = kept[: len(given) + len(more)]
+        fitted = stack.plain[:, own] @ solved(one).solution[: len(own)]
         return {name: fitted[rows] for name, rows in stack.places.items()}
 
 
