@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from pmmkit.campaigns.motion.counted import counted_cycles, counted_window
+from pmmkit.campaigns.motion.counted import Counted, counted_cycles, counted_window
 from pmmkit.campaigns.motion.kinematics import measured_motion, motion_at_phase
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.checks.carriage import carriage_facts
@@ -42,7 +42,7 @@ _SKETCH: Final = 48
 _PARTS: Final = 12
 
 
-def summarise(run: Run, campaign: Campaign) -> Summary:
+def summarise(run: Run, campaign: Campaign, *, counted: Counted | None = None) -> Summary:
     """Read a run once and keep what the checks need.
 
     Parameters
@@ -51,6 +51,8 @@ def summarise(run: Run, campaign: Campaign) -> Summary:
         A run of the campaign.
     campaign : Campaign
         Its campaign.
+    counted : Counted, optional
+        The whole cycles of an oscillating record, where they are known.
 
     Returns
     -------
@@ -60,7 +62,7 @@ def summarise(run: Run, campaign: Campaign) -> Summary:
     """
     data = run.data
     if run.kind == "history":
-        return _of_history(run, campaign, data)
+        return _of_history(run, campaign, data, counted)
     if run.kind == "harmonics":
         return _of_harmonics(run, data)
     means = {name: float(data[name]) for name in FORCES if name in data}
@@ -101,7 +103,7 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
     )
 
 
-def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
+def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, counted: Counted | None) -> Summary:
     raw = np.asarray(data["t"].values, float)
     facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
     columns = {
@@ -147,7 +149,8 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset) -> Summary:
     if not present:
         return Summary(**shared)
     if run.dynamic:
-        return _oscillating(run, clean, t, present, forces, shared)
+        known = counted if clean is data and counted and counted.channels == (*present,) else None
+        return _oscillating(run, clean, t, present, forces, shared, known)
     window = counted_window(run, clean, t, forces, present)
     part = forces[:, window.start : window.stop]
     shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
@@ -179,11 +182,17 @@ def _mean_noise(part: Array) -> Array:
 
 
 def _oscillating(
-    run: Run, data: xr.Dataset, t: Array, names: list[str], forces: Array, shared: Mapping[str, Any]
+    run: Run,
+    data: xr.Dataset,
+    t: Array,
+    names: list[str],
+    forces: Array,
+    shared: Mapping[str, Any],
+    counted: Counted | None,
 ) -> Summary:
     """Harmonics of the whole cycles without transient, and of each cycle."""
     try:
-        counted = counted_cycles(run, data, t, forces, names)
+        counted = counted or counted_cycles(run, data, t, forces, names)
         travel, cycles = counted.travel, counted.cycles
         moving = slice(travel.start, travel.stop)
         state = measured_motion(run, data.isel(t=moving), t[moving])

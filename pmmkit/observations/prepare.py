@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.campaigns.motion.counted import counted_cycles, counted_window
+from pmmkit.campaigns.motion.counted import Counted, counted_cycles, counted_window
 from pmmkit.campaigns.motion.inertia import Rig, force_of_water
 from pmmkit.campaigns.motion.kinematics import measured_motion, move_motion, nominal_motion
 from pmmkit.campaigns.run import Campaign, Run
@@ -118,6 +118,8 @@ class Prepared:
         Time at which the record begins [s].
     phase : array (n,) or None
         Phase of the displacement at the samples of an oscillating record [rad].
+    counted : Counted or None
+        The whole cycles of an oscillating record whose period the campaign states rightly.
     """
 
     result: RunResult
@@ -126,6 +128,7 @@ class Prepared:
     t: Array
     begin: float = 0.0
     phase: Array | None = None
+    counted: Counted | None = None
 
     def motion_at_midship(self, rig: Rig) -> State:
         """Motion of midship at the samples."""
@@ -332,6 +335,7 @@ def _from_cycles(
         t=times[cut],
         begin=float(times[0]),
         phase=theta,
+        counted=None if notes else counted,
     )
 
 

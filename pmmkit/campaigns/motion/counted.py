@@ -30,11 +30,14 @@ class Counted:
         Those that count; samples are those of the whole record.
     travel : Travel
         Where the carriage is at its speed.
+    channels : tuple of str
+        Those whose agreement from cycle to cycle told which count; none where they were asked for.
     """
 
     theta: Array
     cycles: Cycles
     travel: Travel
+    channels: tuple[str, ...] = ()
 
 
 def travel_of(
@@ -123,7 +126,8 @@ def counted_cycles(
     if not travel.reason:
         theta = displacement_phase(run, data, times)
         found = whole_cycles(times, theta, record, cycles=cycles)
-        return Counted(theta=theta, cycles=found, travel=travel)
+        told = tuple(names) if cycles is None else ()
+        return Counted(theta=theta, cycles=found, travel=travel, channels=told)
     cut = slice(travel.start, travel.stop)
     theta = displacement_phase(run, data, times, within=cut)
     found = whole_cycles(times[cut], theta[cut], record[:, cut])
@@ -133,7 +137,7 @@ def counted_cycles(
         stop=found.stop + travel.start,
         reason=f"left out {travel.reason}; {found.reason}",
     )
-    return Counted(theta=theta, cycles=moved, travel=travel)
+    return Counted(theta=theta, cycles=moved, travel=travel, channels=tuple(names))
 
 
 def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:

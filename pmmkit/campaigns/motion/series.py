@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import reduce
 from typing import Final
 
 import numpy as np
@@ -12,6 +13,7 @@ from pmmkit.campaigns.motion.nominal import check_settings
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array, coefficients
+from pmmkit.signals import design_matrix
 
 HARMONICS: Final = 5
 """Highest harmonic of the series through which measured motions are differentiated."""
@@ -38,10 +40,13 @@ class Series:
         """The series (order 0) or its first or second time derivative."""
         away = times - self.start
         rates = self.omega * np.arange(len(self.cosines))
-        complex_amplitudes = (self.cosines - 1j * self.sines) * (1j * rates) ** order
-        waves = np.exp(1j * np.multiply.outer(away, rates))
+        amplitudes = (self.cosines - 1j * self.sines) * (1j * rates) ** order
+        angle = self.omega * away
+        turn = np.cos(angle) + 1j * np.sin(angle)
+        # Horner's rule in e^iωτ: one sine and cosine for all harmonics.
+        waves = reduce(lambda sum_, own: sum_ * turn + own, amplitudes[::-1], np.zeros_like(turn))
         trend = {0: self.slope * away, 1: self.slope}.get(order, 0.0)
-        return np.asarray((waves @ complex_amplitudes).real + trend, float)
+        return np.asarray(waves.real + trend, float)
 
 
 def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:
@@ -58,11 +63,9 @@ def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:
         if covered < _WHOLE or count < size:
             continue
         start = float(instants[0])
-        angles = np.multiply.outer(omega * (instants - start), np.arange(order + 1))
-        columns = [np.cos(angles), np.sin(angles[:, 1:])]
+        matrix = design_matrix(omega * (instants - start), order)
         if trend:
-            columns.append(((instants - start) / np.ptp(instants))[:, None])
-        matrix = np.concatenate(columns, axis=1)
+            matrix = np.column_stack([matrix, (instants - start) / np.ptp(instants)])
         if np.linalg.matrix_rank(matrix.T @ matrix, tol=1e-9 * count) < size:
             continue
         solution = coefficients(matrix, samples[None])[0]
@@ -72,8 +75,8 @@ def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:
             omega=omega,
             start=start,
             slope=float(solution[-1] / np.ptp(instants)) if trend else 0.0,
-            cosines=solution[: order + 1],
-            sines=np.concatenate([[0.0], solution[order + 1 : 2 * order + 1]]),
+            cosines=np.concatenate([solution[:1], solution[1 : 2 * order : 2]]),
+            sines=np.concatenate([[0.0], solution[2 : 2 * order + 1 : 2]]),
             standard_error=scatter * math.sqrt(2 / count),
         )
     raise CampaignError(

@@ -13,7 +13,7 @@ from pmmkit.conventions import Convention
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
 from pmmkit.observations.histories import History, history_of
-from pmmkit.observations.prepare import CycleChoice, prepare
+from pmmkit.observations.prepare import CycleChoice, Prepared, prepare
 from pmmkit.reduction.derivatives import Columns
 
 
@@ -94,23 +94,25 @@ def read_run(run: Run, settings: ReductionSettings) -> Reading:
     """
     data = run.data
     once = run.with_(loader=lambda: data)
-    rows, changes, history = _equations(once, settings)
+    prepared = prepare(
+        once, settings.campaign, cycles=settings.cycles, integrated=settings.integrated
+    )
+    rows, changes, history = _equations(prepared, once, settings)
     kept = run.with_(settings=rows.result.run.settings)
     return Reading(
         rows=replace(rows, result=replace(rows.result, run=kept)),
         sensitivities=tuple(changes),
-        summary=replace(summarise(once, settings.campaign), run=run),
+        summary=replace(summarise(once, settings.campaign, counted=prepared.counted), run=run),
         history=history,
     )
 
 
 def _equations(
-    run: Run, settings: ReductionSettings
+    prepared: Prepared, run: Run, settings: ReductionSettings
 ) -> tuple[Rows, Iterator[Sensitivity], History | None]:
     """What a run says about the derivatives, how that changes with the uncertainties, over time."""
     campaign = settings.campaign
     rig = rig_of(campaign)
-    prepared = prepare(run, campaign, cycles=settings.cycles, integrated=settings.integrated)
     share = speed_increase(campaign, run.settings.speed) if settings.blockage == "correct" else None
     names = {
         channel: listed
