@@ -9,9 +9,9 @@ import numpy as np
 
 from pmmkit.errors import TableError
 from pmmkit.figures.correlations import correlated
+from pmmkit.models.reference import Reference, published_of
 from pmmkit.numerics import Array
 from pmmkit.reduction import Reduction
-from pmmkit.report.reference import published_of
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.workbench.pages.numbers import short
 
@@ -21,13 +21,15 @@ TRADES: Final = 0.3
 """Correlation from which two derivatives are said to trade with each other."""
 
 
-def derivatives_page(reduction: Reduction) -> dict[str, Any]:
+def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> dict[str, Any]:
     """A reduction as the page shows it.
 
     Parameters
     ----------
     reduction : Reduction
         Of captive tests.
+    beside : Reference, optional
+        Values of a source; published ones of this ship if absent.
 
     Returns
     -------
@@ -37,7 +39,7 @@ def derivatives_page(reduction: Reduction) -> dict[str, Any]:
         high), ``published``, ``families``, ``runs`` that move it and what it ``trades`` with.
     """
     table = reduction.table
-    reference = published_of(table)
+    reference = beside or published_of(table)
     published = _published(table, reference.table) if reference else {}
     moved, trades = _moved(reduction), _trades(table)
     families = reduction.families

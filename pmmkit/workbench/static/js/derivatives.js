@@ -54,8 +54,13 @@ function grid(found, choose) {
       return rows.length ? el("tbody", {}, rows.map((row) => el("tr", { "data-name": row.name, "aria-selected": "false" },
         el("th", { scope: "row" }, el("button", { class: "link", on: { click: () => choose(row) } }, row.name)),
         row.values.map((item) => el("td", {}, told(item, found.factor))),
-        found.reference ? el("td", { class: "soft" }, row.published.length ? num(found.factor * row.published[0], 4) : "") : null))) : null;
+        found.reference ? el("td", { class: "soft" }, published(row.published, found.factor)) : null))) : null;
     }));
+}
+
+function published(values, factor) {
+  const ends = [values[0], values.at(-1)].map((value) => num(factor * value, 4));
+  return !values.length ? "" : ends[0] === ends[1] ? ends[0] : ends.join(" … ");
 }
 
 function drawDetail(root, found, row) {
