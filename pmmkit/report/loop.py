@@ -13,7 +13,6 @@ from pmmkit.loop import Session
 from pmmkit.loop.evidence import Fall
 from pmmkit.presentation import Section, sections_of
 from pmmkit.report.checked import checked_section
-from pmmkit.report.drawn import drawn
 from pmmkit.workbench.page_file import Answers, page_file, state_of
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.missing import missing_page
@@ -129,19 +128,7 @@ def loop_answers(
     place = Place(
         facts={"answer": found.answer if found.best else found.verdict, **facts},
         before=_asked_again(loop),
-        after=[
-            *sections,
-            Section(
-                title="What these runs could show",
-                paragraphs=["Whatever the forces are, an effect below these sizes stays hidden."],
-                figures=[
-                    drawn(
-                        found.plot_coverage(),
-                        "Size that could hide from these runs, over the usual size of each effect.",
-                    )
-                ],
-            ),
-        ],
+        after=sections,
         folded=sections_of(found),
     )
     return {

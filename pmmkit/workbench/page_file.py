@@ -17,6 +17,8 @@ from pmmkit.version import __version__
 STATIC: Final = Path(__file__).parent / "static"
 MOST: Final = 2_700_000
 """Bytes of data: with the scripts a file stays below 3 MB."""
+LARGEST: Final = MOST + 50_000
+"""Bytes of data with the words of all languages."""
 BUCKETS: Final = (200, 100, 50, 25)
 """Pieces of a record, as many as the file has room for."""
 MAP_SHARE: Final = 0.5
@@ -81,8 +83,10 @@ def page_file(answers: Answers) -> str:
     }
     drawn = {name: bool(answers.get(key)) for name, key in ASKED.items()}
     places = {name: own for name, own in drawn.items() if own or f"told {name}" in answers}
-    kept = fitted({**answers, "state": {**answers["state"], "places": places}})
-    data = _data({"answers": kept, "words": words})
+    whole = {**answers, "state": {**answers["state"], "places": places}}
+    data = _data({"answers": whole, "words": words})
+    if len(data) > LARGEST:
+        data = _data({"answers": fitted(whole), "words": words})
     styles = "".join(_read(name) for name in ("vendor/uPlot.min.css", "style.css"))
     plots, page = _read("vendor/uPlot.iife.min.js"), bundle()
     policy = "; ".join(
@@ -110,7 +114,10 @@ def page_file(answers: Answers) -> str:
 
 def _data(held: Any) -> str:
     """JSON that cannot end the element it stands in, nor begin another inside it."""
-    text = json.dumps(plain(held), allow_nan=False, separators=(",", ":"))
+    try:
+        text = json.dumps(held, default=plain, allow_nan=False, separators=(",", ":"))
+    except ValueError:  # a NaN, which few answers have
+        text = json.dumps(plain(held), allow_nan=False, separators=(",", ":"))
     return re.sub("<(?=[!sS])", r"\\u003c", text.replace("</", r"<\/"))
 
 

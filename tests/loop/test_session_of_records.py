@@ -159,7 +159,9 @@ def test_the_page_tells_the_errors_before_and_after(session, added, found, tmp_p
     titles = [section["title"] for section in told["after"]]
     assert titles[0] == "Records before and after"
     assert titles[1].startswith("Errors over windows")
-    assert titles[2] == "What these runs could show"
+    assert {item["effect"] for item in page["missing"]["covered"]} == {
+        x.name for x in found.covered
+    }
     assert "zigzag 1" in told["after"][0]["figures"][0]["svg"]
     base, after = added.fall().errors
     assert f"{base.heading:.2g} → {after.heading:.2g}°" in texts_in(told["facts"])

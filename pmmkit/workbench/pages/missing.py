@@ -14,7 +14,7 @@ from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import taken_as_given
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
@@ -46,7 +46,8 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
     -------
     dict
         ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
-        set and its rivals), ``hidden``, ``overlays`` by effect.
+        set and its rivals), ``hidden``, ``covered`` (size that could hide of each, the smallest
+        first), ``overlays`` by effect.
     """
     own = {item.name: item for item in getattr(session.evidence, "own", ())}
     named = {name for names, _ in found.group for name in names}
@@ -98,8 +99,16 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
             {"effect": item.name, "why": item.why, "size": short(item.hides)}
             for item in found.not_testable
         ],
+        "covered": [
+            {"effect": item.name, "size": short(item.hides), "shown": item.shown}
+            for item in sorted(found.covered, key=_hidden)
+        ],
         "overlays": changes,
     }
+
+
+def _hidden(seen: Visible) -> float:
+    return seen.hides if np.isfinite(seen.hides) else np.inf
 
 
 def _known(entry: Entry) -> bool:

@@ -7,6 +7,7 @@ import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
 import { frozen } from "./api.js";
 import { ownPanel } from "./own.js";
+import { coveragePanel } from "./coverage.js";
 
 const STRONG = Math.log(1e6);
 
@@ -20,7 +21,7 @@ export async function showMissing(root, app, shown) {
   refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
-  refill(right, fall ? waterfall(fall) : null, run, turns);
+  refill(right, fall ? waterfall(fall) : null, run, turns, coveragePanel(found?.covered));
   shown();
   view.draw = await runView(run, app, fresh ? found : null);
   await turnPanel(turns, app);
