@@ -11,9 +11,12 @@ from chromium import chromium, found
 from long_work import done
 
 from pmmkit.cli import main
+from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import frozen_page
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.pages.sections import Place, Symbol, told_page
 from pmmkit.workbench.serving import listening
 
 pytestmark = pytest.mark.slow
@@ -230,6 +233,36 @@ def test_the_page_of_a_comparison_opens_from_disk_with_what_was_worked_out(compa
     assert compared_page.run("getComputedStyle(document.querySelector('.rail')).display") == "none"
     assert compared_page.complaints == []
     assert {x for x in compared_page.requests if not x.startswith(("file:", "data:"))} == set()
+
+
+def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_path):
+    evil = "<img src=x onerror=\"document.title='run'\">"
+    drawing = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20">{}</svg>'
+    script = drawing.format("<script>document.title = 'run'</script><rect width='9' height='9'/>")
+    section = Section(
+        title=evil,
+        paragraphs=[evil],
+        findings=[{"severity": "warning", "check": evil, "message": evil}],
+        tables=[Grid(head=["", evil], groups=[Group(rows=[[Symbol("N′", "vvr"), None]])])],
+        figures=[Picture(svg=script, caption="drawn"), Picture(svg="", caption="no room")],
+    )
+    answers = {
+        "state": state_of(title="Told", kind="captive", runs=1, model=""),
+        "told data": told_page(Place(facts={evil: evil}, before=[section], folded=[section])),
+    }
+    file = tmp_path / "told.html"
+    file.write_text(page_file(answers), encoding="utf-8")
+    page.open("about:blank")
+    page.wait("location.href === 'about:blank'")
+    page.complaints.clear()
+    page.open(file.as_uri())
+    assert page.wait("document.querySelector('.told img')?.naturalWidth") == 40
+    assert page.run("document.querySelectorAll('img').length") == 2
+    assert page.run("document.querySelector('.told h2').textContent") == evil
+    assert page.run("document.querySelector('.symbol').textContent") == "N′vvr"
+    assert page.run("document.querySelectorAll('figure')[1].textContent").startswith("This picture")
+    assert page.run("document.title") == "Data · Told"
+    assert page.complaints == []
 
 
 def test_on_paper_all_places_stand_one_after_the_other(compared_page):

@@ -71,7 +71,7 @@ def compare(
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     page = partial(write_comparison, found, findings=findings)
     files = write_results(folder, (*_files(found, content, figures), ("report.html", page)))
-    ends = [f"Results: {folder}", f"Page:    {folder / 'report.html'}"]
+    ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
     lines = [str(found), *warned(findings), "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
