@@ -198,7 +198,8 @@ def test_the_file_opens_from_disk_with_the_same_plots(page, looped, looped_desk,
     page.wait("document.querySelectorAll('.map td').length")
     assert page.wait("document.querySelectorAll('.uplot canvas, .plot svg path').length")
     page.run("location.hash = 'missing'")
-    assert page.wait("document.querySelectorAll('svg rect.bar').length") == 3
+    bars = "[aria-label='How the error falls'] rect.bar"
+    assert page.wait(f'document.querySelectorAll("{bars}").length') == 3
     assert (
         page.run("[...document.querySelectorAll('button')].some(x => x.textContent === 'Add')")
         is False
@@ -235,6 +236,26 @@ def test_the_page_of_a_comparison_opens_from_disk_with_what_was_worked_out(compa
     assert {x for x in compared_page.requests if not x.startswith(("file:", "data:"))} == set()
 
 
+def test_on_paper_all_places_stand_one_after_the_other(compared_page):
+    compared_page.scheme("dark")
+    try:
+        compared_page.run("dispatchEvent(new Event('beforeprint'))")
+        heads = "[...document.querySelectorAll('.chapter > h1')].map(x => x.textContent)"
+        assert compared_page.run(heads) == ["Data", "Where it fails"]
+        assert compared_page.wait("document.querySelectorAll('.book .uplot canvas').length")
+        assert compared_page.run(
+            "[...document.querySelectorAll('.book details')].every(x => x.open)"
+        )
+        ground = "getComputedStyle(document.querySelector('.book .panel')).backgroundColor"
+        assert compared_page.run(ground) == "rgb(255, 255, 255)"
+        compared_page.run("dispatchEvent(new Event('afterprint'))")
+        assert compared_page.run("document.querySelectorAll('.book').length") == 0
+        assert compared_page.run("document.documentElement.dataset.theme ?? ''") == ""
+        assert compared_page.complaints == []
+    finally:
+        compared_page.scheme("light")
+
+
 def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_path):
     evil = "<img src=x onerror=\"document.title='run'\">"
     drawing = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20">{}</svg>'
@@ -263,26 +284,6 @@ def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_p
     assert page.run("document.querySelectorAll('figure')[1].textContent").startswith("This picture")
     assert page.run("document.title") == "Data · Told"
     assert page.complaints == []
-
-
-def test_on_paper_all_places_stand_one_after_the_other(compared_page):
-    compared_page.scheme("dark")
-    try:
-        compared_page.run("dispatchEvent(new Event('beforeprint'))")
-        heads = "[...document.querySelectorAll('.chapter > h1')].map(x => x.textContent)"
-        assert compared_page.run(heads) == ["Data", "Where it fails"]
-        assert compared_page.wait("document.querySelectorAll('.book .uplot canvas').length")
-        assert compared_page.run(
-            "[...document.querySelectorAll('.book details')].every(x => x.open)"
-        )
-        ground = "getComputedStyle(document.querySelector('.book .panel')).backgroundColor"
-        assert compared_page.run(ground) == "rgb(255, 255, 255)"
-        compared_page.run("dispatchEvent(new Event('afterprint'))")
-        assert compared_page.run("document.querySelectorAll('.book').length") == 0
-        assert compared_page.run("document.documentElement.dataset.theme ?? ''") == ""
-        assert compared_page.complaints == []
-    finally:
-        compared_page.scheme("light")
 
 
 def test_two_candidates_stand_side_by_side(page, asked_desk):
