@@ -139,13 +139,12 @@ def report_answers(
     reference, turns, loop
         As for `write_report`.
     """
-    structure = str(reduction.table.provenance.get("structure", "custom"))
     answers: Answers = {
         "state": state_of(
             title=reduction.campaign.title or "Captive tests",
             kind="captive",
             runs=len(reduction.runs),
-            model=structure,
+            model="",
         ),
         "derivatives": derivatives_page(reduction, reference),
         **{f"told {name}": told_page(place) for name, place in places.items()},

@@ -12,7 +12,8 @@ export function coveragePanel(covered) {
   const low = Math.floor(Math.log10(Math.max(Math.min(...sizes), 1e-4)));
   const high = Math.log10(LARGEST);
   const width = Math.min(720, Math.max(innerWidth - 80, 300));
-  const [left, right, row, top] = [width < 500 ? 140 : 200, 46, 19, 6];
+  const longest = Math.max(...covered.map((item) => item.effect.length));
+  const [left, right, row, top] = [Math.min(6.4 * longest + 14, width / 2), 46, 19, 6];
   const height = top + row * covered.length + 22;
   const at = (size) => left + ((Math.log10(Math.max(size, 10 ** low)) - low) / (high - low)) * (width - left - right);
   const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": t("coverage") });
