@@ -129,13 +129,22 @@ def loop_answers(
         facts={"answer": found.answer if found.best else found.verdict, **facts},
         before=_asked_again(loop),
         after=sections,
-        folded=sections_of(found),
+        folded=[*sections_of(found), *_fall(loop.fall)],
     )
     return {
         "missing": {**missing, "since": 0},
         "fall": fall_page(loop.fall) if len(loop.fall.steps) > 1 else None,
         "told missing": told_page(place),
     }
+
+
+def _fall(fall: Fall) -> list[Section]:
+    """The errors after each step in numbers, by kind of test too."""
+    if len(fall.steps) < 2:
+        return []
+    table = [fall.table()]
+    said = fall.remarks()
+    return [Section(title="Errors by step", paragraphs=[fall.how], points=said, tables=table)]
 
 
 def _asked_again(loop: Loop) -> list[Section]:

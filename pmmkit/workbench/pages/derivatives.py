@@ -34,9 +34,10 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
     Returns
     -------
     dict
-        ``speeds``, ``factor`` (what they are told times), ``system``, ``structure``, ``reference``
-        (its name), ``notes`` and ``rows``: by derivative its ``values`` at each speed (value, low,
-        high), ``published``, ``families``, ``runs`` that move it and what it ``trades`` with.
+        ``speeds``, ``factor`` (what they are told times), ``system``, ``about`` (how to read them),
+        ``structure``, ``reference`` (its name), ``notes`` and ``rows``: by derivative its
+        ``values`` at each speed (value, low, high), ``published``, ``families``, ``runs`` that move
+        it and what it ``trades`` with.
     """
     table = reduction.table
     reference = beside or published_of(table)
@@ -49,6 +50,7 @@ def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> d
         "Fn": short(table.Fn),
         "factor": table.factor,
         "system": table.convention.system,
+        "about": table.grid().caption,
         "structure": str(table.provenance.get("structure", "")),
         "reference": reference.name if reference else "",
         "notes": list(table.notes),

@@ -25,7 +25,7 @@ export async function showDerivatives(root, app, shown) {
       el("span", { class: "soft small" }, t("derivatives_about", { system: found.system, structure: found.structure }))),
     frozen ? null : chooser(app),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("place_derivatives") }, grid(found, choose)),
-    found.reference ? el("p", { class: "soft small" }, t("reference", { name: found.reference })) : null);
+    el("p", { class: "soft small" }, found.about, found.reference ? ` ${t("reference", { name: found.reference })}` : null));
   refill(root, el("div", { class: "two wide-left" }, table, detail));
   choose(found.rows.find((row) => row.name === app.derivative) ?? found.rows.find((row) => row.name === "Yv") ?? found.rows[0]);
 }
