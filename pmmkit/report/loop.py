@@ -148,8 +148,10 @@ def _fall(fall: Fall) -> list[Section]:
 
 
 def _asked_again(loop: Loop) -> list[Section]:
-    """The verdict on the last step, where the loop went on."""
+    """What was asked, and the verdict on the last step, where the loop went on."""
     if loop.end is None:
         return []
     about = "" if loop.end.verdict == "noise" else f" {loop.end.answer}."
-    return [Section(paragraphs=[f"Asked again after the last step: {loop.end.sentence}{about}"])]
+    first = f"Asked of {loop.base}: {loop.diagnosis.sentence}"
+    last = f"Asked again after the last step: {loop.end.sentence}{about}"
+    return [Section(paragraphs=[first, last])]

@@ -24,7 +24,9 @@ export async function showMissing(root, app, shown) {
   refill(right, fall ? waterfall(fall) : null, run, turns, coveragePanel(found?.covered));
   shown();
   view.draw = await runView(run, app, fresh ? found : null);
-  await turnPanel(turns, app);
+  // The turn of a page that asks about no model that sails is of another one.
+  if (app.state.model) await turnPanel(turns, app);
+  else turns.remove();
 }
 
 function question(app, before) {
