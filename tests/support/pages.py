@@ -15,7 +15,8 @@ def answers_in(page: Path | str) -> dict[str, Any]:
     """The answers of a page, which is a file or its text."""
     text = page if isinstance(page, str) else page.read_text(encoding="utf-8")
     (held,) = HELD.findall(text)
-    return json.loads(held)["answers"]
+    answers: dict[str, Any] = json.loads(held)["answers"]
+    return answers
 
 
 def texts_in(content: Any) -> str:
