@@ -1,6 +1,6 @@
 """How results are told: numbers, tables, and objects that tell their own state."""
 
-from pmmkit.presentation.described import Described
+from pmmkit.presentation.described import Described, sections_of
 from pmmkit.presentation.layout import (
     Cell,
     Grid,
@@ -41,6 +41,7 @@ __all__ = [
     "percent",
     "plus_minus",
     "section_lines",
+    "sections_of",
     "table_lines",
     "text_of",
     "with_uncertainty",

@@ -58,3 +58,14 @@ class Described(ABC):
     def _repr_html_(self) -> str:
         title = section_html(Section(paragraphs=[self._title()]))
         return f"<div>{title}{''.join(map(section_html, self._sections()))}</div>"
+
+
+def sections_of(thing: Described) -> Sequence[Section]:
+    """What an object says of itself, in sections.
+
+    Parameters
+    ----------
+    thing : Described
+        Its `str` begins with a title and goes on with these.
+    """
+    return thing._sections()

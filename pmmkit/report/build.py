@@ -1,26 +1,28 @@
-"""A report: everything that was found, in one HTML file that needs nothing else."""
+"""A reduction as a page: everything that was found, in one HTML file that needs nothing else."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from pmmkit.checks.finding import name_runs
-from pmmkit.checks.zeros import zeros_grid
 from pmmkit.files import write_text
-from pmmkit.presentation import Grid, Group, Section, counted, percent
+from pmmkit.models.reference import Reference, published_of
+from pmmkit.presentation import Grid, Group, Picture, Section, counted, percent
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.agreement import differences
 from pmmkit.reduction.methods.registry import METHODS
 from pmmkit.report import pictures, tables
+from pmmkit.report.checked import checked_section
 from pmmkit.report.drawn import drawn
-from pmmkit.report.loop import Loop, loop_sections
-from pmmkit.report.page import page
-from pmmkit.report.reference import Reference, published_of
+from pmmkit.report.loop import Loop, loop_answers
 from pmmkit.report.turning import Turns, changes, turning_section
 from pmmkit.report.words import flattened
-from pmmkit.version import __version__
+from pmmkit.workbench.page_file import Answers, page_file, state_of
+from pmmkit.workbench.pages.derivatives import derivatives_page
+from pmmkit.workbench.pages.sections import Place, told_page
+from pmmkit.workbench.pages.turning import track_page
 
 
 def write_report(
@@ -70,78 +72,98 @@ def report_html(
     reduction, reference, turns, loop
         As for `write_report`.
     """
-    return page_of(
-        reduction, report_sections(reduction, reference=reference, turns=turns, loop=loop)
-    )
+    places = report_places(reduction, reference=reference, turns=turns)
+    return page_file(report_answers(reduction, places, reference=reference, turns=turns, loop=loop))
 
 
-def report_sections(
+def report_places(
+    reduction: Reduction, *, reference: Reference | None = None, turns: Turns | None = None
+) -> dict[str, Place]:
+    """What is told of a reduction by place, figures drawn (see `write_report`).
+
+    Parameters
+    ----------
+    reduction, reference, turns
+        As for `write_report`.
+    """
+    beside = reference or published_of(reduction.table)
+    told = {
+        "data": Place(
+            facts=_facts(reduction),
+            after=[
+                _done(reduction),
+                checked_section(reduction.findings, list(pictures.of_findings(reduction))),
+                Section(title="Runs", tables=[tables.settings(reduction)]),
+                _provenance(reduction, reference),
+            ],
+        ),
+        "derivatives": Place(
+            before=[
+                Section(
+                    title="At a glance",
+                    paragraphs=[str(reduction.verdict), *_headline(reduction, turns)],
+                    points=reduction.verdict.reasons,
+                )
+            ],
+            after=[
+                *_notes(reduction),
+                *_pictures(
+                    "Over the Froude number, and together",
+                    pictures.of_derivatives(reduction.table, reference),
+                ),
+                *_pictures("Forces and what was fitted", pictures.of_forces(reduction)),
+                _influence(reduction),
+                _comparison(reduction, beside),
+            ],
+        ),
+    }
+    return told | ({"ship": Place(after=[turning_section(turns)])} if turns else {})
+
+
+def report_answers(
     reduction: Reduction,
+    places: Mapping[str, Place],
     *,
     reference: Reference | None = None,
     turns: Turns | None = None,
     loop: Loop | None = None,
-) -> list[Section]:
-    """What stands in the report, figures drawn (see `write_report`).
-
-    Parameters
-    ----------
-    reduction, reference, turns, loop
-        As for `write_report`.
-    """
-    sections = [
-        Section(
-            title="Derivatives at a glance",
-            paragraphs=[str(reduction.verdict), *_headline(reduction, turns)],
-            points=reduction.verdict.reasons,
-            tables=[tables.headline(reduction.table, reference)],
-        ),
-        _done(reduction),
-        _findings(reduction),
-        _derivatives(reduction, reference),
-        _forces(reduction),
-        _influence(reduction),
-        _comparison(reduction, reference or published_of(reduction.table)),
-        *([turning_section(turns)] if turns else []),
-        *(loop_sections(loop) if loop else []),
-        _runs(reduction),
-        _provenance(reduction, reference),
-    ]
-    return [section for section in sections if section is not None]
-
-
-def page_of(reduction: Reduction, sections: Sequence[Section]) -> str:
-    """The page of a report from its sections.
+) -> Answers:
+    """What the page of a reduction holds.
 
     Parameters
     ----------
     reduction : Reduction
         What was reduced.
-    sections : sequence of Section
-        From `report_sections`.
+    places : mapping of str to Place
+        From `report_places`.
+    reference, turns, loop
+        As for `write_report`.
     """
-    return page(
-        reduction.campaign.title or "Captive tests",
-        f"Captive ship-model tests reduced to hydrodynamic derivatives, by pmmkit {__version__}.",
-        _tiles(reduction),
-        list(sections),
-    )
+    answers: Answers = {
+        "state": state_of(
+            title=reduction.campaign.title or "Captive tests",
+            kind="captive",
+            runs=len(reduction.runs),
+            model="",
+        ),
+        "derivatives": derivatives_page(reduction, reference),
+        **{f"told {name}": told_page(place) for name, place in places.items()},
+    }
+    if turns:
+        answers["turns"] = {"before": track_page(turns.tracks[len(turns.tracks) // 2])}
+    return answers | (loop_answers(loop, facts={}) if loop else {})
 
 
-def _tiles(reduction: Reduction) -> list[dict[str, str]]:
+def _facts(reduction: Reduction) -> dict[str, str]:
     campaign, table = reduction.campaign, reduction.table
-    severities = [finding.severity for finding in reduction.findings]
-    warnings = severities.count("warning")
-    return [
-        {"value": str(len(reduction.runs)), "label": "runs used"},
-        {"value": str(len(campaign.excluded)), "label": "runs left out, with reasons"},
-        {
-            "value": "all" if table.pooled else _span([f"{x:.3f}" for x in table.Fn]),
-            "label": "Froude numbers",
-        },
-        {"value": str(table.provenance.get("structure", "custom")), "label": "structure"},
-        {"value": str(warnings), "label": "warnings of the checks"},
-    ]
+    warnings = [item for item in reduction.findings if item.severity == "warning"]
+    return {
+        "runs used": str(len(reduction.runs)),
+        "runs left out, with reasons": str(len(campaign.excluded)),
+        "Froude numbers": "all" if table.pooled else _span([f"{x:.3f}" for x in table.Fn]),
+        "structure": str(table.provenance.get("structure", "custom")),
+        "warnings of the checks": str(len(warnings)),
+    }
 
 
 def _span(texts: list[str]) -> str:
@@ -260,35 +282,15 @@ def _way(reduction: Reduction) -> str:
     return f"{reduction.estimates[reduction.method].method} ({METHODS[reduction.method].text[:-1]})"
 
 
-def _findings(reduction: Reduction) -> Section:
-    shown = [
-        {
-            "severity": item.severity,
-            "check": item.check,
-            "message": item.message,
-            "runs": name_runs(item.runs, 12),
-            "remedy": item.remedy,
-        }
-        for item in reduction.findings
-    ]
-    return Section(
-        title="What the checks found",
-        paragraphs=[] if shown else ["The checks found nothing to say."],
-        findings=shown,
-        tables=[zeros_grid(item) for item in reduction.findings if item.by_run],
-        figures=list(pictures.of_findings(reduction)),
-    )
-
-
-def _derivatives(reduction: Reduction, reference: Reference | None) -> Section:
+def _notes(reduction: Reduction) -> list[Section]:
     notes = list(dict.fromkeys(reduction.notes))
-    return Section(
-        title="Derivatives",
-        paragraphs=["What these runs tell and do not tell:"] if notes else [],
-        points=notes,
-        tables=[tables.derivatives(reduction.table, reference)],
-        figures=list(pictures.of_derivatives(reduction.table, reference)),
-    )
+    title = "What these runs tell and do not tell"
+    return [Section(title=title, points=notes)] if notes else []
+
+
+def _pictures(title: str, figures: Iterable[Picture]) -> list[Section]:
+    found = list(figures)
+    return [Section(title=title, figures=found)] if found else []
 
 
 def _comparison(reduction: Reduction, beside: Reference | None) -> Section:
@@ -312,15 +314,6 @@ def _comparison(reduction: Reduction, beside: Reference | None) -> Section:
         tables=[*tables.methods(reduction, beside), *tables.shares(reduction)],
         figures=[*pictures.of_families(reduction, beside), *pictures.of_methods(reduction, beside)],
     )
-
-
-def _forces(reduction: Reduction) -> Section | None:
-    figures = list(pictures.of_forces(reduction))
-    return Section(title="Forces and what was fitted", figures=figures) if figures else None
-
-
-def _runs(reduction: Reduction) -> Section:
-    return Section(title="Runs", tables=[tables.settings(reduction)])
 
 
 def _provenance(reduction: Reduction, reference: Reference | None) -> Section:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from pmmkit.checks.finding import CheckFinding
 from pmmkit.diagnosis.findings import UNITS, Diagnosis
 from pmmkit.errors import DataError
 from pmmkit.files import write_text
@@ -11,14 +13,20 @@ from pmmkit.loop import Session
 from pmmkit.loop.records import FreeRecords
 from pmmkit.plotting.records import before_and_after
 from pmmkit.presentation import Grid, Group, Section, counted
+from pmmkit.report.checked import checked_section
 from pmmkit.report.drawn import drawn
-from pmmkit.report.loop import Loop, loop_sections
-from pmmkit.report.page import page
-from pmmkit.version import __version__
+from pmmkit.report.loop import Loop, loop_answers
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.pages.sections import Place, told_page
 
 
 def write_free_diagnosis(
-    found: Diagnosis, session: Session, path: str | Path, *, title: str = ""
+    found: Diagnosis,
+    session: Session,
+    path: str | Path,
+    *,
+    title: str = "",
+    findings: Sequence[CheckFinding] = (),
 ) -> Path:
     """Write a diagnosis of free-running records as one HTML file, all or nothing.
 
@@ -32,6 +40,8 @@ def write_free_diagnosis(
         File to write.
     title : str
         Of the tests; that of the campaign by default.
+    findings : sequence of CheckFinding
+        What the checks say of them.
 
     Returns
     -------
@@ -48,28 +58,27 @@ def write_free_diagnosis(
     after = session
     for item in found.findings:
         after = after.add(item)
-    loop = Loop(base=evidence.base, diagnosis=found, fall=after.fall())
+    loop = Loop(base=evidence.base, session=session, diagnosis=found, fall=after.fall())
     shown = sum(item.shown for item in found.covered)
     ends = dict.fromkeys(
         f"{item.heading:.2g}" for item in (loop.fall.errors[0], loop.fall.errors[-1])
     )
-    tiles = [
-        {"value": str(len(evidence.system.records)), "label": "records"},
-        {"value": f"{shown} of {len(found.covered)}", "label": "effects these records can show"},
-        {"value": f"{' → '.join(ends)}°", "label": "heading of records left out, rms error"},
-        {"value": found.answer if found.best else found.verdict, "label": "answer"},
-    ]
-    missing, *rest = loop_sections(loop)
-    target = Path(path)
-    write_text(
-        target,
-        page(
-            title or evidence.title or "Free-running records",
-            f"What {loop.base} lacks, by pmmkit {__version__}.",
-            tiles,
-            [missing, *rest[:-1], _sailed(evidence, after), rest[-1], _errors(found)],
+    facts = {
+        "effects these records can show": f"{shown} of {len(found.covered)}",
+        "heading of records left out, rms error": f"{' → '.join(ends)}°",
+    }
+    answers = {
+        "state": state_of(
+            title=title or evidence.title or "Free-running records",
+            kind="free-running",
+            runs=len(evidence.system.records),
+            model=loop.base,
         ),
-    )
+        "told data": told_page(Place(after=[checked_section(findings)])),
+        **loop_answers(loop, facts=facts, sections=[_sailed(evidence, after), _errors(found)]),
+    }
+    target = Path(path)
+    write_text(target, page_file(answers))
     return target
 
 

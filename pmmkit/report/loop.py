@@ -1,18 +1,22 @@
-"""Diagnosis in a report: verdict, evidence, coverage, and how the error falls."""
+"""A diagnosis as a page: verdict, candidates, what hides, and how the error falls."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from pmmkit.checks.finding import CheckFinding
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.files import write_text
 from pmmkit.loop import Session
 from pmmkit.loop.evidence import Fall
-from pmmkit.presentation import Section, counted
-from pmmkit.report.drawn import drawn
-from pmmkit.report.page import page
-from pmmkit.version import __version__
+from pmmkit.presentation import Section, sections_of
+from pmmkit.report.checked import checked_section
+from pmmkit.workbench.page_file import Answers, page_file, state_of
+from pmmkit.workbench.pages.fall import fall_page
+from pmmkit.workbench.pages.missing import missing_page
+from pmmkit.workbench.pages.sections import Place, told_page
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -23,6 +27,8 @@ class Loop:
     ----------
     base : str
         The model in words.
+    session : Session
+        The base and its tests.
     diagnosis : Diagnosis
         Of the base.
     fall : Fall
@@ -32,6 +38,7 @@ class Loop:
     """
 
     base: str
+    session: Session
     diagnosis: Diagnosis
     fall: Fall
     end: Diagnosis | None = None
@@ -49,7 +56,8 @@ def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
     rounds : int
         Diagnoses at most whose effects are added.
     """
-    first = found = session.diagnose()
+    begun, first = session, session.diagnose()
+    found = first
     for _ in range(rounds):
         for item in found.findings:
             session = session.add(item)
@@ -57,11 +65,17 @@ def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
             break
         found = session.diagnose()
     return Loop(
-        base=base, diagnosis=first, fall=session.fall(), end=None if found is first else found
+        base=base,
+        session=begun,
+        diagnosis=first,
+        fall=session.fall(),
+        end=None if found is first else found,
     )
 
 
-def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> Path:
+def write_diagnosis(
+    loop: Loop, path: str | Path, *, title: str, runs: int, findings: Sequence[CheckFinding] = ()
+) -> Path:
     """Write a diagnosis as one HTML file, all or nothing.
 
     Parameters
@@ -74,89 +88,70 @@ def write_diagnosis(loop: Loop, path: str | Path, *, title: str, runs: int) -> P
         Of the tests.
     runs : int
         How many.
+    findings : sequence of CheckFinding
+        What the checks say of them.
     """
     found = loop.diagnosis
     shown = sum(item.shown for item in found.covered)
-    tiles = [
-        {"value": str(runs), "label": "runs"},
-        {"value": f"{shown} of {len(found.covered)}", "label": "effects these runs can show"},
-        {"value": f"{100 * found.floor:g} %", "label": "of the rms force does not matter"},
-        {"value": found.answer if found.best else found.verdict, "label": "answer"},
-    ]
-    target = Path(path)
-    write_text(
-        target,
-        page(
-            title or "Captive tests",
-            f"What {loop.base} lacks, by pmmkit {__version__}.",
-            tiles,
-            loop_sections(loop),
+    facts = {
+        "effects these runs can show": f"{shown} of {len(found.covered)}",
+        "of the rms force does not matter": f"{100 * found.floor:g} %",
+    }
+    answers = {
+        "state": state_of(
+            title=title or "Captive tests", kind="captive", runs=runs, model=loop.base
         ),
-    )
+        "told data": told_page(Place(after=[checked_section(findings)])),
+        **loop_answers(loop, facts=facts),
+    }
+    target = Path(path)
+    write_text(target, page_file(answers))
     return target
 
 
-def loop_sections(loop: Loop) -> list[Section]:
-    """The sections of a diagnosis.
+def loop_answers(
+    loop: Loop, *, facts: Mapping[str, str], sections: Sequence[Section] = ()
+) -> Answers:
+    """What the page holds of a diagnosis.
 
     Parameters
     ----------
     loop : Loop
         What was found.
+    facts : mapping of str to str
+        The largest numbers beside the answer.
+    sections : sequence of Section
+        What else is told.
     """
     found = loop.diagnosis
-    return [
-        Section(
-            title="What is missing",
-            paragraphs=[f"Asked of {loop.base}: {found.sentence}", *_told(found)],
-            tables=[found.table()] if found.findings else [],
-            figures=[
-                drawn(
-                    found.plot(),
-                    "ln evidence of the best effects and sets against no effect; the price "
-                    "of the catalogue's size is taken off.",
-                )
-            ],
-        ),
-        *([_fall(loop)] if len(loop.fall.steps) > 1 else []),
-        Section(
-            title="What these runs could show",
-            paragraphs=["Whatever the forces are, an effect below these sizes stays hidden."],
-            points=[f"{item.name}: {item.why}." for item in found.not_testable],
-            figures=[
-                drawn(
-                    found.plot_coverage(),
-                    "Size that could hide from these runs, over the usual size of each effect.",
-                )
-            ],
-        ),
-    ]
-
-
-def _told(found: Diagnosis) -> list[str]:
-    """What is to be said beside the verdict."""
-    rivals = "; ".join(" and ".join(names) for names, _ in found.group[1:])
-    each = [f"{item.effect}: {text}" for item in found.findings for text in item.remarks()]
-    return [
-        *found.remarks(),
-        *([f"These runs cannot tell it from: {rivals}."] if rivals else []),
-        *each,
-    ]
-
-
-def _asked_again(end: Diagnosis) -> list[str]:
-    """The verdict on the last step, and what it is about."""
-    about = [f"{end.answer}."] if end.verdict != "noise" else []
-    return [" ".join(["Asked again after the last step:", end.sentence, *about])]
-
-
-def _fall(loop: Loop) -> Section:
-    fall = loop.fall
-    end = _asked_again(loop.end) if loop.end else []
-    return Section(
-        title="How the error falls",
-        paragraphs=[fall.how],
-        points=[*fall.remarks(), *end],
-        tables=[fall.table()],
-        figures=[drawn(fall.plot(), f"Error after {counted(len(fall.steps) - 1, 'step')}.")],
+    missing = missing_page(loop.session, found, overlays=False)
+    place = Place(
+        facts={"answer": found.answer if found.best else found.verdict, **facts},
+        before=_asked_again(loop),
+        after=sections,
+        folded=[*sections_of(found), *_fall(loop.fall)],
     )
+    return {
+        "missing": {**missing, "since": 0},
+        "fall": fall_page(loop.fall) if len(loop.fall.steps) > 1 else None,
+        "told missing": told_page(place),
+    }
+
+
+def _fall(fall: Fall) -> list[Section]:
+    """The errors after each step in numbers, by kind of test too."""
+    if len(fall.steps) < 2:
+        return []
+    table = [fall.table()]
+    said = fall.remarks()
+    return [Section(title="Errors by step", paragraphs=[fall.how], points=said, tables=table)]
+
+
+def _asked_again(loop: Loop) -> list[Section]:
+    """What was asked, and the verdict on the last step, where the loop went on."""
+    if loop.end is None:
+        return []
+    about = "" if loop.end.verdict == "noise" else f" {loop.end.answer}."
+    first = f"Asked of {loop.base}: {loop.diagnosis.sentence}"
+    last = f"Asked again after the last step: {loop.end.sentence}{about}"
+    return [Section(paragraphs=[first, last])]

@@ -25,10 +25,10 @@ from pmmkit.figures import (
 )
 from pmmkit.figures.correlations import correlated, strongest
 from pmmkit.figures.forests import farthest
+from pmmkit.models.reference import Reference
 from pmmkit.presentation import Picture
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report.drawn import drawn
-from pmmkit.report.reference import Reference
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

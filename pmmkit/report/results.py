@@ -11,18 +11,19 @@ import numpy as np
 
 from pmmkit.files import write_results
 from pmmkit.models import Model, save_model
+from pmmkit.models.reference import Reference, published_of
 from pmmkit.plotting.style import document
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.methods.method import Estimate
 from pmmkit.reduction.methods.sparse import SHARE
-from pmmkit.report.build import page_of, report_sections
+from pmmkit.report.build import report_answers, report_places
 from pmmkit.report.loop import Loop
-from pmmkit.report.reference import Reference, published_of
 from pmmkit.report.turning import Turns
 from pmmkit.simulation.results import sweep_frame, track_files
 from pmmkit.tables import write_table
 from pmmkit.tables.compare import compare
 from pmmkit.toml_files import MODEL
+from pmmkit.workbench.page_file import page_file
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,20 +60,21 @@ def write_reduction(
     list of str
         Names of the files.
     """
-    sections = report_sections(reduction, reference=reference, turns=turns, loop=loop)
+    places = report_places(reduction, reference=reference, turns=turns)
+    answers = report_answers(reduction, places, reference=reference, turns=turns, loop=loop)
     return write_results(
         out,
         (
             *_tables(reduction, reference or published_of(reduction.table)),
             *(
                 (f"{picture.file}.svg", document(picture.svg))
-                for section in sections
-                for picture in section.figures
+                for place in places.values()
+                for picture in place.pictures
                 if picture.file
             ),
             *([(MODEL.file, partial(save_model, model))] if model else []),
             *(_turns(turns) if turns else ()),
-            ("report.html", page_of(reduction, sections)),
+            ("report.html", page_file(answers)),
         ),
     )
 

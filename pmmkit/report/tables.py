@@ -9,29 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from pmmkit.campaigns.test_kinds.registry import kinds
-from pmmkit.numerics import Array
+from pmmkit.models.reference import Reference
 from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
-from pmmkit.report.reference import Reference
 from pmmkit.report.words import symbol
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
-
-
-def derivatives(table: DerivativeTable, reference: Reference | None) -> Grid:
-    """Every derivative with its 95 % interval, a column per Froude number, beside a reference.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Our values.
-    reference : Reference or None
-        Values of a source.
-    """
-    return table.grid(
-        label=lambda name: symbol(name, table.convention),
-        beside=None if reference is None else (reference.name, reference_values(table, reference)),
-    )
 
 
 def reference_values(table: DerivativeTable, reference: Reference) -> dict[str, str]:
@@ -247,35 +230,3 @@ def particulars(reduction: Reduction) -> Grid:
     )
     rows = [[name, number(value, 6), unit] for name, value, unit in entries if value is not None]
     return Grid(head=[ship.name, "", ""], groups=[Group(rows=rows)], texts=(2,))
-
-
-def headline(table: DerivativeTable, reference: Reference | None) -> Grid:
-    """The linear derivatives of sway and yaw, a row per Froude number.
-
-    Parameters
-    ----------
-    table : DerivativeTable
-        Our values.
-    reference : Reference or None
-        Values of a source, for one more row.
-    """
-    names = [name for name in ("Yv", "Yr", "Nv", "Nr", "Yvdot", "Nrdot") if name in table]
-    scale = table.factor
-    low, high = table.interval()
-    half: Array = scale * (high - low) / 2
-    rows: list[list[Cell]] = [
-        [
-            speed,
-            *(plus_minus(scale * table[name][row], half[row, table.index(name)]) for name in names),
-        ]
-        for row, speed in enumerate(table.speeds)
-        if any(math.isfinite(table[name][row]) for name in names)
-    ]
-    if reference is not None:
-        beside = reference_values(table, reference)
-        rows.append([reference.name, *(beside.get(name, "–") for name in names)])
-    return Grid(
-        head=["", *(symbol(name, table.convention) for name in names)],
-        groups=[Group(rows=rows)],
-        caption=f"{table.scaling}Value ± half of the 95 % interval.",
-    )

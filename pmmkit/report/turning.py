@@ -11,9 +11,9 @@ import numpy as np
 from pmmkit.figures import measures_over_froude, trajectory, turn_histories
 from pmmkit.metrics import HARD_OVER, in_lengths, metric_of, told, unit_of
 from pmmkit.models import Model
+from pmmkit.models.reference import Reference
 from pmmkit.presentation import Cell, Grid, Group, Section, number, percent
 from pmmkit.report.drawn import drawn
-from pmmkit.report.reference import Reference
 from pmmkit.simulation import froude_sweep, imo_turning, simulate
 from pmmkit.simulation.manoeuvres.turning import LENGTHS
 

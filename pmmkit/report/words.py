@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from markupsafe import Markup
-
 from pmmkit.conventions import Convention, parse_derivative
+from pmmkit.workbench.pages.sections import Symbol
 
 _LETTERS: Final = {"phi": "φ", "d": "δ", "|d|": "|δ|"}
 
 
-def symbol(name: str, convention: Convention) -> Markup:
-    """A derivative in HTML.
+def symbol(name: str, convention: Convention) -> Symbol:
+    """A derivative as it is typeset.
 
     Parameters
     ----------
@@ -25,7 +24,7 @@ def symbol(name: str, convention: Convention) -> Markup:
     Examples
     --------
     >>> print(symbol("Nvvr", Convention()))
-    <i class="deriv">N′<sub>vvr</sub></i>
+    N′vvr
     """
     derivative = parse_derivative(name)
     letters = _LETTERS | ({"v": "β", "|v|": "|β|"} if convention.sway == "beta" else {})
@@ -36,9 +35,7 @@ def symbol(name: str, convention: Convention) -> Markup:
         for factor in derivative.factors
     ]
     stroke = "″" if convention.system == "bis" else "′"
-    return Markup('<i class="deriv">{}{}<sub>{}</sub></i>').format(
-        derivative.channel, stroke, "".join(factors)
-    )
+    return Symbol(f"{derivative.channel}{stroke}", "".join(factors))
 
 
 def flattened(content: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterable[tuple[str, str]]:

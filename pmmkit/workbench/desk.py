@@ -25,10 +25,9 @@ from pmmkit.structures import structures
 from pmmkit.validation.comparison import Comparison, compare
 from pmmkit.version import __version__
 from pmmkit.workbench.commands import command_lines
-from pmmkit.workbench.pages.history import history_page
 from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.numbers import BUCKETS
-from pmmkit.workbench.pages.records import record_page
+from pmmkit.workbench.pages.one_run import run_page
 from pmmkit.workbench.pages.runs import runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
 from pmmkit.workbench.saved import (
@@ -160,12 +159,8 @@ class Desk:
     def history(self, run: str, count: int | None = None, buckets: int = BUCKETS) -> dict[str, Any]:
         """One run, measured and modelled."""
         effects = self._effects(count)
-        comparison = self._comparison(effects)
-        for record in comparison.free:
-            if record.name == run:
-                return record_page(record, comparison.ship.L)
         try:
-            return history_page(comparison, run, buckets)
+            return run_page(self._comparison(effects), run, buckets)
         except KeyError:
             raise DataError(f"No run {run!r} was compared.") from None
 

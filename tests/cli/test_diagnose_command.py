@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 
 import pytest
+from commands import rows_of
 from hidden_effects import hidden_campaign
+from pages import answers_in, texts_in
 from test_identify_command import write_free_campaign
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
@@ -80,9 +82,23 @@ def test_the_json_holds_what_the_contract_says(diagnosed):
 def test_the_files_of_a_diagnosis(folder, diagnosed):
     names = {file.name for file in (folder / "found").iterdir()}
     assert names == {"diagnosis.json", "effects.csv", "error_fall.csv", "report.html"}
-    page = (folder / "found" / "report.html").read_text(encoding="utf-8")
-    assert "How the error falls" in page
-    assert "fault_misalignment" in page
+    page = answers_in(folder / "found" / "report.html")
+    assert list(page["state"]["places"]) == ["data", "missing"]
+    assert page["missing"]["sentence"] in texts_in(page["told missing"]["folded"])
+
+
+@pytest.mark.slow
+def test_the_page_of_a_diagnosis_holds_what_the_command_says(folder, diagnosed):
+    page = answers_in(folder / "found" / "report.html")
+    named = {item["effect"]: item for item in page["missing"]["candidates"] if item["named"]}
+    assert set(named) == {item["effect"] for item in diagnosed["findings"]}
+    for item in diagnosed["findings"]:
+        told = {own["name"]: own["value"] for own in named[item["effect"]]["coefficients"]}
+        assert told == pytest.approx(item["coefficients"], rel=1e-4)
+    rows = rows_of(folder / "found" / "error_fall.csv")
+    assert [step["step"] for step in page["fall"]["steps"]] == list(
+        dict.fromkeys(row["step"] for row in rows)
+    )
 
 
 @pytest.mark.slow

@@ -11,8 +11,8 @@ from small_campaign import TRUTH, write_campaign
 import pmmkit
 from pmmkit.cli import main
 from pmmkit.cli.commands.reduce import Fourier, Method
+from pmmkit.models.reference import published_of
 from pmmkit.reduction.methods.registry import ALL, METHODS
-from pmmkit.report.reference import published_of
 
 
 @pytest.fixture(scope="module")

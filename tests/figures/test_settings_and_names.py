@@ -10,6 +10,7 @@ from dataclasses import replace
 import matplotlib as mpl
 import pytest
 from matplotlib.text import Text
+from pages import answers_in, texts_in
 from small_campaign import write_campaign
 
 import pmmkit as pk
@@ -96,8 +97,10 @@ def test_a_report_of_runs_with_mathematics_in_their_names(tmp_path):
     runs = tuple(replace(run, id=f"{run.id} {evil}") for run in campaign.runs)
     reduction = pk.reduce_campaign(campaign.with_(runs=runs, title=evil))
     html = report_html(reduction)
-    assert "<script" not in html
-    assert "Content-Security-Policy" in html
+    assert html.count("<script") == html.count("</script>") == 3
+    assert "<script>alert" not in html
+    assert "content-security-policy" in html
+    assert evil in texts_in(answers_in(html))
 
 
 def test_a_ship_with_mathematics_in_its_name_turns(tmp_path):

@@ -23,7 +23,6 @@ HEAVY = (
     "pydantic",
     "rich",
     "typer",
-    "jinja2",
     "pysindy",
     "sklearn",
     "openpyxl",

@@ -10,9 +10,13 @@ from asgi import Browser
 from chromium import chromium, found
 from long_work import done
 
+from pmmkit.cli import main
+from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import frozen_page
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.pages.sections import Place, Symbol, told_page
 from pmmkit.workbench.serving import listening
 
 pytestmark = pytest.mark.slow
@@ -194,13 +198,92 @@ def test_the_file_opens_from_disk_with_the_same_plots(page, looped, looped_desk,
     page.wait("document.querySelectorAll('.map td').length")
     assert page.wait("document.querySelectorAll('.uplot canvas, .plot svg path').length")
     page.run("location.hash = 'missing'")
-    assert page.wait("document.querySelectorAll('svg rect.bar').length") == 3
+    bars = "[aria-label='How the error falls'] rect.bar"
+    assert page.wait(f'document.querySelectorAll("{bars}").length') == 3
     assert (
         page.run("[...document.querySelectorAll('button')].some(x => x.textContent === 'Add')")
         is False
     )
     assert page.complaints == []
     assert {x for x in page.requests if not x.startswith(("file:", "data:"))} == set()
+
+
+@pytest.fixture(scope="module")
+def compared_page(page, place, tmp_path_factory):
+    """The page of a comparison, opened from disk."""
+    out = tmp_path_factory.mktemp("compared") / "out"
+    asked = ["compare", str(place / "model.toml"), str(place / "hidden.h5"), "--no-figures"]
+    assert main([*asked, "--out", str(out)]) == 0
+    page.open("about:blank")
+    page.wait("location.href === 'about:blank'")
+    page.complaints.clear()
+    page.requests.clear()
+    page.open((out / "report.html").as_uri())
+    page.wait("document.querySelectorAll('.map td').length")
+    return page
+
+
+def test_the_page_of_a_comparison_opens_from_disk_with_what_was_worked_out(compared_page):
+    links = "[...document.querySelectorAll('nav a')].map(x => x.hash)"
+    assert compared_page.run(links) == ["#data", "#where"]
+    assert compared_page.wait("document.querySelectorAll('.uplot canvas').length")
+    compared_page.run("document.querySelector('.told').closest('details').open = true")
+    assert compared_page.run("document.querySelectorAll('.told table tbody tr').length") > 3
+    compared_page.key("1", "1")
+    assert compared_page.wait("document.querySelector('main h2')?.textContent").startswith("What")
+    assert compared_page.run("getComputedStyle(document.querySelector('.rail')).display") == "none"
+    assert compared_page.complaints == []
+    assert {x for x in compared_page.requests if not x.startswith(("file:", "data:"))} == set()
+
+
+def test_on_paper_all_places_stand_one_after_the_other(compared_page):
+    compared_page.scheme("dark")
+    try:
+        compared_page.run("dispatchEvent(new Event('beforeprint'))")
+        heads = "[...document.querySelectorAll('.chapter > h1')].map(x => x.textContent)"
+        assert compared_page.run(heads) == ["Data", "Where it fails"]
+        assert compared_page.wait("document.querySelectorAll('.book .uplot canvas').length")
+        assert compared_page.run(
+            "[...document.querySelectorAll('.book details')].every(x => x.open)"
+        )
+        ground = "getComputedStyle(document.querySelector('.book .panel')).backgroundColor"
+        assert compared_page.run(ground) == "rgb(255, 255, 255)"
+        compared_page.run("dispatchEvent(new Event('afterprint'))")
+        assert compared_page.run("document.querySelectorAll('.book').length") == 0
+        assert compared_page.run("document.documentElement.dataset.theme ?? ''") == ""
+        assert compared_page.complaints == []
+    finally:
+        compared_page.scheme("light")
+
+
+def test_what_is_told_is_shown_as_text_and_pictures_that_run_nothing(page, tmp_path):
+    evil = "<img src=x onerror=\"document.title='run'\">"
+    drawing = '<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20">{}</svg>'
+    script = drawing.format("<script>document.title = 'run'</script><rect width='9' height='9'/>")
+    section = Section(
+        title=evil,
+        paragraphs=[evil],
+        findings=[{"severity": "warning", "check": evil, "message": evil}],
+        tables=[Grid(head=["", evil], groups=[Group(rows=[[Symbol("N′", "vvr"), None]])])],
+        figures=[Picture(svg=script, caption="drawn"), Picture(svg="", caption="no room")],
+    )
+    answers = {
+        "state": state_of(title="Told", kind="captive", runs=1, model=""),
+        "told data": told_page(Place(facts={evil: evil}, before=[section], folded=[section])),
+    }
+    file = tmp_path / "told.html"
+    file.write_text(page_file(answers), encoding="utf-8")
+    page.open("about:blank")
+    page.wait("location.href === 'about:blank'")
+    page.complaints.clear()
+    page.open(file.as_uri())
+    assert page.wait("document.querySelector('.told img')?.naturalWidth") == 40
+    assert page.run("document.querySelectorAll('img').length") == 2
+    assert page.run("document.querySelector('.told h2').textContent") == evil
+    assert page.run("document.querySelector('.symbol').textContent") == "N′vvr"
+    assert page.run("document.querySelectorAll('figure')[1].textContent").startswith("This picture")
+    assert page.run("document.title") == "Data · Told"
+    assert page.complaints == []
 
 
 def test_two_candidates_stand_side_by_side(page, asked_desk):

@@ -15,7 +15,8 @@ from pmmkit.errors import DataError
 from pmmkit.models import load_model
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.frozen import answers, bundle, frozen_page
+from pmmkit.workbench.frozen import answers, frozen_page
+from pmmkit.workbench.page_file import bundle
 from pmmkit.workbench.saved import STATE
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -55,6 +56,7 @@ def compare(
     from pmmkit.identification.chosen import matching
     from pmmkit.models import load_model
     from pmmkit.progress import shown
+    from pmmkit.report import write_comparison
     from pmmkit.validation import comparison
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
@@ -67,8 +69,10 @@ def compare(
             known, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
         )
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
-    files = write_results(folder, _files(found, content, figures))
-    lines = [str(found), *warned(findings), "", f"Results: {folder}"]
+    page = partial(write_comparison, found, findings=findings)
+    files = write_results(folder, (*_files(found, content, figures), ("report.html", page)))
+    ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
+    lines = [str(found), *warned(findings), "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
 

@@ -43,6 +43,7 @@ from pmmkit.cli.records import (
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
+    from pmmkit.checks.finding import CheckFinding
     from pmmkit.diagnosis.findings import Diagnosis
 
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
@@ -122,12 +123,19 @@ def diagnose(
             raise DataError(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
-        answer = _of_records(model, opened, asked, floor=floor, drawn=figures)
+        answer = _of_records(model, opened, checked, asked, floor=floor, drawn=figures)
     elif asked.typed():
         raise DataError("Options of free-running records are of no use for captive tests.")
     else:
         answer = _of_captive_tests(
-            model, opened, floor=floor, noise=noise, own=own, given=words(given), drawn=figures
+            model,
+            opened,
+            checked,
+            floor=floor,
+            noise=noise,
+            own=own,
+            given=words(given),
+            drawn=figures,
         )
     found = answer.found
     content = {
@@ -164,6 +172,7 @@ class _Answer:
 def _of_captive_tests(
     model: str,
     campaign: Tests,
+    checked: Sequence[CheckFinding],
     *,
     floor: float | None,
     noise: float | None,
@@ -180,7 +189,7 @@ def _of_captive_tests(
         session = session.add(effect, "known to be there")
     loop = loop_of(session, model)
     count = len(campaign.runs)
-    page = partial(write_diagnosis, loop, title=campaign.title, runs=count)
+    page = partial(write_diagnosis, loop, title=campaign.title, runs=count, findings=checked)
     return _Answer(
         found=loop.diagnosis,
         content={"model": model},
@@ -193,7 +202,13 @@ def _of_captive_tests(
 
 
 def _of_records(
-    name: str, campaign: Tests, asked: Asked, *, floor: float | None, drawn: bool
+    name: str,
+    campaign: Tests,
+    checked: Sequence[CheckFinding],
+    asked: Asked,
+    *,
+    floor: float | None,
+    drawn: bool,
 ) -> _Answer:
     from pmmkit.loop.session import begin
     from pmmkit.models import load_model
@@ -210,7 +225,7 @@ def _of_records(
         **asked.settings(kept),
     )
     found = session.diagnose()
-    page = partial(write_free_diagnosis, found, session, title=campaign.title)
+    page = partial(write_free_diagnosis, found, session, title=campaign.title, findings=checked)
     errors = {name: dict(row) for name, row in found.errors.items()}
     return _Answer(
         found=found,

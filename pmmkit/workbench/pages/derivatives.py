@@ -9,9 +9,9 @@ import numpy as np
 
 from pmmkit.errors import TableError
 from pmmkit.figures.correlations import correlated
+from pmmkit.models.reference import Reference, published_of
 from pmmkit.numerics import Array
 from pmmkit.reduction import Reduction
-from pmmkit.report.reference import published_of
 from pmmkit.tables import DerivativeTable, compare
 from pmmkit.workbench.pages.numbers import short
 
@@ -21,23 +21,26 @@ TRADES: Final = 0.3
 """Correlation from which two derivatives are said to trade with each other."""
 
 
-def derivatives_page(reduction: Reduction) -> dict[str, Any]:
+def derivatives_page(reduction: Reduction, beside: Reference | None = None) -> dict[str, Any]:
     """A reduction as the page shows it.
 
     Parameters
     ----------
     reduction : Reduction
         Of captive tests.
+    beside : Reference, optional
+        Values of a source; published ones of this ship if absent.
 
     Returns
     -------
     dict
-        ``speeds``, ``factor`` (what they are told times), ``system``, ``structure``, ``reference``
-        (its name), ``notes`` and ``rows``: by derivative its ``values`` at each speed (value, low,
-        high), ``published``, ``families``, ``runs`` that move it and what it ``trades`` with.
+        ``speeds``, ``factor`` (what they are told times), ``system``, ``about`` (how to read them),
+        ``structure``, ``reference`` (its name), ``notes`` and ``rows``: by derivative its
+        ``values`` at each speed (value, low, high), ``published``, ``families``, ``runs`` that move
+        it and what it ``trades`` with.
     """
     table = reduction.table
-    reference = published_of(table)
+    reference = beside or published_of(table)
     published = _published(table, reference.table) if reference else {}
     moved, trades = _moved(reduction), _trades(table)
     families = reduction.families
@@ -47,6 +50,7 @@ def derivatives_page(reduction: Reduction) -> dict[str, Any]:
         "Fn": short(table.Fn),
         "factor": table.factor,
         "system": table.convention.system,
+        "about": table.grid().caption,
         "structure": str(table.provenance.get("structure", "")),
         "reference": reference.name if reference else "",
         "notes": list(table.notes),

@@ -14,7 +14,7 @@ from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import taken_as_given
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
@@ -30,7 +30,7 @@ Overlay = dict[str, dict[str, list[float]]]
 """Change of the model by run and channel, harmonic by harmonic [N, N m]."""
 
 
-def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
+def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -> dict[str, Any]:
     """A diagnosis with what each candidate would do, before anything is added.
 
     Parameters
@@ -39,12 +39,15 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
         The tests and what was added.
     found : Diagnosis
         Of this session.
+    overlays : bool
+        Whether a page follows that draws candidates over runs.
 
     Returns
     -------
     dict
         ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
-        set and its rivals), ``hidden``, ``overlays`` by effect.
+        set and its rivals), ``hidden``, ``covered`` (size that could hide of each, the smallest
+        first), ``overlays`` by effect.
     """
     own = {item.name: item for item in getattr(session.evidence, "own", ())}
     named = {name for names, _ in found.group for name in names}
@@ -56,7 +59,7 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
         for number, entry in enumerate(singles)
         if number < SHOWN or entry.names[0] in {*named, *findings, *own}
     ]
-    shares, overlays = _effects_of(session, chosen)
+    shares, changes = _effects_of(session, chosen, overlays=overlays)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
@@ -96,8 +99,16 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
             {"effect": item.name, "why": item.why, "size": short(item.hides)}
             for item in found.not_testable
         ],
-        "overlays": overlays,
+        "covered": [
+            {"effect": item.name, "size": short(item.hides), "shown": item.shown}
+            for item in sorted(found.covered, key=_hidden)
+        ],
+        "overlays": changes,
     }
+
+
+def _hidden(seen: Visible) -> float:
+    return seen.hides if np.isfinite(seen.hides) else np.inf
 
 
 def _known(entry: Entry) -> bool:
@@ -123,7 +134,7 @@ def _coefficients(finding: Any) -> list[dict[str, Any]]:
 
 
 def _effects_of(
-    session: Session, chosen: Sequence[Entry]
+    session: Session, chosen: Sequence[Entry], *, overlays: bool
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
     """By effect the share of the held-out mean square error that it takes away, and the change of
     the model; nothing for records that run free."""
@@ -135,19 +146,23 @@ def _effects_of(
     base = held_out(system, known.blocks, with_level=False)
     before = base.of_channel()
     each = [tuple(blocks_of(known.system, entry)) for entry in chosen]
-    # One stack for all: the features of the smooth floor cost most, and are the same for each.
-    whole = _Whole.of(system, known.blocks, each)
-    without = whole.forces()
-    shares, overlays = {}, {}
-    for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
+    shares = {}
+    for entry, own in zip(chosen, each, strict=True):
         errors = held_out(system, (*known.blocks, *own), with_level=False)
         after = errors.of_channel()
         shares[entry.names[0]] = {
             "all": short(1.0 - (errors.share() / base.share()) ** 2),
             "channels": {name: short(1.0 - (after[name] / before[name]) ** 2) for name in after},
         }
-        overlays[entry.names[0]] = _change(system, without, whole.forces(number))
-    return shares, overlays
+    if not overlays:
+        return shares, {}
+    # One stack for all: the features of the smooth floor cost most, and are the same for each.
+    whole = _Whole.of(system, known.blocks, each)
+    without = whole.forces()
+    return shares, {
+        entry.names[0]: _change(system, without, whole.forces(number))
+        for number, entry in enumerate(chosen)
+    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -13,6 +13,10 @@ from pmmkit.numerics import Array
 
 DIGITS: Final = 5
 """Significant digits: a pixel is a thousandth of a plot."""
+FEW: Final = 32
+"""Numbers that are shortened one by one."""
+EXACT: Final = 22
+"""Powers of ten below this one are whole numbers of a double."""
 BUCKETS: Final = 400
 """Pieces of a record of which the least and the largest sample are shown."""
 
@@ -33,8 +37,21 @@ def short(values: Any) -> Any:
     12346000.0
     """
     given = np.asarray(values, float)
-    shown = [float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None for x in given.ravel().tolist()]
-    return _shaped(shown, given.shape)
+    if given.size < FEW:
+        every = [_short(x) for x in given.ravel().tolist()]
+        return _shaped(every, given.shape)
+    flat = given.ravel()
+    with np.errstate(all="ignore"):
+        places = DIGITS - 1 - np.floor(np.log10(np.abs(flat)))
+        # Whole numbers and powers of ten are exact: the quotient is the nearest to the decimal.
+        rounded = np.rint(flat * 10.0**places) / 10.0**places
+    easy = np.isfinite(rounded) & (places >= 0.0) & (places < EXACT)
+    pairs = zip(flat.tolist(), rounded.tolist(), easy.tolist(), strict=True)
+    return _shaped([near if fine else _short(x) for x, near, fine in pairs], given.shape)
+
+
+def _short(x: float) -> float | None:
+    return float(f"{x:.{DIGITS}g}") if math.isfinite(x) else None
 
 
 def _shaped(values: list[Any], shape: tuple[int, ...]) -> Any:

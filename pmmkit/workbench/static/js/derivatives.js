@@ -25,7 +25,7 @@ export async function showDerivatives(root, app, shown) {
       el("span", { class: "soft small" }, t("derivatives_about", { system: found.system, structure: found.structure }))),
     frozen ? null : chooser(app),
     el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("place_derivatives") }, grid(found, choose)),
-    found.reference ? el("p", { class: "soft small" }, t("reference", { name: found.reference })) : null);
+    el("p", { class: "soft small" }, found.about, found.reference ? ` ${t("reference", { name: found.reference })}` : null));
   refill(root, el("div", { class: "two wide-left" }, table, detail));
   choose(found.rows.find((row) => row.name === app.derivative) ?? found.rows.find((row) => row.name === "Yv") ?? found.rows[0]);
 }
@@ -54,8 +54,13 @@ function grid(found, choose) {
       return rows.length ? el("tbody", {}, rows.map((row) => el("tr", { "data-name": row.name, "aria-selected": "false" },
         el("th", { scope: "row" }, el("button", { class: "link", on: { click: () => choose(row) } }, row.name)),
         row.values.map((item) => el("td", {}, told(item, found.factor))),
-        found.reference ? el("td", { class: "soft" }, row.published.length ? num(found.factor * row.published[0], 4) : "") : null))) : null;
+        found.reference ? el("td", { class: "soft" }, published(row.published, found.factor)) : null))) : null;
     }));
+}
+
+function published(values, factor) {
+  const ends = [values[0], values.at(-1)].map((value) => num(factor * value, 4));
+  return !values.length ? "" : ends[0] === ends[1] ? ends[0] : ends.join(" … ");
 }
 
 function drawDetail(root, found, row) {

@@ -13,7 +13,8 @@ export function num(value, digits = 3) {
 
 export function fixed(value, places = 1) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
-  return value.toFixed(places).replace("-", "−");
+  const text = value.toFixed(places);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
 export function unitOf(unit) {

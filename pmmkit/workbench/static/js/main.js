@@ -9,6 +9,8 @@ import { showDerivatives } from "./derivatives.js";
 import { showWhere } from "./where.js";
 import { showMissing } from "./missing.js";
 import { showShip } from "./ship.js";
+import { toldAfter, toldBefore } from "./sections.js";
+import { printAll } from "./print.js";
 
 const PLACES = { data: showData, derivatives: showDerivatives, where: showWhere, missing: showMissing, ship: showShip };
 const EVERY = 250;
@@ -45,6 +47,10 @@ const app = {
   checks: () => app.once("checks", () => get("checks")),
   runs: (first) => app.once(`runs ${first}`, () => get("runs", { first })),
   derivatives: () => app.once("derivatives", () => get("derivatives")),
+  places: () => Object.keys(app.state.places ?? PLACES),
+  about: () => t(app.state.model ? "about" : "about_tests", { runs: app.state.runs, model: app.state.model }),
+  told: (name) => (frozen ? get(`told ${name}`) : null),
+  draws: (name) => app.state.places?.[name] ?? true,
   busy: () => app.state.job.stand === "running",
   running: (name) => app.busy() && app.state.job.name === name,
   redraw: () => drawPlace(),
@@ -83,7 +89,8 @@ function lost() {
 
 function place() {
   const name = location.hash.slice(1);
-  return name in PLACES ? name : "where";
+  const there = app.places();
+  return [name, "where", "derivatives", "missing"].find((own) => there.includes(own)) ?? there[0];
 }
 
 function drawFrame() {
@@ -91,18 +98,19 @@ function drawFrame() {
   refill(parts.header,
     el("span", { class: "brand" }, "pmmkit"),
     el("h1", {}, state.opened ? state.title : t("workbench")),
-    state.opened ? el("span", { class: "about" }, t("about", { runs: state.runs, model: state.model })) : null,
+    state.opened ? el("span", { class: "about" }, app.about()) : null,
     el("div", { class: "tools" }, languageChoice(), themeChoice(),
       frozen || !state.opened ? null : el("a", { class: "button", href: "api/frozen", download: "workbench.html" }, t("save_file"))));
-  refill(parts.nav, state.opened ? el("ul", {}, Object.keys(PLACES).map((name, i) =>
+  refill(parts.nav, state.opened ? el("ul", {}, app.places().map((name, i) =>
     el("li", {}, el("a", { href: `#${name}`, "aria-current": place() === name ? "page" : null }, el("kbd", { "aria-hidden": "true" }, i + 1), t(`place_${name}`))))) : "");
   parts.nav.classList.toggle("hidden", !state.opened);
   drawRail(state);
 }
 
 function drawRail(state) {
-  parts.rail.classList.toggle("hidden", !state.opened && state.job.stand !== "running");
   const steps = state.steps ?? [];
+  const empty = state.opened ? frozen && !steps.length && !state.commands.length : state.job.stand !== "running";
+  parts.rail.classList.toggle("hidden", empty);
   refill(parts.rail,
     el("ol", { "aria-label": t("steps"), tabindex: 0 },
       el("li", { class: steps.length ? "" : "last" }, t("base")),
@@ -148,10 +156,13 @@ async function drawPlace() {
   const asked = place();
   refill(parts.main, message(), root);
   try {
-    await PLACES[asked](content, app, () => {
+    const told = await app.told(asked);
+    const drawn = () => {
       clearTimeout(waiting);
-      if (place() === asked) root.replaceWith(content);
-    });
+      if (place() === asked) root.replaceWith(...toldBefore(told), content, ...toldAfter(told));
+    };
+    if (app.draws(asked)) await PLACES[asked](content, app, drawn);
+    else drawn();
   } catch (problem) {
     refill(root, el("p", { class: "message", role: "alert" }, problem.message));
   } finally {
@@ -223,8 +234,8 @@ async function useLanguage(code) {
 
 function keys(event) {
   if (event.ctrlKey || event.altKey || event.metaKey || /INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) return;
-  const name = Object.keys(PLACES)[Number(event.key) - 1];
-  if (name && app.state?.opened) location.hash = name;
+  const name = app.state?.opened && app.places()[Number(event.key) - 1];
+  if (name) location.hash = name;
 }
 
 async function start() {
@@ -235,6 +246,7 @@ async function start() {
   addEventListener("keydown", keys);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawPlace());
   await refresh();
+  if (frozen) printAll(app, PLACES);
 }
 
 start().catch((problem) => page.isConnected ? refill(page, el("p", { class: "message" }, problem.message)) : lost());

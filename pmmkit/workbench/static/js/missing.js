@@ -7,6 +7,7 @@ import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
 import { frozen } from "./api.js";
 import { ownPanel } from "./own.js";
+import { coveragePanel } from "./coverage.js";
 
 const STRONG = Math.log(1e6);
 
@@ -20,10 +21,12 @@ export async function showMissing(root, app, shown) {
   refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
-  refill(right, fall ? waterfall(fall) : null, run, turns);
+  refill(right, fall ? waterfall(fall) : null, run, turns, coveragePanel(found?.covered));
   shown();
   view.draw = await runView(run, app, fresh ? found : null);
-  await turnPanel(turns, app);
+  // The turn of a page that asks about no model that sails is of another one.
+  if (app.state.model) await turnPanel(turns, app);
+  else turns.remove();
 }
 
 function question(app, before) {
@@ -35,19 +38,20 @@ function question(app, before) {
 }
 
 function answer(found, app, view) {
+  const drawn = Object.keys(found.overlays).length > 0;
   return el("section", { class: "panel", "aria-label": t("candidates") },
-    el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since ? null : el("span", { class: "soft small" }, t("hover_hint"))),
+    el("div", { class: "head" }, el("h2", {}, t(found.since ? "asked_before" : "candidates")), found.since || !drawn ? null : el("span", { class: "soft small hint" }, t("hover_hint"))),
     el("p", {}, found.sentence),
     found.remarks.length ? el("details", {}, el("summary", {}, t("remarks")), found.remarks.map((text) => el("p", { class: "soft small" }, text))) : null,
-    el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view))));
+    el("ol", { class: "candidates" }, found.candidates.map((item) => candidate(item, app, view, drawn))));
 }
 
-function candidate(item, app, view) {
+function candidate(item, app, view, drawn) {
   const own = app.selected ? item.share?.channels?.[app.selected.channel] : null;
   const preview = () => view.draw([item.effect]);
   const leave = () => view.draw(app.pair);
   const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
-  const tick = item.share ? el("input", {
+  const tick = item.share && drawn ? el("input", {
     type: "checkbox", checked: app.pair.includes(item.effect), "aria-label": t("compare_effect", { effect: plainWord(item.effect) }), value: item.effect,
     on: { change: (event) => pairUp(event.target, app, view) },
   }) : null;

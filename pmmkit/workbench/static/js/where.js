@@ -32,7 +32,8 @@ export async function showWhere(root, app, shown) {
       el("section", { class: "panel", "aria-label": t("map") },
         el("div", { class: "head" }, el("h2", {}, t("map")), el("span", { class: "soft small" }, t(misfit.kind === "captive" ? "map_about" : "map_about_free")), marked),
         key(SCALES[misfit.kind]),
-        runs.box),
+        runs.box,
+        misfit.left_out ? el("p", { class: "soft small" }, t("runs_left_out", { count: misfit.left_out })) : null),
       detail),
   );
   if (chosen) await select(detail, app, misfit, chosen.run, chosen.channel);

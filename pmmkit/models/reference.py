@@ -1,4 +1,4 @@
-"""What stands beside our derivatives in a report."""
+"""Published derivatives to stand beside those of tests."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Final
 
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import TableError
-from pmmkit.models import Model, load_model
 from pmmkit.models.hull import hull_table
+from pmmkit.models.model import Model
+from pmmkit.models.store import load_model
 from pmmkit.ship import Ship
 from pmmkit.ship_library import load_ship, ships
 from pmmkit.tables import DerivativeTable, is_table, read_table
@@ -21,7 +22,7 @@ ALIKE: Final = 0.005
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reference:
-    """Derivatives of a source that stand beside ours.
+    """Derivatives of a source that stand beside those of tests.
 
     Parameters
     ----------
