@@ -123,6 +123,7 @@ class Desk:
             "demonstration": str(datasets_folder() / DEMONSTRATION[0]),
             "opened": False,
             "structures": sorted(structures()),
+            "ships": sorted(ships()),
             "revision": -1,
         }
         if state is None:

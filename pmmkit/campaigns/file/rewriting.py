@@ -122,7 +122,8 @@ def without_correction(text: str, entry: Mapping[str, Any]) -> str:
         raise DataError("The campaign file has no such correction.")
     lines = text.splitlines()
     start, stop = _sections(lines, "corrections")[place]
-    del lines[start:stop]
+    before = start and not lines[start - 1].strip()
+    del lines[start - bool(before) : stop]
     left = [item for number, item in enumerate(listed) if number != place]
     rest = {name: item for name, item in raw.items() if name != "corrections"}
     return _checked(lines, {**rest, "corrections": left} if left else rest)
