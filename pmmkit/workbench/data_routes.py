@@ -14,7 +14,7 @@ from pmmkit.json_text import plain
 from pmmkit.workbench import incoming
 from pmmkit.workbench.asked import given_number, given_text, revision_of
 from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.drafting import Asked, drafted
+from pmmkit.workbench.drafting import Asked, Drafted, basis_of, drafted, stamp_of
 from pmmkit.workbench.pages.files import files_page
 from pmmkit.workbench.windows import drawn, taken_back
 
@@ -46,7 +46,7 @@ def data_routes(
     return [
         read("record", lambda request: desk.record(given_text(dict(request.query_params), "run"))),
         read("incoming", lambda _: incoming.sets(desk.folder)),
-        write("look", lambda asked: files_page(drafted(_asked(desk, asked)))),
+        write("look", lambda asked: files_page(_drafted(desk, _asked(desk, asked)))),
         write("campaign", partial(_campaign, desk)),
         write("window", partial(_window, desk)),
         write("unwindow", partial(_unwindow, desk)),
@@ -76,7 +76,7 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
     said = _asked(desk, asked)
     if not any(said.folder.is_relative_to(root) for root in (*desk.roots, desk.folder.resolve())):
         raise DataError(f"{said.folder} belongs to pmmkit: nothing is written there.")
-    found = drafted(said)
+    found = _drafted(desk, said)
     wrong = [item for item in found.fields if item.error]
     if wrong:
         return {**files_page(found), "written": ""}
@@ -84,8 +84,14 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
         if found.new and said.target.exists():
             raise DataError(f"{said.target} is there meanwhile: it was not replaced. Look again.")
         write_text(said.target, found.text)
-    after = drafted(Asked(folder=said.folder))
+    after = _drafted(desk, Asked(folder=said.folder))
     return {**files_page(after), "written": str(said.target)}
+
+
+def _drafted(desk: Desk, said: Asked) -> Drafted:
+    """What is proposed; the files are looked at once for all answers."""
+    basis = desk.aside(("basis", stamp_of(said)), lambda: basis_of(said))
+    return drafted(said, basis)
 
 
 def _window(desk: Desk, asked: Mapping[str, Any]) -> None:

@@ -176,7 +176,7 @@ class Desk:
     def misfit(self, count: int | None = None) -> dict[str, Any]:
         """The map of runs, with the model after so many steps."""
         effects = self._effects(count)
-        found: dict[str, Any] = self._once(
+        found: dict[str, Any] = self.once(
             ("misfit", effects), lambda: misfit_page(self._comparison(effects))
         )
         return found
@@ -200,7 +200,7 @@ class Desk:
     def runs(self, first: int) -> dict[str, Any]:
         """Some of the runs as they were read."""
         tests = self._campaign(self._opened())
-        page: dict[str, Any] = self._once(
+        page: dict[str, Any] = self.once(
             ("runs", first), lambda: runs_page(tests, first, self.checks())
         )
         return page
@@ -208,8 +208,8 @@ class Desk:
     def record(self, run: str) -> dict[str, Any]:
         """One run as it was read, with what counts of it."""
         tests = self._campaign(self._opened())
-        page: dict[str, Any] = self._once(
-            ("record", run), lambda: record_page_of(tests, run, self.checks())
+        page: dict[str, Any] = self.aside(
+            ("record", run, self._stamp), lambda: record_page_of(tests, run, self.checks())
         )
         return page
 
@@ -241,8 +241,7 @@ class Desk:
         state = self._opened()
         chosen = {"before": (), "after": state.effects} if state.steps else {"before": ()}
         return {
-            name: self._once(("turn", own), partial(self._turn, own))
-            for name, own in chosen.items()
+            name: self.once(("turn", own), partial(self._turn, own)) for name, own in chosen.items()
         }
 
     def sail(self, asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -504,7 +503,7 @@ class Desk:
         effects = self._opened().effects
         return effects if count is None else effects[: max(count, 0)]
 
-    def _once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+    def once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
         """What was worked out before, or is now: one at a time, so that nothing is done twice."""
         with self._working:
             if key not in self._known:
@@ -514,9 +513,17 @@ class Desk:
                 self._known[key] = found
             return self._known[key]
 
+    def aside(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+        """The same for what may take a minute: meanwhile everything else is answered."""
+        with self._working:
+            if key in self._known:
+                return self._known[key]
+        found = work()
+        return self.once(key, lambda: found)
+
     def _comparison(self, effects: tuple[str, ...]) -> Comparison:
         campaign = self._campaign(self._opened())
-        found: Comparison = self._once(
+        found: Comparison = self.once(
             ("comparison", effects), lambda: compare(self._model(effects), campaign)
         )
         return found
@@ -528,7 +535,7 @@ class Desk:
             if stamp != self._stamp:
                 self._known.clear()
                 self._stamp = stamp
-            found: Campaign = self._once(
+            found: Campaign = self.once(
                 ("campaign", state.campaign, state.data),
                 lambda: open_campaign(place, data=state.data or None),
             )

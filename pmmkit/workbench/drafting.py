@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import MappingProxyType
@@ -16,13 +18,14 @@ from pmmkit.campaigns.file.schema import TABLES
 from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.escaping import toml_string
-from pmmkit.inspection import Look, look
+from pmmkit.inspection import ColumnLook, Look, look
 from pmmkit.inspection.drafts.choosing import Choice, signed, with_choices
 from pmmkit.inspection.drafts.columns import their_column
 from pmmkit.inspection.drafts.draft import draft_of
 from pmmkit.inspection.drafts.propose import proposed
 from pmmkit.inspection.drafts.questions import questions_of, with_answer
 from pmmkit.inspection.drafts.write import written
+from pmmkit.inspection.folder import MOST_COUNTED
 from pmmkit.inspection.guessing import Suggestion
 
 _ENTRY: Final = re.compile(r"\[\[(?P<table>runs|tables)\]\] #(?P<number>\d+)")
@@ -113,6 +116,8 @@ class Drafted:
         Whether there is no campaign file yet.
     changed : bool
         Whether the text is another one than the file's.
+    apart : frozenset of str
+        First files of layouts whose runs name their columns themselves.
     """
 
     seen: Look
@@ -121,6 +126,7 @@ class Drafted:
     problems: tuple[Problem, ...]
     new: bool
     changed: bool
+    apart: frozenset[str] = frozenset()
 
     @property
     def complete(self) -> bool:
@@ -128,13 +134,64 @@ class Drafted:
         return not self.problems and not any(x.state == "needed" or x.error for x in self.fields)
 
 
-def drafted(asked: Asked) -> Drafted:
+@dataclass(frozen=True, kw_only=True)
+class Basis:
+    """What the files say with the columns as they were chosen, before anything is answered.
+
+    Parameters
+    ----------
+    seen : Look
+        The files.
+    text, before : str
+        The campaign file, and the one that is there.
+    apart : frozenset of str
+        As of `Drafted`.
+    """
+
+    seen: Look
+    text: str
+    before: str = ""
+    apart: frozenset[str] = frozenset()
+
+
+def stamp_of(asked: Asked) -> tuple[Any, ...]:
+    """What a `Basis` depends on: the folder with sizes and times of its files, and the choices."""
+    files = []
+    for place, _, names in os.walk(asked.folder):
+        for name in names:
+            with suppress(OSError):
+                found = os.stat(os.path.join(place, name))
+                files.append((place, name, found.st_size, found.st_mtime_ns))
+        if len(files) > MOST_COUNTED:
+            break
+    return str(asked.folder), asked.choices, asked.ship, hash(tuple(sorted(files)))
+
+
+def basis_of(asked: Asked) -> Basis:
+    """Look at the files of a folder; of thousands this takes a minute.
+
+    Parameters
+    ----------
+    asked : Asked
+        Its answers do not count.
+
+    Raises
+    ------
+    DataError
+        As `drafted`.
+    """
+    return _changed(asked) if asked.target.is_file() else _drafted(asked)
+
+
+def drafted(asked: Asked, basis: Basis | None = None) -> Drafted:
     """The campaign file of a folder with what a person said.
 
     Parameters
     ----------
     asked : Asked
         The folder and what was said.
+    basis : Basis, optional
+        From `basis_of`, where it is known.
 
     Raises
     ------
@@ -142,10 +199,10 @@ def drafted(asked: Asked) -> Drafted:
         If there are no measurements, the file that is there is damaged, or a choice is of nothing.
     """
     new = not asked.target.is_file()
-    seen, plain, before = _drafted(asked) if new else _changed(asked)
-    asks = tuple(_fields(plain))
+    basis = basis or basis_of(asked)
+    asks = tuple(_fields(basis.text))
     said = dict(asked.answers)
-    text = _titled(plain, said.get(TITLE, "")) if new else plain
+    text = _titled(basis.text, said.get(TITLE, "")) if new else basis.text
     for item in asks:
         if said.get(item.name, "").strip():
             text = with_answer(text, [item.line], said[item.name])
@@ -163,16 +220,17 @@ def drafted(asked: Asked) -> Drafted:
     asks, rest = _judged(text, asked.target, asks)
     waiting = any(item.state == "needed" for item in asks)
     return Drafted(
-        seen=seen,
+        seen=basis.seen,
         text=text,
         fields=asks,
         problems=() if waiting else rest,
         new=new,
-        changed=text != before,
+        changed=text != basis.before,
+        apart=basis.apart,
     )
 
 
-def _drafted(asked: Asked) -> tuple[Look, str, str]:
+def _drafted(asked: Asked) -> Basis:
     """What `pmmkit new-campaign` writes, with the choices."""
     draft = draft_of(asked.folder, asked.target, ship=asked.ship or None, choices=asked.choices)
     draft = proposed(draft, asked.target)
@@ -187,22 +245,24 @@ def _drafted(asked: Asked) -> tuple[Look, str, str]:
         replace(group, files=(shown.get(group.first.shown, group.first), *group.files[1:]))
         for group in draft.look.groups
     )
-    return replace(draft.look, groups=groups), written(draft).text, ""
+    return Basis(seen=replace(draft.look, groups=groups), text=written(draft).text)
 
 
-def _changed(asked: Asked) -> tuple[Look, str, str]:
+def _changed(asked: Asked) -> Basis:
     """The file that is there, with other columns where some were chosen."""
     try:
         text = asked.target.read_text("utf-8")
-        stated = tomllib.loads(text).get("columns", {})
+        stated = tomllib.loads(text)
     except (OSError, ValueError) as error:
         raise DataError(
             f"{asked.target} cannot be read ({error}). Correct it by hand, or move it away to "
             "begin anew."
         ) from error
-    seen = as_stated(look(asked.folder), stated if isinstance(stated, dict) else {})
+    seen, apart = as_stated(look(asked.folder), stated)
     if not asked.choices:
-        return seen, text, text
+        return Basis(seen=seen, text=text, before=text, apart=apart)
+    if any(choice.file in apart for choice in asked.choices):
+        raise DataError("Runs of these files name their columns themselves: change them there.")
     held = {
         (group.first.shown, column.position): column.suggestion
         for group in seen.groups
@@ -219,46 +279,48 @@ def _changed(asked: Asked) -> tuple[Look, str, str]:
         if column.suggestion is not None:
             theirs = their_column(column, column.suggestion, group.first)
             columns[choice.name] = tomllib.loads(f"x = {theirs}")["x"]
-    return chosen, with_columns(text, columns), text
+    return Basis(seen=chosen, text=with_columns(text, columns), before=text, apart=apart)
 
 
-def as_stated(seen: Look, columns: Mapping[str, Any]) -> Look:
+def as_stated(seen: Look, raw: Mapping[str, Any]) -> tuple[Look, frozenset[str]]:
     """Files with their columns as a campaign file names them.
 
     Parameters
     ----------
     seen : Look
         From `look`.
-    columns : mapping
-        ``[columns]``.
+    raw : mapping
+        What `tomllib` reads of the campaign file.
+
+    Returns
+    -------
+    seen : Look
+        With what is stated in the place of guesses.
+    apart : frozenset of str
+        First files of layouts whose runs name their columns themselves.
     """
-    return replace(
-        seen,
-        groups=tuple(
-            replace(
-                group,
-                files=(
-                    replace(
-                        group.first,
-                        columns=tuple(
-                            replace(
-                                column,
-                                suggestion=_stated(column.title, column.position, columns)
-                                or (
-                                    None
-                                    if column.suggestion and column.suggestion.name in columns
-                                    else column.suggestion
-                                ),
-                            )
-                            for column in group.first.columns
-                        ),
-                    ),
-                    *group.files[1:],
-                ),
-            )
-            for group in seen.groups
-        ),
-    )
+    entries = [x for name in ("runs", "tables") for x in raw.get(name, []) if isinstance(x, dict)]
+    own = {x.get("file"): x["columns"] for x in entries if isinstance(x.get("columns"), dict)}
+    top = raw.get("columns", {})
+    groups, apart = [], set()
+    for group in seen.groups:
+        named = next((own[x.shown] for x in group.files if x.shown in own), None)
+        if named is not None:
+            apart.add(group.first.shown)
+        columns = {**(top if isinstance(top, dict) else {}), **(named or {})}
+        first = replace(
+            group.first, columns=tuple(_as_named(column, columns) for column in group.first.columns)
+        )
+        groups.append(replace(group, files=(first, *group.files[1:])))
+    return replace(seen, groups=tuple(groups)), frozenset(apart)
+
+
+def _as_named(column: ColumnLook, columns: Mapping[str, Any]) -> ColumnLook:
+    """A column as the file names it; a guess stays where its name is not taken."""
+    stated = _stated(column.title, column.position, columns)
+    guess = column.suggestion
+    kept = None if guess is not None and guess.name in columns else guess
+    return replace(column, suggestion=stated or kept)
 
 
 def _stated(title: str, position: int, columns: Mapping[str, Any]) -> Suggestion | None:

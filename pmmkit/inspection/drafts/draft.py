@@ -154,7 +154,7 @@ def draft_of(
                 remedy="Name the folder in which the files of the tests lie.",
             )
         )
-    seen = with_choices(look(folder), choices)
+    seen = _with_drift(with_choices(look(folder), choices))
     place = folder if folder.is_dir() else folder.parent
     base = _relative(place, target)
     saved = [
@@ -312,6 +312,24 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
             )
         )
     return drafts
+
+
+def _with_drift(seen: Look) -> Look:
+    """With a remark at columns that are no channel, and say the drift angle of their runs."""
+    return replace(seen, groups=tuple(_drift_told(group) for group in seen.groups))
+
+
+def _drift_told(group: Group) -> Group:
+    found = _drift_column(group.first) if group.first.kind == "history" else None
+    if found is None:
+        return group
+    columns = tuple(
+        replace(column, remark="it says the drift angle of each run")
+        if column.position == found.position
+        else column
+        for column in group.first.columns
+    )
+    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
 
 
 def _drift_column(look: FileLook) -> ColumnLook | None:

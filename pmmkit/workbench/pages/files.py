@@ -50,7 +50,9 @@ def files_page(found: Drafted) -> dict[str, Any]:
     """
     seen = found.seen
     return {
-        "groups": [_group(group) for group in seen.groups],
+        "groups": [
+            {**_group(group), "apart": group.first.shown in found.apart} for group in seen.groups
+        ],
         "campaigns": [
             _campaign(item) for item in seen.campaigns if not item.file.endswith(".toml")
         ],

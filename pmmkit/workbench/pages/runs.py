@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -29,6 +31,8 @@ CHANNELS: Final = ("X", "Y", "N", "K", "u", "v", "r", "psi", "x", "y", "delta", 
 """Channels of which there is a picture, in their order."""
 MOST: Final = 6
 """Pictures of a run."""
+MEMORY: Final = 4.0
+"""Memory that a text file takes when it is read, over its size; 3.7 was seen."""
 CUTS: Final = {"captive": "window", "free-running": "trim"}
 """Correction by which the campaign file states what counts of a record."""
 
@@ -128,6 +132,8 @@ def _shown(
     size = _size(run)
     if size >= LARGE and not large:
         return page | {"large": size}
+    if large and (short_of := _lacking(size)):
+        return page | {"error": short_of}
     try:
         data = whole(run, campaign.kind).data
     except PmmkitError as error:
@@ -176,6 +182,21 @@ def whole(run: Run, kind: str) -> Run:
 def _size(run: Run) -> int:
     path = getattr(run.loader, "path", None)
     return int(path.stat().st_size) if path is not None and path.is_file() else 0
+
+
+def _lacking(size: int) -> str:
+    """Why a file cannot be read whole; empty where it can, or nobody knows."""
+    try:
+        told = Path("/proc/meminfo").read_text("ascii")
+    except OSError:
+        return ""
+    found = re.search(r"^MemAvailable:\s+(\d+) kB", told, re.MULTILINE)
+    if size < LARGE or found is None or MEMORY * size < 1000 * int(found[1]):
+        return ""
+    return (
+        f"This record takes about {MEMORY * size / 1e9:.0f} GB of memory to be read whole, and "
+        f"{int(found[1]) / 1e6:.0f} GB are free. Keep fewer of its samples, or cut it in parts."
+    )
 
 
 def _stated(run: Run, action: str) -> Correction | None:

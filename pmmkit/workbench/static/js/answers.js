@@ -69,7 +69,7 @@ function labelOf(item) {
 }
 
 function title(draw, own) {
-  const input = el("input", { type: "text", name: "answer campaign.title", value: own.answers["campaign.title"] ?? "", maxlength: 80, on: { input: () => { own.answers["campaign.title"] = input.value; } } });
+  const input = el("input", { type: "text", name: "answer campaign.title", value: own.answers["campaign.title"] ?? "", placeholder: own.into || own.folder.split(/[\\/]/).at(-1), maxlength: 80, on: { input: () => { own.answers["campaign.title"] = input.value; } } });
   return el("label", { class: "ask" }, el("span", {}, t("title")), input, el("small", { class: "said" }));
 }
 

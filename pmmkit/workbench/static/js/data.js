@@ -25,7 +25,7 @@ export async function showData(root, app, shown) {
 
 function files(app) {
   const inside = el("div", {});
-  const about = el("details", { class: "panel", open: Boolean(app.intake), on: { toggle: () => { if (about.open && !inside.firstChild) refill(inside, intake(app)); } } },
+  const about = el("details", { class: "panel", open: Boolean(app.intake && !app.intake.written), on: { toggle: () => { if (about.open && !inside.firstChild) refill(inside, intake(app)); } } },
     el("summary", {}, t("more_files")), inside);
   return about;
 }

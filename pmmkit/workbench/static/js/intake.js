@@ -32,7 +32,7 @@ function taker(draw) {
       take(draw, filesOf(event.dataTransfer), event.dataTransfer);
     },
   } }, el("p", {}, el("b", {}, t("drop_here"))), el("p", { class: "soft small" }, t("drop_about")), el("label", { class: "button", for: "files" }, t("choose_files")), files);
-  const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_any"), name: "campaign", spellcheck: "false", value: app.intake.into ? "" : app.intake.folder });
+  const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_any"), name: "campaign", spellcheck: "false", value: app.intake.into ? "" : app.intake.folder || (app.state.opened ? app.state.campaign : "") });
   const earlier = el("div", {});
   get("incoming").then((sets) => refill(earlier, sets.filter((own) => own.files.length).map((own) => el("p", { class: "small" },
     el("button", { class: "link", on: { click: () => begun(draw, own.folder, own.into) } }, t("dropped_before", { name: own.into, count: own.files.length })))))).catch(() => {});

@@ -22,6 +22,7 @@ function layout(draw, own, page, group) {
   return el("article", { class: "layout stack", css: { gap: ".5rem" } },
     el("div", {}, el("h3", { class: "ink" }, group.file, more.length ? el("span", { class: "soft" }, ` ${t("alike", { count: group.count - 1 })}`) : null),
       el("p", { class: "soft small" }, `${group.words}. ${group.clock}`)),
+    group.apart ? el("p", { class: "finding" }, t("columns_apart")) : null,
     more.length ? el("details", { class: "small" }, el("summary", {}, t("all_files", { count: group.count })), el("p", { class: "wrap" }, group.files.join(", "), group.count > group.files.length ? " …" : "")) : null,
     el("div", { class: "channels", role: "table", "aria-label": group.file },
       el("div", { class: "channel headings", role: "row" }, ["channel", "picture", "is", "unit", "sign"].map((key) => el("span", { role: "columnheader" }, t(`head_${key}`)))),
@@ -35,11 +36,11 @@ function channel(draw, own, page, group, column) {
   const chosen = own.choices.find((x) => x.file === group.file && x.column === column.column);
   const name = column.name;
   const say = (change) => choose(draw, { file: group.file, column: column.column, name, unit: column.chosen_unit || null, sign: chosen?.sign ?? null, ...change });
-  const what = select(`is ${key}`, t("is_what", { name: column.label }), [["", t("not_used")], ...Object.keys(names).map((own) => [own, meant(own)])], name,
+  const what = select(group.apart, `is ${key}`, t("is_what", { name: column.label }), [["", t("not_used")], ...Object.keys(names).map((own) => [own, meant(own)])], name,
     (value) => say({ name: value, unit: null, sign: null }));
   const units = name ? [...new Set([column.unit, column.chosen_unit, ...(names[name] ?? [])])].filter(Boolean) : [];
-  const unit = units.length ? select(`unit ${key}`, t("unit_of", { name: column.label }), units.map((own) => [own, unitOf(own) || own]), column.chosen_unit || column.unit || names[name]?.[0], (value) => say({ unit: value === column.unit ? null : value })) : el("span", {});
-  const sign = name && name !== "t" ? select(`sign ${key}`, t("sign_of", { name: column.label }), [["1", t("sign_plus")], ["-1", t("sign_minus")]], String(column.sign), (value) => say({ sign: Number(value) })) : el("span", {});
+  const unit = units.length ? select(group.apart, `unit ${key}`, t("unit_of", { name: column.label }), units.map((own) => [own, unitOf(own) || own]), column.chosen_unit || column.unit || names[name]?.[0], (value) => say({ unit: value === column.unit ? null : value })) : el("span", {});
+  const sign = name && name !== "t" ? select(group.apart, `sign ${key}`, t("sign_of", { name: column.label }), [["1", t("sign_plus")], ["-1", t("sign_minus")]], String(column.sign), (value) => say({ sign: Number(value) })) : el("span", {});
   return el("div", { class: `channel${name ? "" : " unused"}`, role: "row" },
     el("span", { role: "cell", class: "title" }, el("b", {}, column.label), column.unit ? el("span", { class: "soft" }, ` [${column.unit}]`) : null,
       el("small", { class: "soft" }, column.numbers ? ` ${num(column.low)} … ${num(column.high)}` : ` ${t("no_numbers")}`)),
@@ -53,8 +54,9 @@ function meant(name) {
   return word === `name_${name}` ? name : `${name} · ${word}`;
 }
 
-function select(name, label, options, value, act) {
+function select(fixed, name, label, options, value, act) {
   const node = el("select", { name, "aria-label": label, on: { change: () => act(node.value) } },
     options.map(([own, text]) => el("option", { value: own, selected: own === value }, text)));
+  node.disabled = fixed;
   return node;
 }
