@@ -56,7 +56,7 @@ def files_page(found: Drafted) -> dict[str, Any]:
         "campaigns": [
             _campaign(item) for item in seen.campaigns if not item.file.endswith(".toml")
         ],
-        "others": dict(seen.others),
+        "others": {suffix: count for suffix, count in seen.others.items() if suffix != ".toml"},
         "passed_over": seen.passed_over,
         "problems": [str(problem) for problem in seen.problems[:MOST_FILES]],
         "vocabulary": vocabulary(),

@@ -180,8 +180,10 @@ def whole(run: Run, kind: str) -> Run:
 
 
 def _size(run: Run) -> int:
-    path = getattr(run.loader, "path", None)
-    return int(path.stat().st_size) if path is not None and path.is_file() else 0
+    """Of the file that is read for this run alone [bytes]."""
+    if not isinstance(run.loader, HistoryLoader) or not run.loader.path.is_file():
+        return 0
+    return run.loader.path.stat().st_size
 
 
 def _lacking(size: int) -> str:

@@ -59,7 +59,8 @@ function begun(draw, folder, into) {
 
 async function take(draw, files, transfer) {
   const own = draw.app.intake;
-  if (own.folder && !own.into) Object.assign(own, fresh());
+  // Files of a campaign that is written, or of a named folder, are left alone: these are a new set.
+  if (own.folder && (!own.into || own.page?.new === false)) Object.assign(own, fresh());
   own.refused = [];
   if (transfer && files.length < (transfer.items?.length ?? 0)) own.refused.push(t("drop_folder"));
   let number = 0;

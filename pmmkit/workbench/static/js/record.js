@@ -23,9 +23,11 @@ export function openRecord(app, run) {
 }
 
 function draw(root, dialog, app, page) {
-  const about = [el("p", {}, el("b", {}, page.title), ` ${page.words}`), page.source ? el("p", { class: "soft small" }, `${page.source} · ${t("samples", { count: page.samples ?? 0 })}`) : null];
+  const about = [el("p", {}, el("b", {}, page.title), ` ${page.words}`), page.source ? el("p", { class: "soft small" }, page.source, page.samples ? ` · ${t("samples", { count: page.samples })}` : "") : null];
   const findings = page.findings.map((item) => el("p", { class: `finding small ${item.severity}` }, item.message));
-  if (page.error || !page.channels.length) return void refill(root, about, page.error ? el("p", { class: "finding error" }, page.error) : null, findings);
+  if (page.error || !page.channels.length) return void refill(root, ...about, page.error ? el("p", { class: "finding error" }, page.error) : page.kind === "history" ? null : el("p", {}, t("no_record")), findings);
+  // Half a sample more at both ends: the samples there belong to it, however they are rounded.
+  const half = page.samples > 1 ? page.seconds / (page.samples - 1) / 2 : 0;
   const now = { window: [...(page.window ?? [0, page.seconds])] };
   const shades = [];
   const width = Math.min(Math.max(root.clientWidth, 300), 1200);
@@ -92,7 +94,8 @@ function draw(root, dialog, app, page) {
 
   function sketch() {
     const [from, to] = now.window;
-    const whole = page.period ? Math.floor((to - from) / page.period + 0.01) : 0;
+    // The last sample stands for one step more, as the count of cycles has it.
+    const whole = page.period ? Math.floor((to - from + 3 * half) / page.period) : 0;
     const edges = page.period && now.moved ? Array.from({ length: whole + 1 }, (_, i) => from + i * page.period) : page.edges;
     for (const { plot, shade, cycles } of shades) {
       shade.setAttribute("x", plot.px(from));
@@ -125,16 +128,16 @@ function draw(root, dialog, app, page) {
     }
   }
 
-  // Half a sample more at both ends: the samples there belong to it, however they are rounded.
-  const half = page.samples > 1 ? page.seconds / (page.samples - 1) / 2 : 0;
   save.addEventListener("click", () => write("window", { t_start: page.begin + now.window[0] - half, t_end: page.begin + now.window[1] + half, reason: reason.value.trim() }));
   reason.addEventListener("input", ready);
-  refill(root, about, findings,
+  refill(root, ...about, ...findings,
     el("p", { class: "small" }, page.reason || (page.stated ? t("window_stated", { reason: page.stated.reason }) : "")),
     el("p", { class: "soft small" }, t("window_hint")),
     el("div", { class: "window-ends" }, el("label", {}, el("span", {}, t("window_from")), ends[0]), el("label", {}, el("span", {}, t("window_to")), ends[1])),
     said, el("div", { class: "line" }, reason, save,
       page.stated?.alone ? el("button", { on: { click: () => write("unwindow", {}) } }, t("window_find")) : null),
-    wrong, plots);
+    wrong, plots,
+    page.marks.length ? el("section", {}, el("h3", {}, t("marks")), el("ul", { class: "small" }, page.marks.map((mark) => el("li", {},
+      `${mark.channel ? `${mark.channel}, ` : ""}${num(page.begin + mark.from, 5)}–${num(page.begin + mark.to, 5)} s: ${mark.text}`)))) : null);
   sketch();
 }
