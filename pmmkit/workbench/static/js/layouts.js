@@ -25,7 +25,7 @@ function layout(draw, own, page, group) {
     group.apart ? el("p", { class: "finding" }, t("columns_apart")) : null,
     more.length ? el("details", { class: "small" }, el("summary", {}, t("all_files", { count: group.count })), el("p", { class: "wrap" }, group.files.join(", "), group.count > group.files.length ? " …" : "")) : null,
     el("div", { class: "channels", role: "table", "aria-label": group.file },
-      el("div", { class: "channel headings", role: "row" }, ["channel", "picture", "is", "unit", "sign"].map((key) => el("span", { role: "columnheader" }, t(`head_${key}`)))),
+      el("div", { class: "channel headings", role: "row" }, ["channel", "picture", "is", "unit", "sign", "why"].map((key) => el("span", { role: "columnheader" }, t(`head_${key}`)))),
       group.columns.map((column) => channel(draw, own, page, group, column))),
     group.more_columns ? el("p", { class: "soft small" }, t("more_columns", { count: group.more_columns })) : null);
 }
@@ -46,7 +46,7 @@ function channel(draw, own, page, group, column) {
       el("small", { class: "soft" }, column.numbers ? ` ${num(column.low)} … ${num(column.high)}` : ` ${t("no_numbers")}`)),
     el("span", { role: "cell" }, column.values.length ? picture({ name: column.label, unit: column.unit, ...column }, { span: (column.t.at(-1) ?? 1) - column.t[0], begin: column.t[0] }) : null),
     el("span", { role: "cell" }, what), el("span", { role: "cell" }, unit), el("span", { role: "cell" }, sign),
-    el("span", { class: "soft small why" }, name ? column.reason : column.perhaps ? t("perhaps", { name: column.perhaps, why: column.reason }) : column.remark));
+    el("span", { role: "cell", class: "soft small why" }, name ? column.reason : column.perhaps ? t("perhaps", { name: column.perhaps, why: column.reason }) : column.remark));
 }
 
 function meant(name) {

@@ -12,7 +12,7 @@ const NEAR = 0.04;
 export function openRecord(app, run) {
   const inside = el("div", { class: "stack" }, el("p", { class: "soft", role: "status" }, t("reading_record", { run })));
   const dialog = el("dialog", { class: "record", "aria-label": `${t("record")}: ${run}` },
-    el("form", { method: "dialog", class: "head" }, el("h2", {}, run), el("button", { class: "right" }, t("close"))), inside);
+    el("div", { class: "head" }, el("h2", {}, run), el("button", { class: "right", on: { click: () => dialog.close() } }, t("close"))), inside);
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
