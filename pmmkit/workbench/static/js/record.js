@@ -106,7 +106,7 @@ function draw(root, dialog, app, page) {
       end.value = now.window[i];
       end.setAttribute("aria-valuetext", `${num(page.begin + now.window[i], 4)} s`);
     });
-    refill(said, t("window_is", { from: num(page.begin + from, 4), to: num(page.begin + to, 4) }), page.period ? ` ${t("window_cycles", { count: whole })}` : "");
+    refill(said, t("window_is", { from: num(page.begin + from, 4), to: num(page.begin + to, 4) }), page.period ? ` · ${t("window_cycles", { count: whole })}` : "");
     ready();
   }
 
