@@ -40,9 +40,9 @@ class Correction:
     runs : tuple of str
         Ids of runs, ``*`` and ``?`` allowed.
     action : str
-        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``tare``, ``drop means``,
-        ``drop``, ``inertia still inside``, ``inertia already removed``, ``accept`` (what a check
-        says).
+        ``exclude``, ``scale``, ``shift``, ``flip``, ``trim``, ``window``, ``tare``,
+        ``drop means``, ``drop``, ``inertia still inside``, ``inertia already removed``,
+        ``accept`` (what a check says).
     reason : str
         Why, in the user's words.
     values : mapping

@@ -375,7 +375,8 @@ _NAMES: Final = tuple(
         "sog": "sog|speed over ground",
         "cog": "cog|course over ground",
         "x": "x|x ?0|x ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?x|north(?:ing)?",
-        "y": "y|y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
+        "y": "y|sway(?: displacement| position)?|"
+        "y ?0|y ?pos(?:ition)?(?: mid)?|pos(?:ition)? ?y|east(?:ing)?",
         "U_carriage": "(?:towing )?carriage (?:speed|velo(?:city)?)|towing speed|[uv] ?carriage|"
         "u ?c",
         "y_forward": "y ?(?:forward|fwd|fore)|(?:forward|fore) (?:strut|post|ram)(?: y)?",

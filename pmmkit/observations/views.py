@@ -181,12 +181,15 @@ def views_of(
 def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:
     """The run as a reduction takes it; a long record in two pieces, its second cycle and the rest.
 
+    A window that the campaign file states is one piece.
+
     Cycles count from where the carriage is at its speed.
 
     Noise is that of all cycles but the first together; that of a piece goes with the inverse of
     its cycles.
     """
-    if run.kind != "history" or not run.dynamic:
+    stated = any(item.action == "window" for item in run.corrections)
+    if run.kind != "history" or not run.dynamic or stated:
         return [_view(prepare(run, campaign), rig, keep)]
     data = _at_speed(run)
     run = run.with_(loader=lambda: data)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pmmkit.errors import DataError, Problem
 from pmmkit.numerics import Array
+
+FEWEST: Final = 16
+"""Samples of a record from which a mean and its uncertainty are taken."""
 
 
 def as_record(

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
 from pmmkit.signals.noise import autoregressive_noise, mean_variance
-from pmmkit.signals.record import as_record, cell_means, time_weights
+from pmmkit.signals.record import FEWEST, as_record, cell_means, time_weights
 
 CELLS: Final = 128
 CORE: Final = 0.3
@@ -97,7 +97,7 @@ def steady_window(t: ArrayLike, y: ArrayLike) -> Window:
     >>> bool(12.0 <= t[window.start] < 18.0), window.stop == t.size
     (True, True)
     """
-    time, values = as_record(t, y, least=16)
+    time, values = as_record(t, y, least=FEWEST)
     cells, floor = _condensed(time, values)
     m = cells.shape[-1]
     if not cells.shape[0]:
@@ -120,7 +120,7 @@ def calmest_part(t: ArrayLike, y: ArrayLike) -> tuple[int, int]:
     t, y
         As for `steady_window`.
     """
-    time, values = as_record(t, y, least=16)
+    time, values = as_record(t, y, least=FEWEST)
     cells, floor = _condensed(time, values)
     if not cells.shape[0]:
         return 0, time.size

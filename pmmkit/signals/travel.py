@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from pmmkit.numerics import Array
 from pmmkit.signals.periodic import TURN
-from pmmkit.signals.record import as_record
+from pmmkit.signals.record import FEWEST, as_record
 from pmmkit.signals.steady import calmest_part
 
 BLOCKS: Final = 256
@@ -87,7 +87,7 @@ def at_speed(t: ArrayLike, speed: ArrayLike) -> Travel:
     >>> at_speed(t, 1.2 + 0.3 * np.sin(t)).reason
     ''
     """
-    time, values = as_record(t, speed, least=16)
+    time, values = as_record(t, speed, least=FEWEST)
     size = -(-time.size // BLOCKS)
     starts = np.arange(0, time.size, size)
     width = np.diff(starts, append=time.size)
@@ -166,7 +166,7 @@ def in_step(t: ArrayLike, theta: ArrayLike, y: ArrayLike, surge: int = 0) -> Tra
     >>> in_step(t[200:], theta[200:], forces[:, 200:]).reason
     ''
     """
-    time, values = as_record(t, y, least=16)
+    time, values = as_record(t, y, least=FEWEST)
     phase, values = as_record(theta, values, name="theta")
     whole = Travel(0, time.size)
     count = int((phase[-1] - phase[0]) / TURN * A_CYCLE)

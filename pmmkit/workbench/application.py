@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.json_text import plain
+from pmmkit.workbench.asked import given_text, revision_of
+from pmmkit.workbench.data_routes import data_routes
 from pmmkit.workbench.desk import Desk, StaleRevision
 from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.guard import Guard
@@ -33,8 +35,6 @@ SAILED: Final = {
     "band": bool,
 }
 """What a manoeuvre may be asked with."""
-LONGEST: Final = 2000
-"""Characters of a text in a request."""
 
 
 def application(desk: Desk, token: str, port: int) -> Guard:
@@ -90,31 +90,31 @@ def _routes(desk: Desk) -> Starlette:
                 "open",
                 lambda asked: desk.open(
                     State(
-                        campaign=_given(asked, "campaign", str), model=str(asked.get("model") or "")
+                        campaign=given_text(asked, "campaign"), model=str(asked.get("model") or "")
                     )
                 ).to_dict(),
             ),
-            write("draft", lambda asked: desk.draft(_given(asked, "folder", str))),
-            write("diagnose", lambda asked: desk.diagnose(_revision(asked)).to_dict()),
+            write("diagnose", lambda asked: desk.diagnose(revision_of(asked)).to_dict()),
             write(
                 "add",
                 lambda asked: desk.add(
-                    _revision(asked), _given(asked, "effect", str), str(asked.get("why") or "")
+                    revision_of(asked), given_text(asked, "effect"), str(asked.get("why") or "")
                 ).to_dict(),
             ),
             write(
                 "check",
-                lambda asked: desk.check(_given(asked, "name", str), _given(asked, "text", str)),
+                lambda asked: desk.check(given_text(asked, "name"), given_text(asked, "text")),
             ),
             write(
                 "write",
                 lambda asked: desk.write(
-                    _revision(asked), _given(asked, "name", str), _given(asked, "text", str)
+                    revision_of(asked), given_text(asked, "name"), given_text(asked, "text")
                 ).to_dict(),
             ),
-            write("reduce", lambda asked: desk.reduce(_given(asked, "structure", str)).to_dict()),
-            write("undo", lambda asked: desk.undo(_revision(asked))),
+            write("reduce", lambda asked: desk.reduce(given_text(asked, "structure")).to_dict()),
+            write("undo", lambda asked: desk.undo(revision_of(asked))),
             write("cancel", lambda _: desk.cancel().to_dict()),
+            *data_routes(desk, read, write),
             Mount("/static", StaticFiles(directory=STATIC)),
         ]
     )
@@ -157,20 +157,6 @@ def _content(body: bytes) -> dict[str, Any]:
     return found
 
 
-def _given(asked: dict[str, Any], name: str, kind: type[str]) -> str:
-    value = asked.get(name)
-    if not isinstance(value, kind) or not value or len(value) > LONGEST or "\0" in value:
-        raise DataError(f"{name} must be a text.")
-    return value
-
-
-def _revision(asked: dict[str, Any]) -> int:
-    value = asked.get("revision")
-    if not isinstance(value, int) or isinstance(value, bool):
-        raise DataError("revision must be a whole number.")
-    return value
-
-
 def _settings(asked: dict[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, value in asked.items():
@@ -189,7 +175,7 @@ def _number(value: Any) -> bool:
 
 
 def _text(request: Request, name: str) -> str:
-    return _given(dict(request.query_params), name, str)
+    return given_text(dict(request.query_params), name)
 
 
 def _count(request: Request, name: str = "count") -> int | None:

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from threading import Lock, RLock, Thread
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import FILE_NAME, open_campaign
+from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.grammar import own_effect
 from pmmkit.equations.prepared import feels_depth
 from pmmkit.errors import DataError, PmmkitError
-from pmmkit.files import datasets_folder, write_text
+from pmmkit.files import datasets_folder
 from pmmkit.loop.saved import read_session
 from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
@@ -28,9 +28,10 @@ from pmmkit.workbench.commands import command_lines
 from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.numbers import BUCKETS
 from pmmkit.workbench.pages.one_run import run_page
-from pmmkit.workbench.pages.runs import runs_page
+from pmmkit.workbench.pages.runs import record_page_of, runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
 from pmmkit.workbench.saved import (
+    OPENED,
     STEPS,
     State,
     find_result,
@@ -39,6 +40,7 @@ from pmmkit.workbench.saved import (
     own_of,
     save_own,
     save_state,
+    stamp_of,
     steps_of,
 )
 from pmmkit.workbench.tasks import STRUCTURE, tasks
@@ -71,6 +73,7 @@ class Desk:
         self._state = find_state(folder)
         self._changing, self._working = Lock(), RLock()
         self._known: dict[tuple[Any, ...], Any] = {}
+        self._stamp = (0, 0)
         self._worker = Worker(tasks, self._finished)
 
     @property
@@ -119,6 +122,7 @@ class Desk:
             "demonstration": str(datasets_folder() / DEMONSTRATION[0]),
             "opened": False,
             "structures": sorted(structures()),
+            "ships": sorted(ships()),
             "revision": -1,
         }
         if state is None:
@@ -136,22 +140,42 @@ class Desk:
             ],
             "commands": command_lines(state, self.folder, STRUCTURE),
         }
-        if ready:
+        return page | self._about(state) if ready else page
+
+    def _about(self, state: State) -> dict[str, Any]:
+        """Of the tests that are open; what is damaged is told beside what is not."""
+        page: dict[str, Any] = {
+            "title": Path(state.campaign).name,
+            "ship": "",
+            "kind": "captive",
+            "runs": 0,
+            "own": [],
+            "faults": [],
+            "outdated": False,
+            "asked": find_result(self.folder, "missing", state.effects) is not None,
+        }
+        try:
             tests = self._campaign(state)
+            reduced = find_result(self.folder, OPENED, ())
             page |= {
                 "title": tests.title,
                 "ship": tests.ship.name,
                 "kind": tests.kind,
                 "runs": len(tests),
-                "own": [{"name": x.name, "text": x.text} for x in own_of(self.folder)],
-                "asked": find_result(self.folder, "missing", state.effects) is not None,
+                "outdated": reduced not in (None, tests.provenance.get("sha256")),
             }
+        except PmmkitError as error:
+            page["faults"].append(str(error))
+        try:
+            page["own"] = [{"name": x.name, "text": x.text} for x in own_of(self.folder)]
+        except PmmkitError as error:
+            page["faults"].append(str(error))
         return page
 
     def misfit(self, count: int | None = None) -> dict[str, Any]:
         """The map of runs, with the model after so many steps."""
         effects = self._effects(count)
-        found: dict[str, Any] = self._once(
+        found: dict[str, Any] = self.once(
             ("misfit", effects), lambda: misfit_page(self._comparison(effects))
         )
         return found
@@ -171,9 +195,16 @@ class Desk:
     def runs(self, first: int) -> dict[str, Any]:
         """Some of the runs as they were read."""
         tests = self._campaign(self._opened())
-        beside = self._comparison(()) if tests.kind == "captive" else None
-        page: dict[str, Any] = self._once(
-            ("runs", first), lambda: runs_page(tests, beside, first, self.checks())
+        page: dict[str, Any] = self.once(
+            ("runs", first), lambda: runs_page(tests, first, self.checks())
+        )
+        return page
+
+    def record(self, run: str) -> dict[str, Any]:
+        """One run as it was read, with what counts of it."""
+        tests = self._campaign(self._opened())
+        page: dict[str, Any] = self.aside(
+            ("record", run, self._stamp), lambda: record_page_of(tests, run, self.checks())
         )
         return page
 
@@ -205,8 +236,7 @@ class Desk:
         state = self._opened()
         chosen = {"before": (), "after": state.effects} if state.steps else {"before": ()}
         return {
-            name: self._once(("turn", own), partial(self._turn, own))
-            for name, own in chosen.items()
+            name: self.once(("turn", own), partial(self._turn, own)) for name, own in chosen.items()
         }
 
     def sail(self, asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -251,8 +281,7 @@ class Desk:
                 raise DataError(f"There is no {campaign}.")
             if model and model not in structures() and model not in ships():
                 self.named(model)
-            demonstration = place == (datasets_folder() / DEMONSTRATION[0]).resolve()
-            if demonstration and not model:
+            if _lent(place) and not model:
                 model = DEMONSTRATION[1]
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, revision=revision + 1, steps=())
@@ -263,7 +292,7 @@ class Desk:
                     "campaign": str(place),
                     "model": model,
                     "data": data,
-                    "parts": DEMONSTRATION[2] if demonstration else None,
+                    "parts": _lent(place),
                 },
             )
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -277,6 +306,31 @@ class Desk:
         """Ask what is missing."""
         with self._changing:
             return self._worker.start("diagnose", self._asked(self._current(revision)))
+
+    def again(self, revision: int) -> Job:
+        """Do anew what depends on the campaign file: the base, each step, the derivatives."""
+        with self._changing:
+            state = self._current(revision)
+            lent = _lent(self.named(state.campaign))
+            more = {"model": state.model, "parts": lent}
+            job = self._worker.start("again", self._asked(state) | more)
+            self._change(replace(state, revision=state.revision + 1))
+            return job
+
+    def correct(self, revision: int, run: str, write: Callable[[Campaign, str], None]) -> None:
+        """Change what the campaign file says of a run, by a function of campaign and run.
+
+        Raises
+        ------
+        DataError
+            If it cannot be written, with the reason.
+        """
+        with self._changing:
+            state = self._current(revision)
+            self._idle()
+            write(self._campaign(state), run)
+            self._campaign(state)
+            self._change(replace(state, revision=state.revision + 1))
 
     def check(self, name: str, text: str) -> dict[str, Any]:
         """What an effect of one's own would have as coefficients, with their usual sizes, or what
@@ -334,28 +388,16 @@ class Desk:
             replace(saved, steps=left).save(self.folder / STEPS)
             self._change(state.with_steps(left))
 
-    def draft(self, folder: str) -> dict[str, Any]:
-        """Write a campaign file for a folder that has none, as `pmmkit new-campaign` does.
+    def opened_at(self) -> tuple[Path, str]:
+        """Where the tests lie that are open, and the folder of their measurements."""
+        state = self._opened()
+        return self.named(state.campaign), state.data
 
-        Raises
-        ------
-        DataError
-            If there is one, or the folder was not named.
-        """
-        from pmmkit.inspection.drafts.draft import draft_of
-        from pmmkit.inspection.drafts.propose import proposed
-        from pmmkit.inspection.drafts.write import written
-
-        place = self.named(folder)
-        if not any(place.is_relative_to(root) for root in self.roots):
-            raise DataError(f"{folder} belongs to pmmkit: nothing is written there.")
-        target = place / FILE_NAME
+    @contextmanager
+    def writing(self) -> Iterator[None]:
+        """While something is written, nothing else is changed."""
         with self._changing:
-            if target.exists():
-                raise DataError(f"{target} is there: it was not replaced.")
-            text = written(proposed(draft_of(place, target), target))
-            write_text(target, text.text)
-        return {"file": str(target), "todo": list(text.todo), "text": text.text}
+            yield
 
     def wait(self, say: Callable[[str], None]) -> None:
         """Wait for the long work.
@@ -390,7 +432,7 @@ class Desk:
             place = Path(path).resolve()
         except (OSError, ValueError) as error:
             raise DataError(f"{path!r} is no path.") from error
-        allowed = (*self.roots, datasets_folder().resolve())
+        allowed = (*self.roots, self.folder.resolve(), datasets_folder().resolve())
         if not any(place.is_relative_to(root) for root in allowed):
             listed = ", ".join(map(str, self.roots))
             raise DataError(
@@ -410,7 +452,8 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["effects"], job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
-        if job.name in ("open", "add"):
+        if job.name in ("open", "add", "again"):
+            self._known.clear()
             self.warm()
 
     def _result(self, name: str) -> Any:
@@ -455,7 +498,7 @@ class Desk:
         effects = self._opened().effects
         return effects if count is None else effects[: max(count, 0)]
 
-    def _once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+    def once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
         """What was worked out before, or is now: one at a time, so that nothing is done twice."""
         with self._working:
             if key not in self._known:
@@ -465,18 +508,32 @@ class Desk:
                 self._known[key] = found
             return self._known[key]
 
+    def aside(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
+        """The same for what may take a minute: meanwhile everything else is answered."""
+        with self._working:
+            if key in self._known:
+                return self._known[key]
+        found = work()
+        return self.once(key, lambda: found)
+
     def _comparison(self, effects: tuple[str, ...]) -> Comparison:
         campaign = self._campaign(self._opened())
-        found: Comparison = self._once(
+        found: Comparison = self.once(
             ("comparison", effects), lambda: compare(self._model(effects), campaign)
         )
         return found
 
     def _campaign(self, state: State) -> Campaign:
-        found: Campaign = self._once(
-            ("campaign", state.campaign, state.data),
-            lambda: open_campaign(self.named(state.campaign), data=state.data or None),
-        )
+        place = self.named(state.campaign)
+        stamp = stamp_of(place)
+        with self._working:
+            if stamp != self._stamp:
+                self._known.clear()
+                self._stamp = stamp
+            found: Campaign = self.once(
+                ("campaign", state.campaign, state.data),
+                lambda: open_campaign(place, data=state.data or None),
+            )
         return found
 
     def _model(self, effects: tuple[str, ...]) -> Model:
@@ -487,6 +544,11 @@ class Desk:
         speed = reach[len(reach) // 2]
         settings = {"rudder_deg": HARD_OVER, "extrapolate": True}
         return sailed_page(model, "turning", speed=speed, band=True, **settings)
+
+
+def _lent(place: Path) -> str | None:
+    """Ship that lends propeller and rudder: those of the demonstration alone."""
+    return DEMONSTRATION[2] if place == (datasets_folder() / DEMONSTRATION[0]).resolve() else None
 
 
 def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:

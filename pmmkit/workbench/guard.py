@@ -6,8 +6,11 @@ import secrets
 from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
+from types import MappingProxyType
 from typing import Any, Final
 from urllib.parse import parse_qs
+
+from pmmkit.workbench import incoming
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -16,6 +19,8 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 LARGEST: Final = 1_000_000
 """Bytes of a request's body."""
+LIMITS: Final = MappingProxyType({"/api/drop": incoming.LARGEST})
+"""The same where files are taken."""
 POLICY: Final = "; ".join(
     (
         "default-src 'none'",
@@ -99,7 +104,7 @@ class Guard:
             return 403, "This request comes from another page."
         if not self._known(scope, headers):
             return 403, "Open the address that pmmkit workbench printed: it holds the key."
-        return _too_large(headers) if writes else None
+        return _too_large(headers, LIMITS.get(scope["path"], LARGEST)) if writes else None
 
     def _known(self, scope: Scope, headers: dict[bytes, bytes]) -> bool:
         given = _query(scope, "token") if scope["path"] == "/" else ""
@@ -122,12 +127,14 @@ def _query(scope: Scope, name: str) -> str:
         return ""
 
 
-def _too_large(headers: dict[bytes, bytes]) -> tuple[int, str] | None:
+def _too_large(headers: dict[bytes, bytes], largest: int) -> tuple[int, str] | None:
     try:
         size = int(headers.get(b"content-length", b""))
     except ValueError:
         return 411, "A request says how long it is."
-    return None if 0 <= size <= LARGEST else (413, "The request is too long.")
+    if 0 <= size <= largest:
+        return None
+    return 413, f"More than {largest // 1_000_000} MB at once are not taken."
 
 
 def _with_headers(send: Send) -> Send:

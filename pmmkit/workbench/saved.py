@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.campaigns.file.campaign_file import FILE_NAME
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.grammar import own_effects
 from pmmkit.errors import DataError, PmmkitError
@@ -21,6 +22,8 @@ STATE: Final = "workbench.json"
 STEPS: Final = "steps.toml"
 OWN: Final = "own.toml"
 """Effects of the user's own, as ``--own`` reads them."""
+OPENED: Final = "opened"
+"""Result that holds the hash of the campaign file from which base and steps were made."""
 SCHEMA: Final = 1
 
 
@@ -138,6 +141,15 @@ def save_own(folder: Path, effects: Sequence[Effect]) -> None:
         for item in effects
     ]
     write_text(folder / OWN, toml_text({"effects": tables}))
+
+
+def stamp_of(campaign: Path) -> tuple[int, int]:
+    """When a campaign file was changed, and its size; zeros where there is none."""
+    try:
+        found = (campaign / FILE_NAME if campaign.is_dir() else campaign).stat()
+    except OSError:
+        return (0, 0)
+    return found.st_mtime_ns, found.st_size
 
 
 def model_file(folder: Path, effects: tuple[str, ...]) -> Path:

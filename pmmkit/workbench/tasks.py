@@ -17,7 +17,15 @@ from pmmkit.models import Model, load_model, save_model
 from pmmkit.structures import structures
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.missing import missing_page
-from pmmkit.workbench.saved import STEPS, model_file, own_of, save_result, steps_of
+from pmmkit.workbench.saved import (
+    OPENED,
+    STEPS,
+    find_result,
+    model_file,
+    own_of,
+    save_result,
+    steps_of,
+)
 from pmmkit.workbench.worker import Tell
 
 if TYPE_CHECKING:
@@ -30,7 +38,13 @@ STRUCTURE: Final = "abkowitz3"
 def tasks() -> Mapping[str, Task]:
     """What the process for long work can do, by name."""
     own = Tasks()
-    return {"open": own.open, "diagnose": own.diagnose, "add": own.add, "reduce": own.reduce}
+    return {
+        "open": own.open,
+        "again": own.again,
+        "diagnose": own.diagnose,
+        "add": own.add,
+        "reduce": own.reduce,
+    }
 
 
 class Tasks:
@@ -55,6 +69,51 @@ class Tasks:
         place = Path(folder)
         save_model(self._base(tests, model, parts), model_file(place, ()))
         save_result(place, "checks", (), [item.to_dict() for item in findings])
+        save_result(place, OPENED, (), tests.provenance.get("sha256"))
+
+    def again(
+        self,
+        folder: str,
+        campaign: str,
+        data: str,
+        settings: Mapping[str, float],
+        effects: Sequence[str],
+        model: str,
+        parts: str | None,
+        *,
+        tell: Tell,
+    ) -> None:
+        """Base, steps and derivatives from a campaign file that was changed meanwhile."""
+        place = Path(folder)
+        known = find_result(place, "derivatives", ())
+        steps = steps_of(place, effects)
+        total = len(steps) + 2
+        tell(0, total, "reading the tests")
+        tests = open_campaign(campaign, data=data or None)
+        findings = examine(tests)
+        refuse(findings)
+        tell(1, total, "the base")
+        base = self._base(tests, model, parts)
+        self._campaigns = {(campaign, data): tests}
+        self._sessions = {}
+        for old in place.glob("*_*.json"):
+            old.unlink(missing_ok=True)
+        save_result(place, OPENED, (), "")
+        save_model(base, model_file(place, ()))
+        session = self._session(folder, campaign, data, settings, (), tell) if steps else None
+        for number, step in enumerate(steps, start=1):
+            tell(number + 1, total, f"fitting with {step.effect}")
+            assert session is not None
+            session = session.add(step, step.note)
+            now = tuple(item.effect for item in session.steps)
+            save_model(session.model(), model_file(place, now))
+            save_result(place, "fall", now, fall_page(session.fall()))
+        if session is not None:
+            session.save(place / STEPS)
+        save_result(place, "checks", (), [item.to_dict() for item in findings])
+        if known:
+            self.reduce(folder, campaign, data, known["structure"], tell=tell)
+        save_result(place, OPENED, (), tests.provenance.get("sha256"))
 
     def diagnose(
         self,

@@ -9,7 +9,7 @@ import select
 import shutil
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -66,12 +66,28 @@ class Page:
             time.sleep(0.05)
         raise AssertionError(f"{script} gives nothing; the page complains: {self.complaints}")
 
+    def choose(self, selector: str, files: Sequence[Path]) -> None:
+        """Files are chosen at a field for files."""
+        self._ask("DOM.enable", {})
+        root = self._ask("DOM.getDocument", {})["root"]["nodeId"]
+        node = self._ask("DOM.querySelector", {"nodeId": root, "selector": selector})["nodeId"]
+        names = [str(file) for file in files]
+        self._ask("DOM.setFileInputFiles", {"nodeId": node, "files": names})
+
     def key(self, name: str, text: str = "") -> None:
         for kind in ("keyDown", "keyUp"):
             own = {"type": kind, "key": name, "code": name}
             if text and kind == "keyDown":
                 own["text"] = text
-            codes = {"Enter": 13, "Tab": 9, "ArrowDown": 40, "ArrowRight": 39, " ": 32}
+            codes = {
+                "Enter": 13,
+                "Tab": 9,
+                "ArrowDown": 40,
+                "ArrowRight": 39,
+                "ArrowLeft": 37,
+                " ": 32,
+            }
+            codes |= {"PageUp": 33}
             if name in codes:
                 own["windowsVirtualKeyCode"] = codes[name]
             self._ask("Input.dispatchKeyEvent", own)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import threading
-from contextlib import contextmanager
-
 import pytest
 from asgi import Browser
 from chromium import chromium, found
 from long_work import done
+from served import served
 
 from pmmkit.cli import main
 from pmmkit.presentation import Grid, Group, Picture, Section
@@ -17,29 +15,9 @@ from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import frozen_page
 from pmmkit.workbench.page_file import page_file, state_of
 from pmmkit.workbench.pages.sections import Place, Symbol, told_page
-from pmmkit.workbench.serving import listening
 
 pytestmark = pytest.mark.slow
 PLACES = ("data", "derivatives", "where", "missing", "ship")
-
-
-@contextmanager
-def served(desk):
-    """The address of a server in a thread of its own."""
-    import uvicorn
-
-    channel = listening(None)
-    port = channel.getsockname()[1]
-    config = uvicorn.Config(application(desk, "key", port), log_level="error", ws="none")
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run, kwargs={"sockets": [channel]}, daemon=True)
-    thread.start()
-    try:
-        yield f"http://127.0.0.1:{port}/?token=key"
-    finally:
-        server.should_exit = True
-        thread.join(10)
-        channel.close()
 
 
 @pytest.fixture(scope="module")

@@ -157,9 +157,9 @@ def test_a_campaign_file_is_drafted_as_the_command_does_it(tmp_path, capsys):
     browser = Browser(application(own, "key", 8175), 8175, "key")
     try:
         asked = {"folder": str(tmp_path / "alpha")}
-        assert browser.post("/api/draft", asked).json["todo"]
-        assert browser.post("/api/draft", asked).status == 400
-        assert browser.post("/api/draft", {"folder": str(tmp_path / "gamma")}).status == 400
+        assert browser.post("/api/campaign", asked).json["written"]
+        assert browser.post("/api/look", asked).json["new"] is False
+        assert browser.post("/api/campaign", {"folder": str(tmp_path / "gamma")}).status == 400
     finally:
         own.close()
     assert said(capsys, "new-campaign", tmp_path / "gamma")[0] == 0

@@ -220,6 +220,13 @@ def test_no_spike_is_lost_where_a_record_is_thinned(length, places):
         assert kept[-1] == length - 1
 
 
+@given(length=st.integers(1, 5000))
+def test_no_stretch_of_a_record_is_drawn_more_coarsely_than_the_others(length):
+    """Of 1000 samples in 400 pieces the last 200 were once a single one."""
+    kept = thinned({"X": np.sin(np.arange(length) / 7.0)}, 50)
+    assert np.diff(kept).max(initial=1) <= 2 * -(-length // 50)
+
+
 def test_three_gigabytes_of_samples_would_be_as_few_on_the_screen():
     values = np.sin(np.arange(2_000_000) / 5000.0)
     kept = thinned({"X": values, "Y": -values})

@@ -136,8 +136,9 @@ def test_markup_in_what_is_asked_comes_back_as_json_alone(browser):
 def test_malformed_requests_are_refused_and_nothing_breaks(app, browser):
     """Bytes of all kinds in the place of JSON, queries and headers, the same each time."""
     draw = random.Random(15)
-    paths = ("open", "add", "undo", "diagnose", "sail", "cancel")
-    reads = ("state", "misfit", "run", "missing", "fall", "turns", "range", "nothing")
+    paths = ("open", "add", "undo", "diagnose", "sail", "cancel", "look", "campaign", "window")
+    paths += ("unwindow", "again")
+    reads = ("state", "misfit", "run", "missing", "fall", "turns", "range", "record", "nothing")
     pieces = (b"{}", b"[]", b"null", b'{"revision":', b"1e999", b'"\\ud800"', b"{" * 3000, b"\xff")
     for number in range(2000):
         body = draw.choice(pieces) + draw.randbytes(draw.randrange(12))

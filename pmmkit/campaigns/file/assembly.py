@@ -296,6 +296,15 @@ def _unfit(picked: Sequence[Picked], request: Request) -> list[Problem]:
     return problems
 
 
+def _windows_fit(
+    corrections: Sequence[Correction], why: str, label: str, setup: Setup, out: Assembled
+) -> None:
+    """Windows are of captive histories; what else they are said of is told why not."""
+    if why and any(item.action == "window" for item in corrections):
+        message = f"a correction states a window for it, and {why}."
+        out.problems.append(Problem(message=message, file=setup.toml, entry=label))
+
+
 def _add_history(
     entry: RunEntry,
     label: str,
@@ -352,6 +361,8 @@ def _add_history(
         source=entry.file,
         started="" if entry.started is None else entry.started.isoformat(),
     )
+    why = "a free-running record is cut with trim" if setup.kind == "free-running" else ""
+    _windows_fit(corrections, why, label, setup, out)
     out.runs.append(_said(run, corrections, setup))
 
 
@@ -471,6 +482,7 @@ def _add_row(
         stated=_numbers(stated),
         source=f"{entry.file} row {line}",
     )
+    _windows_fit(corrections, "a row of a table has no samples", label, setup, out)
     out.runs.append(_said(run, corrections, setup))
 
 

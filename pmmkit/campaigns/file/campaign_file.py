@@ -103,7 +103,7 @@ def open_campaign(
     return _assemble(raw, place, _Search.of(place, data), digest, runs)
 
 
-def campaign_of(raw: Mapping[str, Any], place: Path) -> Campaign:
+def campaign_of(raw: Mapping[str, Any], place: Path, *, data: str | Path | None = None) -> Campaign:
     """The campaign of a file that is not written yet.
 
     Parameters
@@ -112,13 +112,15 @@ def campaign_of(raw: Mapping[str, Any], place: Path) -> Campaign:
         What the file would hold, as `tomllib` reads it.
     place : Path
         Where it would lie: its files are looked for from there.
+    data : path, optional
+        As for `open_campaign`.
 
     Raises
     ------
     CampaignError
         As `open_campaign`.
     """
-    return _assemble(raw, place, _Search.of(place, None), "", runs=True)
+    return _assemble(raw, place, _Search.of(place, data), "", runs=True)
 
 
 @dataclass(frozen=True)

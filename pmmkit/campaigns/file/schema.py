@@ -52,6 +52,7 @@ ACTIONS: Final = (
     "shift",
     "flip",
     "trim",
+    "window",
     "tare",
     "drop",
     "drop means",
@@ -257,8 +258,8 @@ class CorrectionEntry(SettingsEntry):
     factor: float | None = said("of `scale`", None)
     value: float | None = said("of `shift`", None)
     unit: str | None = said("of `shift`", None)
-    t_start: float | None = said("of `trim` and `tare` [s]", None)
-    t_end: float | None = said("of `trim` and `tare` [s]", None)
+    t_start: float | None = said("of `trim`, `window` and `tare` [s]", None)
+    t_end: float | None = said("of `trim`, `window` and `tare` [s]", None)
     check: Annotated[str, Field(min_length=1)] | None = said(
         "of `accept`: the check that is overruled", None
     )
@@ -280,6 +281,7 @@ class CorrectionEntry(SettingsEntry):
             "drop": ("channels",),
             "accept": ("check",),
             "trim": ("t_start?", "t_end?"),
+            "window": ("t_start", "t_end"),
             "tare": ("channels?", "t_start?", "t_end?"),
             "set": tuple(f"{name}?" for name in SettingsEntry.model_fields),
         }
@@ -297,6 +299,8 @@ class CorrectionEntry(SettingsEntry):
             raise ValueError(f"action {self.action!r} does not use {surplus}")
         if self.action == "scale" and self.factor == 0:
             raise ValueError("factor must not be 0")
+        if self.action == "window" and not (self.t_start or 0.0) < (self.t_end or 0.0):
+            raise ValueError("t_end must be later than t_start")
         return self
 
 

@@ -11,8 +11,11 @@ import numpy as np
 from pmmkit.campaigns.motion.kinematics import displacement_phase
 from pmmkit.campaigns.motion.nominal import nominal_phase
 from pmmkit.campaigns.run import Run
+from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
 from pmmkit.signals import Cycles, Travel, Window, at_speed, in_step, steady_window, whole_cycles
+from pmmkit.signals.harmonics import cycle_count
+from pmmkit.signals.record import FEWEST
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,7 +32,8 @@ class Counted:
     cycles : Cycles
         Those that count; samples are those of the whole record.
     travel : Travel
-        Where the carriage is at its speed.
+        Where the carriage is at its speed, with a reason where it is not throughout; or the window
+        that the campaign file states.
     channels : tuple of str
         Those whose agreement from cycle to cycle told which count; none where they were asked for.
     """
@@ -40,13 +44,49 @@ class Counted:
     channels: tuple[str, ...] = ()
 
 
+def stated_window(run: Run, times: Array) -> Travel | None:
+    """The samples that the campaign file says count, with its reason; None where it says nothing.
+
+    Parameters
+    ----------
+    run : Run
+        A captive test with a history.
+    times : array (n,)
+        Of the samples [s].
+
+    Raises
+    ------
+    CampaignError
+        If fewer than 16 samples lie there.
+    """
+    stated = [item for item in run.corrections if item.action == "window"]
+    if not stated:
+        return None
+    low, high = (float(stated[-1].values[key]) for key in ("t_start", "t_end"))
+    start = int(np.searchsorted(times, low))
+    stop = int(np.searchsorted(times, high, side="right"))
+    if stop - start < FEWEST:
+        raise CampaignError(
+            Problem(
+                message=f"the window from t = {low:g} to {high:g} s holds {max(stop - start, 0)} "
+                f"samples, and {FEWEST} are needed; the record runs from {times[0]:g} to "
+                f"{times[-1]:g} s.",
+                file=run.source or None,
+                run=run.id,
+                remedy='Correct t_start and t_end of the correction with action = "window".',
+            )
+        )
+    said = f"all but {low:g} to {high:g} s, as the campaign file says ({stated[-1].reason})"
+    return Travel(start, stop, said)
+
+
 def travel_of(
     run: Run, data: xr.Dataset, times: Array, record: Array, names: Sequence[str]
 ) -> Travel:
     """Where the carriage is at its speed: by its recorded speed, else by that of the hull.
 
-    Of an oscillating run without either the forces tell; of a static one `steady_window` finds
-    the ramp.
+    Where the campaign file states a window, that. Of an oscillating run without either the forces
+    tell; of a static one `steady_window` finds the ramp.
 
     Parameters
     ----------
@@ -61,6 +101,9 @@ def travel_of(
     names : sequence of str
         Their channels.
     """
+    stated = stated_window(run, times)
+    if stated is not None:
+        return stated
     speed = _speed(data)
     if speed is not None:
         return at_speed(times, speed)
@@ -72,7 +115,7 @@ def travel_of(
 def counted_window(
     run: Run, data: xr.Dataset, times: Array, record: Array, names: Sequence[str]
 ) -> Window:
-    """The steady part of a static record while the carriage is at its speed.
+    """The steady part of a static record while the carriage is at its speed, or what is stated.
 
     Parameters
     ----------
@@ -87,6 +130,8 @@ def counted_window(
     travel = travel_of(run, data, times, record, names)
     if not travel.reason:
         return steady_window(times, record)
+    if stated_window(run, times) is not None:
+        return Window(travel.start, travel.stop, f"left out {travel.reason}")
     cut = slice(travel.start, travel.stop)
     found = steady_window(times[cut], record[:, cut])
     return replace(
@@ -106,7 +151,7 @@ def counted_cycles(
     *,
     cycles: int | tuple[int, int] | None = None,
 ) -> Counted:
-    """Whole cycles of an oscillating record while the carriage is at its speed.
+    """Whole cycles of an oscillating record while the carriage is at its speed, or those stated.
 
     Parameters
     ----------
@@ -130,14 +175,17 @@ def counted_cycles(
         return Counted(theta=theta, cycles=found, travel=travel, channels=told)
     cut = slice(travel.start, travel.stop)
     theta = displacement_phase(run, data, times, within=cut)
-    found = whole_cycles(times[cut], theta[cut], record[:, cut])
+    stated = stated_window(run, times) is not None
+    asked = (1, cycle_count(theta[cut])) if stated else None
+    found = whole_cycles(times[cut], theta[cut], record[:, cut], cycles=asked)
     moved = replace(
         found,
         start=found.start + travel.start,
         stop=found.stop + travel.start,
         reason=f"left out {travel.reason}; {found.reason}",
     )
-    return Counted(theta=theta, cycles=moved, travel=travel, channels=tuple(names))
+    own = replace(travel, reason="") if stated else travel
+    return Counted(theta=theta, cycles=moved, travel=own, channels=tuple(names))
 
 
 def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:

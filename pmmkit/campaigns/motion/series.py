@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import reduce
 from typing import Final
 
 import numpy as np
@@ -44,7 +43,9 @@ class Series:
         angle = self.omega * away
         turn = np.cos(angle) + 1j * np.sin(angle)
         # Horner's rule in e^iωτ: one sine and cosine for all harmonics.
-        waves = reduce(lambda sum_, own: sum_ * turn + own, amplitudes[::-1], np.zeros_like(turn))
+        waves = np.zeros_like(turn)
+        for own in amplitudes[::-1]:
+            waves = waves * turn + own
         trend = {0: self.slope * away, 1: self.slope}.get(order, 0.0)
         return np.asarray(waves.real + trend, float)
 

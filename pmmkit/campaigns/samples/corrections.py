@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,7 @@ from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.numerics import Array
 from pmmkit.presentation import with_uncertainty
 from pmmkit.signals import head_rest, steady_mean
-
-LEAST_SAMPLES: Final = 16
-"""Samples from which a mean and its uncertainty are taken."""
+from pmmkit.signals.record import FEWEST
 
 OF_SAMPLES = frozenset({"scale", "shift", "flip", "trim", "drop", "tare"})
 """Actions that change the numbers of a run; the others change what is said of it."""
@@ -186,10 +183,10 @@ def _at_rest(data: Mapping[str, Array], correction: Correction) -> NDArray[np.bo
             correction.values.get("t_end", np.inf),
         )
         inside: NDArray[np.bool_] = (t >= low) & (t <= high)
-        if np.count_nonzero(inside) < LEAST_SAMPLES:
+        if np.count_nonzero(inside) < FEWEST:
             raise DataError(
                 f"the correction 'tare' takes the rest from t = {low:g} to {high:g} s, where there "
-                f"are fewer than {LEAST_SAMPLES} samples: the record runs from {t[0]:g} to "
+                f"are fewer than {FEWEST} samples: the record runs from {t[0]:g} to "
                 f"{t[-1]:g} s."
             )
         return inside

@@ -22,11 +22,13 @@ from pmmkit.channels import CHANNEL_UNITS, channel_of, factor_to, unit_in_name
 from pmmkit.conventions import unit_factor
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.inspection import ColumnLook, FileLook, Group, Look, look
+from pmmkit.inspection.drafts.choosing import Choice, with_choices
 from pmmkit.inspection.drafts.conventions import Proposal
 from pmmkit.inspection.drafts.matrix import MatrixDraft, matrix_of
 from pmmkit.inspection.drafts.motion import Moved, motion_facts
 from pmmkit.inspection.drafts.names import facts_of
 from pmmkit.inspection.drafts.settle import Setting, settled
+from pmmkit.inspection.guessing import suggest
 from pmmkit.inspection.sampling import LARGE
 from pmmkit.inspection.values import values_of
 from pmmkit.numerics import Array
@@ -120,7 +122,9 @@ _NOT_RUNS: Final = {
 }
 
 
-def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
+def draft_of(
+    folder: Path, target: Path, *, ship: str | None = None, choices: Sequence[Choice] = ()
+) -> Draft:
     """What a campaign file for the files of a folder can say.
 
     Parameters
@@ -131,6 +135,8 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
         The campaign file that is to be written.
     ship : str, optional
         A ship of the library.
+    choices : sequence of Choice
+        What a person chose of the columns.
 
     Raises
     ------
@@ -148,7 +154,7 @@ def draft_of(folder: Path, target: Path, *, ship: str | None = None) -> Draft:
                 remedy="Name the folder in which the files of the tests lie.",
             )
         )
-    seen = look(folder)
+    seen = _with_drift(with_choices(look(folder), choices))
     place = folder if folder.is_dir() else folder.parent
     base = _relative(place, target)
     saved = [
@@ -273,10 +279,11 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
         if column.suggestion and column.suggestion.certainty != "perhaps"
     }
     clock = group.first.known["t"]
+    drift = _drift_column(group.first)
     drafts = []
     for item in group.files:
         named = facts_of(_name(item))
-        columns = {**wanted, "t": clock}
+        columns = {**wanted, "t": clock, **({} if drift is None else {"drift": drift})}
         channels, problems = _channels(
             replace(group.first, path=item.path, shown=item.shown, options=item.options), columns
         )
@@ -305,6 +312,35 @@ def _runs(group: Group, base: str, length: float | None) -> list[RunDraft]:
             )
         )
     return drafts
+
+
+def _with_drift(seen: Look) -> Look:
+    """With a remark at columns that are no channel, and say the drift angle of their runs."""
+    return replace(seen, groups=tuple(_drift_told(group) for group in seen.groups))
+
+
+def _drift_told(group: Group) -> Group:
+    found = _drift_column(group.first) if group.first.kind == "history" else None
+    if found is None:
+        return group
+    columns = tuple(
+        replace(column, remark="it says the drift angle of each run")
+        if column.position == found.position
+        else column
+        for column in group.first.columns
+    )
+    return replace(group, files=(replace(group.first, columns=columns), *group.files[1:]))
+
+
+def _drift_column(look: FileLook) -> ColumnLook | None:
+    """A column of a history that is the drift angle: no channel of ours, but a setting."""
+    for column in look.columns:
+        if column.suggestion is None and column.numbers:
+            (found,) = suggest([column.header], [column.unit], {}, table=True)
+            if found is not None and found.name == "drift_deg":
+                unit = found.unit or column.unit or "deg"
+                return replace(column, suggestion=replace(found, unit=unit))
+    return None
 
 
 def _told(item: FileLook, test: str | None) -> Moved:
@@ -381,7 +417,7 @@ def _factor(column: ColumnLook) -> float:
         return item.scale
     try:
         unit_factor(unit)
-        return (factor_to(unit, CHANNEL_UNITS[_channel(column)]) or 1.0) * item.scale
+        return (factor_to(unit, CHANNEL_UNITS.get(_channel(column), "rad")) or 1.0) * item.scale
     except DataError:
         return item.scale
 

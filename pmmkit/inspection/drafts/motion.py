@@ -241,6 +241,9 @@ def _steady(seen: Mapping[str, Array], kind: TestKind | None) -> Moved:
     elif "psi" in seen and np.ptp(seen["psi"]) < 0.02:
         heading = math.degrees(float(np.mean(seen["psi"])))
         settings["drift_deg"] = (_tidy(heading), "recorded psi, the heading in the tank")
+    elif "drift" in seen and np.ptp(seen["drift"]) < 0.02:
+        angle = math.degrees(float(np.mean(seen["drift"])))
+        settings["drift_deg"] = (_tidy(angle), "column of the drift angle")
     if "r" in seen:
         r = float(np.mean(seen["r"]))
         if abs(r) > 0.005 and float(np.std(seen["r"])) < 0.2 * abs(r):

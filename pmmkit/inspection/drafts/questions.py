@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Final, Literal
 
 from pmmkit.escaping import toml_string
+from pmmkit.inspection.drafts.text import aligned
 
 MARK: Final = "TODO"
 """Stands in the comment of a line that a person must fill in or confirm, who then takes it away."""
@@ -104,6 +105,57 @@ def questions_of(text: str) -> tuple[Question, ...]:
         if not item.answered and not (item.key == "ship.name" and stated.get("ship"))
     ]
     return tuple(sorted(questions, key=lambda item: list(_WORDS).index(item.kind)))
+
+
+def with_answer(text: str, lines: Sequence[int], answer: str) -> str:
+    r"""A campaign file with what a person says in the place of a question; all else stays.
+
+    Parameters
+    ----------
+    text : str
+        The campaign file.
+    lines : sequence of int
+        Of the question, the first line is 1; others are left as they are.
+    answer : str
+        What is typed: a number, true or false, a list, or a text with or without quotes.
+
+    Examples
+    --------
+    >>> asked = '[water]  # fresh\n# rho = ...   # TODO density [kg/m³]'
+    >>> print(with_answer(asked, [2], "998.6"))
+    [water]  # fresh
+    rho = 998.6                      # density [kg/m³]
+    """
+    told = text.split("\n")
+    for number in lines:
+        found = _LINE.match(told[number - 1]) if 0 < number <= len(told) else None
+        if found is None or found["left"].startswith("["):
+            continue
+        key = found["left"].partition(" = ")[0].strip()
+        note = found["note"].strip("; ") or found["text"].partition("; fresh")[0].rstrip(".:, ")
+        short = note if len(note) < _LONGEST_NOTE else ""
+        told[number - 1] = aligned(f"{key} = {_value(answer)}", short.removesuffix(", or"))
+    return "\n".join(told)
+
+
+_NUMBER: Final = re.compile(r"[+-]?(\d{1,15}([.,]\d*)?|[.,]\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
+"""A number as people type it."""
+_LONGEST_NOTE: Final = 70
+"""Of what was asked, kept beside its answer."""
+
+
+def _value(answer: str) -> str:
+    """An answer as TOML: what is none is taken for a text."""
+    typed = answer.strip()
+    if _NUMBER.fullmatch(typed):
+        point = typed.replace(",", ".")
+        whole = point.lstrip("+-").isdigit()
+        return str(int(point)) if whole else repr(float(point))
+    try:
+        alone = "\n" not in typed and set(tomllib.loads(f"x = {typed}")) == {"x"}
+        return typed if alone else toml_string(typed)
+    except tomllib.TOMLDecodeError:
+        return toml_string(typed)
 
 
 @dataclass(frozen=True)

@@ -87,14 +87,12 @@ def thinned(columns: Mapping[str, Array], buckets: int = BUCKETS) -> NDArray[np.
     length = len(next(iter(columns.values()))) if columns else 0
     if length <= 2 * buckets:
         return np.arange(length)
-    size = length // buckets
-    whole = size * buckets
-    begin = size * np.arange(buckets)
+    size = -(-length // buckets)
+    begin = np.arange(0, length, size)
     found = [np.array([0, length - 1])]
     for values in columns.values():
-        pieces = np.nan_to_num(values[:whole]).reshape(buckets, size)
+        # The last piece is filled up with its last sample.
+        whole = np.pad(np.nan_to_num(values), (0, size * len(begin) - length), mode="edge")
+        pieces = whole.reshape(len(begin), size)
         found += [begin + pieces.argmin(axis=1), begin + pieces.argmax(axis=1)]
-        if whole < length:
-            rest = np.nan_to_num(values[whole:])
-            found.append(whole + np.array([rest.argmin(), rest.argmax()]))
-    return np.unique(np.concatenate(found))
+    return np.unique(np.minimum(np.concatenate(found), length - 1))

@@ -26,6 +26,11 @@ export async function post(path, content, signal) {
   return answered(await fetch(`api/${path}`, { method: "POST", headers, body, signal }));
 }
 
+export async function send(path, query, file) {
+  const tail = new URLSearchParams(query).toString();
+  return answered(await fetch(`api/${path}?${tail}`, { method: "POST", body: file }));
+}
+
 export async function wordsOf(language) {
   if (FROZEN) return FROZEN.words[language] ?? {};
   return answered(await fetch(`static/words/${language}.json`));
@@ -33,10 +38,11 @@ export async function wordsOf(language) {
 
 async function answered(response) {
   let content = null;
+  const text = await response.text();
   try {
-    content = await response.json();
+    content = JSON.parse(text);
   } catch {
-    throw new Refusal(response.statusText || "…", response.status);
+    throw new Refusal(text || response.statusText || "…", response.status);
   }
   if (!response.ok) throw new Refusal(content?.error ?? response.statusText, response.status);
   return content;

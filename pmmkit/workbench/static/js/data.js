@@ -1,8 +1,12 @@
 // Place 1: the tests as they were read, what was used of them, and what the checks say.
 
-import { el, refill, svg } from "./dom.js";
+import { el, refill } from "./dom.js";
+import { frozen } from "./api.js";
 import { t } from "./words.js";
-import { num, unitOf } from "./format.js";
+import { bytes, num, unitOf } from "./format.js";
+import { picture } from "./spark.js";
+import { openRecord } from "./record.js";
+import { intake } from "./intake.js";
 
 export async function showData(root, app, shown) {
   const findings = await app.checks();
@@ -10,33 +14,51 @@ export async function showData(root, app, shown) {
   const more = el("p", {});
   refill(root,
     el("section", { class: "panel", "aria-label": t("checks") }, el("h2", {}, t("checks")),
-      findings?.length ? findings.map(finding) : el("p", { class: "soft" }, t("checks_calm"))),
+      findings?.length ? findings.map((item) => finding(item, app)) : el("p", { class: "soft" }, t("checks_calm"))),
     el("section", { class: "panel", "aria-label": t("tests") },
       el("div", { class: "head" }, el("h2", {}, t("tests")), el("span", { class: "soft small" }, t("window_about"))),
-      cards, more));
+      cards, more),
+    frozen ? null : files(app));
   shown();
   await append(cards, more, app, 0);
 }
 
+function files(app) {
+  const inside = el("div", {});
+  const about = el("details", { class: "panel", open: Boolean(app.intake && !app.intake.written), on: { toggle: () => { if (about.open && !inside.firstChild) refill(inside, intake(app)); } } },
+    el("summary", {}, t("more_files")), inside);
+  return about;
+}
+
 async function append(cards, more, app, first) {
   refill(more, el("span", { class: "soft", role: "status" }, t("computing")));
-  const page = await app.runs(first);
-  if (!page) return;
-  cards.append(...page.runs.map((run) => card(run, app)));
+  let page = null;
+  try {
+    page = await app.runs(first);
+  } catch (problem) {
+    return void refill(more, el("span", { class: "message", role: "alert" }, problem.message));
+  }
+  if (!page) return void refill(more);
+  const made = page.runs.map((run) => card(run, app));
+  cards.append(...made);
+  if (first && made.length) made[0].querySelector("button")?.focus();
   const next = first + page.runs.length;
   refill(more, next < page.total && page.runs.length
     ? el("button", { on: { click: () => append(cards, more, app, next) } }, t("more_runs", { shown: next, total: page.total })) : null,
+  page.total ? null : el("span", {}, t("no_runs")),
   page.excluded.length ? el("details", {}, el("summary", {}, t("excluded", { count: page.excluded.length })),
     page.excluded.map((item) => el("p", { class: "small" }, el("b", {}, item.run), `: ${item.reason}`))) : null);
 }
 
-function finding(item) {
+function finding(item, app) {
   return el("div", { class: `finding ${item.severity}` }, el("p", {}, item.message),
     item.remedy ? el("p", { class: "soft small" }, item.remedy) : null,
-    item.runs?.length ? el("p", { class: "soft small" }, item.runs.slice(0, 8).join(", "), item.runs.length > 8 ? " …" : "") : null);
+    item.runs?.length ? el("p", { class: "soft small" }, item.runs.slice(0, 8).flatMap((run, i) => [i ? ", " : "",
+      frozen ? run : el("button", { class: "link", on: { click: () => openRecord(app, run) } }, run)]), item.runs.length > 8 ? " …" : "") : null);
 }
 
 function card(run, app) {
+  const readable = run.kind === "history" && !run.error;
   const open = () => {
     app.selected = run.channels.length ? { run: run.run, channel: run.channels[0].name } : app.selected;
     location.hash = "where";
@@ -45,22 +67,17 @@ function card(run, app) {
     el("div", {}, el("b", {}, run.title), el("div", { class: "small" }, run.words),
       el("button", { class: "link small", title: t("selected_run"), on: { click: open } }, run.run)),
     run.error ? el("p", { class: "finding error" }, run.error) : null,
+    run.large ? el("p", { class: "small" }, t("large", { size: bytes(run.large) })) : null,
     run.findings.map((item) => el("p", { class: `finding small ${item.severity}` }, item.message)),
     run.channels.map((channel) => spark(channel, run)),
-    el("p", { class: "soft small" }, run.source, run.seconds ? ` · ${num(run.seconds)} s` : ""),
-    run.corrections.map((text) => el("p", { class: "soft small" }, text)));
+    run.channels.length && !run.window ? el("p", { class: "finding small warning" }, run.reason) : null,
+    el("p", { class: "soft small" }, run.source, run.seconds ? ` · ${num(run.seconds)} s` : "", run.stated ? ` · ${t("window_stated", { reason: run.stated.reason })}` : ""),
+    run.corrections.filter((text) => !run.stated || !text.endsWith(`: ${run.stated.reason}`)).map((text) => el("p", { class: "soft small" }, text)),
+    readable && !frozen ? el("button", { class: "small-button", "aria-label": `${t("record")}: ${run.run}`, on: { click: () => openRecord(app, run.run) } }, run.large ? t("draw_it") : t("record")) : null);
 }
 
 function spark(channel, run) {
-  const span = channel.high - channel.low || 1;
-  const most = run.seconds || 1;
-  const d = channel.values.map((value, i) => (value === null ? "" : `${i ? "L" : "M"}${((channel.t[i] / most) * 200).toFixed(1)} ${(24 - ((value - channel.low) / span) * 22).toFixed(1)}`)).join("");
-  const picture = svg("svg", { viewBox: "0 0 200 26", preserveAspectRatio: "none", role: "img", "aria-label": `${channel.name} ${num(channel.low)} … ${num(channel.high)} ${unitOf(channel.unit)}` });
-  if (run.window) {
-    const at = run.window.map((x) => (x / most) * 200);
-    picture.append(svg("rect", { x: at[0], y: 0, height: 26, width: Math.max(at[1] - at[0], 0) }));
-  }
-  picture.append(svg("path", { d: d.replace(/^L/, "M") }));
   return el("div", { class: "spark", title: `${num(channel.low)} … ${num(channel.high)} ${unitOf(channel.unit)}` },
-    el("span", {}, `${channel.name} `, el("small", {}, unitOf(channel.unit))), picture);
+    el("span", {}, `${channel.name} `, el("small", {}, unitOf(channel.unit))),
+    picture(channel, { span: run.seconds, window: run.window, marks: run.marks }));
 }

@@ -33,3 +33,7 @@ export function signed(value, digits = 3) {
 export function plainWord(name) {
   return name.replaceAll("_", " ");
 }
+
+export function bytes(size) {
+  return size >= 1e9 ? `${num(size / 1e9)} GB` : size >= 1e6 ? `${num(size / 1e6)} MB` : `${num(size / 1e3)} kB`;
+}

@@ -1,6 +1,7 @@
 // The page: places, the state, long work, keys.
 
 import { el, refill } from "./dom.js";
+import { begin } from "./begin.js";
 import { frozen, get, post, wordsOf } from "./api.js";
 import { LANGUAGES, language, setWords, t } from "./words.js";
 import { num, plainWord } from "./format.js";
@@ -23,6 +24,7 @@ const app = {
   selected: null,
   marked: null,
   pair: [],
+  intake: null,
   draft: null,
   count: null,
   known: new Map(),
@@ -54,6 +56,7 @@ const app = {
   busy: () => app.state.job.stand === "running",
   running: (name) => app.busy() && app.state.job.name === name,
   redraw: () => drawPlace(),
+  refresh: () => refresh(),
   async act(what, more = {}) {
     app.problem = "";
     try {
@@ -146,15 +149,23 @@ function message() {
   return app.problem ? el("p", { class: "message", role: "alert" }, app.problem) : null;
 }
 
+// What went wrong, what is damaged, and that something was worked out from an older file.
+function messages() {
+  const state = app.state;
+  const old = state.outdated && !frozen && !app.running("again");
+  return [message(), ...(state.faults ?? []).map((text) => el("p", { class: "message", role: "alert" }, text)),
+    old ? el("div", { class: "message old", role: "status" }, el("p", {}, t("outdated")), el("button", { class: "primary", disabled: app.busy(), on: { click: () => app.act("again") } }, t("again"))) : null];
+}
+
 async function drawPlace() {
   const state = app.state;
   document.title = state.opened ? `${t(`place_${place()}`)} · ${state.title}` : t("workbench");
-  if (!state.opened) return void refill(parts.main, message(), begin(state));
+  if (!state.opened) return void refill(parts.main, ...messages(), begin(app));
   const root = el("div", { class: "stack" });
   const waiting = setTimeout(() => refill(root, el("p", { class: "soft", role: "status" }, t("computing"))), 150);
   const content = el("div", { class: "stack" });
   const asked = place();
-  refill(parts.main, message(), root);
+  refill(parts.main, ...messages(), root);
   try {
     const told = await app.told(asked);
     const drawn = () => {
@@ -168,29 +179,6 @@ async function drawPlace() {
   } finally {
     clearTimeout(waiting);
   }
-}
-
-function begin(state) {
-  if (state.job.stand === "running") return el("section", { class: "panel begin" }, el("h2", {}, t("opening")), el("p", { class: "soft" }, state.job.text || t("job_open")));
-  const drafted = el("div", { class: "stack" });
-  const draft = async () => {
-    try {
-      const found = await post("draft", { folder: where.value });
-      refill(drafted, el("p", {}, t("drafted", { file: found.file })), el("ul", { class: "sentences" }, found.todo.map((text) => el("li", {}, text))),
-        el("details", {}, el("summary", {}, t("drafted_text")), el("pre", { class: "scroll small", tabindex: 0 }, found.text)));
-    } catch (problem) {
-      refill(drafted, el("p", { class: "message", role: "alert" }, problem.message));
-    }
-  };
-  const where = el("input", { type: "text", "aria-label": t("folder"), placeholder: t("folder_hint"), name: "campaign" });
-  return el("section", { class: "panel begin" },
-    el("h2", {}, t("begin")),
-    el("p", {}, t("begin_about")),
-    el("p", {}, el("button", { class: "primary", on: { click: () => app.act("open", { campaign: state.demonstration }) } }, t("demonstration"))),
-    el("h3", {}, t("own_tests")),
-    el("form", { on: { submit: (event) => { event.preventDefault(); app.act("open", { campaign: where.value }); } } }, where, el("button", {}, t("open"))),
-    el("p", { class: "soft small" }, t("draft_about")),
-    el("p", {}, el("button", { on: { click: draft } }, t("draft"))), drafted);
 }
 
 function kept(key, value) {

@@ -1,0 +1,142 @@
+"""The addresses of the place Data: files that are dropped, campaign files, windows of records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from pmmkit.errors import DataError, PmmkitError
+from pmmkit.files import write_text
+from pmmkit.inspection.drafts.choosing import Choice
+from pmmkit.json_text import plain
+from pmmkit.workbench import incoming
+from pmmkit.workbench.asked import given_number, given_text, revision_of
+from pmmkit.workbench.desk import Desk
+from pmmkit.workbench.drafting import Asked, Drafted, basis_of, drafted, stamp_of
+from pmmkit.workbench.pages.files import files_page
+from pmmkit.workbench.windows import drawn, taken_back
+
+if TYPE_CHECKING:
+    from starlette.requests import Request
+    from starlette.responses import Response
+    from starlette.routing import Route
+
+MOST: Final = 20_000
+"""Choices and answers of a request."""
+
+
+def data_routes(
+    desk: Desk,
+    read: Callable[[str, Callable[[Request], Any]], Route],
+    write: Callable[[str, Callable[[dict[str, Any]], Any]], Route],
+) -> list[Route]:
+    """What the place Data asks and does.
+
+    Parameters
+    ----------
+    desk : Desk
+        What the server holds.
+    read, write : callable
+        Make the route of a question and of a change.
+    """
+    from starlette.routing import Route
+
+    return [
+        read("record", lambda request: desk.record(given_text(dict(request.query_params), "run"))),
+        read("incoming", lambda _: incoming.sets(desk.folder)),
+        write("look", lambda asked: files_page(_drafted(desk, _asked(desk, asked)))),
+        write("campaign", partial(_campaign, desk)),
+        write("window", partial(_window, desk)),
+        write("unwindow", partial(_unwindow, desk)),
+        write("again", lambda asked: desk.again(revision_of(asked)).to_dict()),
+        Route("/api/drop", partial(_drop, desk), methods=["POST"]),
+    ]
+
+
+async def _drop(desk: Desk, request: Request) -> Response:
+    """One file more for a set, or for a new one."""
+    from starlette.responses import JSONResponse
+
+    try:
+        place = incoming.place_of(desk.folder, request.query_params.get("into", ""))
+        name = request.query_params.get("name", "")
+        size = await incoming.keep(place, name, request.stream())
+    except PmmkitError as error:
+        return JSONResponse({"error": str(error)}, status_code=400)
+    except OSError as error:
+        return JSONResponse({"error": f"It cannot be kept: {error.strerror}."}, status_code=400)
+    answer = {"into": place.name, "folder": str(place), "name": name, "size": size}
+    return JSONResponse(plain(answer))
+
+
+def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
+    """Write the campaign file that is proposed."""
+    said = _asked(desk, asked)
+    if not any(said.folder.is_relative_to(root) for root in (*desk.roots, desk.folder.resolve())):
+        raise DataError(f"{said.folder} belongs to pmmkit: nothing is written there.")
+    found = _drafted(desk, said)
+    wrong = [item for item in found.fields if item.error]
+    if wrong:
+        return {**files_page(found), "written": ""}
+    with desk.writing():
+        if found.new and said.target.exists():
+            raise DataError(f"{said.target} is there meanwhile: it was not replaced. Look again.")
+        write_text(said.target, found.text)
+    after = _drafted(desk, Asked(folder=said.folder))
+    return {**files_page(after), "written": str(said.target)}
+
+
+def _drafted(desk: Desk, said: Asked) -> Drafted:
+    """What is proposed; the files are looked at once for all answers."""
+    basis = desk.aside(("basis", stamp_of(said)), lambda: basis_of(said))
+    return drafted(said, basis)
+
+
+def _window(desk: Desk, asked: Mapping[str, Any]) -> None:
+    start, end = (given_number(asked, name) for name in ("t_start", "t_end"))
+    place, data = desk.opened_at()
+    write = drawn(place, data, start, end, given_text(asked, "reason"))
+    desk.correct(revision_of(asked), given_text(asked, "run"), write)
+
+
+def _unwindow(desk: Desk, asked: Mapping[str, Any]) -> None:
+    place, data = desk.opened_at()
+    desk.correct(revision_of(asked), given_text(asked, "run"), taken_back(place, data))
+
+
+def _asked(desk: Desk, asked: Mapping[str, Any]) -> Asked:
+    folder = desk.named(given_text(asked, "folder"))
+    if not folder.is_dir():
+        raise DataError(f"{folder} is no folder. Name the folder in which the files lie.")
+    answers = asked.get("answers", {})
+    listed = asked.get("choices", [])
+    if not isinstance(answers, dict) or not isinstance(listed, list):
+        raise DataError("answers must be a table, and choices a list.")
+    if len(answers) + len(listed) > MOST:
+        raise DataError(f"More than {MOST} answers at once are not taken.")
+    said = {
+        name: value
+        for name, value in answers.items()
+        if isinstance(value, str) and len(value) <= incoming.LONGEST
+    }
+    ship = asked.get("ship", "")
+    return Asked(
+        folder=Path(folder),
+        choices=tuple(_choice(item) for item in listed),
+        ship=ship if isinstance(ship, str) else "",
+        answers=said,
+    )
+
+
+def _choice(item: Any) -> Choice:
+    if not isinstance(item, dict):
+        raise DataError("A choice must be a table.")
+    column, sign, unit = item.get("column"), item.get("sign"), item.get("unit") or None
+    name = item.get("name", "")
+    whole = isinstance(column, int) and not isinstance(column, bool) and sign in (None, 1, -1)
+    if not whole or not isinstance(name, str) or not isinstance(unit, str | None):
+        raise DataError("A choice has a file, a column, a name, and perhaps a unit and a sign.")
+    file = given_text(item, "file")
+    return Choice(file=file, column=column or 0, name=name, unit=unit, sign=sign)

@@ -1,0 +1,82 @@
+"""A campaign file is changed in one place; its comments and all else stay to the letter."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pmmkit.campaigns.file.rewriting import with_columns, with_correction, without_correction
+from pmmkit.errors import DataError
+
+FILE = """\
+# of May, gauge 7  # "odd" [[runs]]
+[campaign]
+title = "a # in a title"
+closed = true
+
+[columns]          # our name = theirs
+Y = "Fy # 2 (N)"   # checked by hand
+# N = "Mz"
+
+[[corrections]]    # why not
+runs = ["a"]
+action = "exclude"
+reason = "copy"
+
+# the first run
+[[runs]]
+id = "a"
+file = "a.csv"     # on the old disk
+
+[end]
+# nothing more
+"""
+WINDOW = {"runs": ["b"], "action": "window", "t_start": 1.0, "t_end": 2.0, "reason": "calm"}
+
+
+@given(
+    start=st.floats(-1e6, 1e6),
+    reason=st.text(st.characters(exclude_categories=["Cs", "Cc"]), min_size=1, max_size=40),
+)
+def test_a_correction_comes_and_goes_without_a_trace(start, reason):
+    entry = {**WINDOW, "t_start": start, "reason": reason}
+    once = with_correction(FILE, entry)
+    assert tomllib.loads(once)["corrections"][1] == entry
+    assert tomllib.loads(once).keys() == tomllib.loads(FILE).keys()
+    assert without_correction(once, WINDOW) == FILE
+    assert [line for line in FILE.splitlines() if line] == [
+        line for line in once.splitlines() if line in FILE.splitlines() and line
+    ]
+
+
+def test_the_same_runs_and_action_are_stated_once():
+    first = with_correction(FILE, WINDOW).replace("t_end = 2.0", "t_end = 2.0  # by the film")
+    again = with_correction(first, {**WINDOW, "t_end": 3.5})
+    assert again == first.replace("t_end = 2.0  # by the film", "t_end = 3.5 # by the film")
+    assert len(tomllib.loads(with_correction(again, {**WINDOW, "runs": ["c"]}))["corrections"]) == 3
+
+
+def test_a_column_changes_in_its_line():
+    found = with_columns(FILE, {"Y": {"name": "Fy # 2 (N)", "scale": -1.0}, "N": "Mz"})
+    assert 'Y = { name = "Fy # 2 (N)", scale = -1.0 } # checked by hand\n' in found
+    assert tomllib.loads(found)["columns"]["N"] == "Mz"
+    gone = with_columns(FILE, {"Y": None})
+    assert "columns" in tomllib.loads(gone)
+    assert '# Y = "Fy # 2 (N)"' in gone
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'columns = { Y = "Fy" }\n[campaign]\n',
+        '[columns]\nY = """\nFy"""\n',
+        "[campaign\n",
+        'corrections = []\n[campaign]\ntitle = "x"\n',
+    ],
+)
+def test_a_file_written_otherwise_is_left_to_its_author(text):
+    with pytest.raises(DataError, match="by hand"):
+        with_correction(with_columns(text, {"Y": "Fz"}), WINDOW)

@@ -1,0 +1,75 @@
+"""A window that the campaign file states counts everywhere alike, and its reason is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_campaign import write_campaign
+
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.checks.reading import summarise
+from pmmkit.errors import CampaignError
+from pmmkit.observations.prepare import prepare
+from pmmkit.observations.views import views_of
+
+STATIC, SWAY = "SD_U1_b+08", "PS_U1_a0.3"
+
+
+def stated(folder, run, start, end, action="window"):
+    """The campaign with one more correction."""
+    file = folder / "campaign.toml"
+    more = (
+        f'\n[[corrections]]\nruns = ["{run}"]\naction = "{action}"\nt_start = {start}\n'
+        f't_end = {end}\nreason = "the carriage shook"\n'
+    )
+    other = folder / "other.toml"
+    other.write_text(file.read_text("utf-8") + more, encoding="utf-8")
+    return open_campaign(other)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return write_campaign(tmp_path_factory.mktemp("window") / "small")
+
+
+def test_the_mean_of_a_static_record_is_that_of_the_window(folder):
+    campaign = stated(folder, STATIC, 4.95, 12.05)
+    run = campaign[STATIC]
+    found = prepare(run, campaign)
+    inside = run.data.sel(t=slice(4.95, 12.05))
+    assert found.t[0] == pytest.approx(5.0)
+    assert found.t[-1] == pytest.approx(12.0)
+    assert found.result.measured["Y"][0] == pytest.approx(float(inside["Y"].mean()))
+    assert "the carriage shook" in found.result.window
+    assert len(run.data["t"]) == 200, "the rest of the record stays to be seen"
+
+
+def test_a_window_holds_whole_cycles_from_its_start(folder):
+    """Of 12.5 s a cycle: from 6.25 s on, half a cycle in, two whole ones fit before 35 s."""
+    campaign = stated(folder, SWAY, 6.25, 35.0)
+    found = prepare(campaign[SWAY], campaign)
+    assert found.result.cycles == 2
+    assert found.t[0] == pytest.approx(6.25)
+    assert found.t[-1] == pytest.approx(31.25, abs=0.06)
+    assert not found.result.ramp
+
+
+def test_checks_and_diagnosis_take_the_same_samples(folder):
+    campaign = stated(folder, STATIC, 4.95, 12.05)
+    mean = prepare(campaign[STATIC], campaign).result.measured["Y"][0]
+    assert summarise(campaign[STATIC], campaign).means["Y"] == pytest.approx(mean)
+    views = views_of(stated(folder, SWAY, 6.25, 35.0))
+    (own,) = (view for view in views if view.run.id == SWAY)
+    assert np.ptp(own.t) == pytest.approx(25.0, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "said"), [(9.0, 4.0, "later than"), (500.0, 600.0, "holds 0 samples")]
+)
+def test_a_window_without_samples_is_refused_with_what_there_is(folder, start, end, said):
+    def reduced():
+        campaign = stated(folder, STATIC, start, end)
+        return prepare(campaign[STATIC], campaign)
+
+    with pytest.raises(CampaignError, match=said):
+        reduced()
