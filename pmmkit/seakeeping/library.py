@@ -63,7 +63,7 @@ def load_hull(name: str | Path) -> Hull:
         return hull_from_particulars(
             name=ship.name, L=ship.L, B=ship.B, d=ship.d, block=ship.block, xB=ship.xG
         )
-    known = [*hulls(), *ships()]
+    known = sorted({*hulls(), *ships()})
     meant = did_you_mean(text, known) or "."
     raise UnknownNameError(
         f"There is no hull {text!r}{meant} There are {', '.join(known)}; for offsets "
