@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from few_stations import thinned
@@ -9,6 +11,7 @@ from veres import read_transfer
 
 from pmmkit.errors import DataError
 from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, loading_of, rao, read_hull
+from pmmkit.seakeeping.strips import coefficients, strips_of
 
 SHIP = thinned(
     hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.65, xB=-0.5, xF=-2.0)
@@ -93,6 +96,22 @@ def test_very_long_waves_carry_the_ship(heading):
     assert np.abs(found.mode("roll")[0, 0, 0]) / k[0] == pytest.approx(abs(np.sin(beta)), abs=0.01)
     assert np.abs(found.mode("sway")[0, 0, 1]) == pytest.approx(abs(np.sin(beta)), abs=0.05)
     assert np.abs(found.mode("surge")[0, 0, 1]) == pytest.approx(abs(np.cos(beta)), abs=0.03)
+
+
+def test_coefficients_ahead_are_those_astern_turned_about():
+    """Timman and Newman (1962): a_jk(U) = a_kj(-U) of a hull that ends in points.
+
+    Forward, the coupling of heave and pitch is far from the same both ways.
+    """
+    strips = strips_of(SHIP, 2.0)
+    pointed = strips.sections.added.copy()
+    pointed[..., 0] = 0.0
+    strips = replace(strips, sections=replace(strips.sections, added=pointed))
+    omega = np.array([0.6, 1.0, 1.5])
+    ahead, astern = (coefficients(strips, np.array(U), omega) for U in (6.0, -6.0))
+    scale = np.abs(ahead).max()
+    np.testing.assert_allclose(ahead, astern.swapaxes(0, 1), rtol=1e-12, atol=1e-12 * scale)
+    assert (np.abs(ahead[2, 4] - ahead[4, 2]) > np.abs(ahead[2, 4])).all()
 
 
 def test_port_and_starboard_are_alike():
