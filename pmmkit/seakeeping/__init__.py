@@ -1,12 +1,10 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
-from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.ikeda import RollDamping, ikeda_damping
 from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
-from pmmkit.seakeeping.mean_drift import drift, drift_table
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.offsets import read_hull
@@ -14,6 +12,8 @@ from pmmkit.seakeeping.operability import LIMITS, Operability, operability
 from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
+from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
+from pmmkit.seakeeping.second_order.mean_drift import drift, drift_table
 from pmmkit.seakeeping.transfer import Rao
 
 __all__ = [

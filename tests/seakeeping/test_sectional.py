@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.seakeeping.mapping import at, lewis, lewis_area_range, slope
-from pmmkit.seakeeping.mean_drift import scattering
+from pmmkit.seakeeping.second_order.mean_drift import scattering
 from pmmkit.seakeeping.sectional import (
     HEAVE,
     NODES,
