@@ -13,6 +13,7 @@ from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
+from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves
 from pmmkit.seakeeping.second_order.mean_drift import drift, drift_table
 from pmmkit.seakeeping.transfer import Rao
 
@@ -37,6 +38,7 @@ __all__ = [
     "added_resistance",
     "beside",
     "drift",
+    "drift_part",
     "drift_table",
     "frequencies",
     "from_irregular",
@@ -44,6 +46,7 @@ __all__ = [
     "hull_from_particulars",
     "hulls",
     "ikeda_damping",
+    "in_waves",
     "load_hull",
     "loading_of",
     "operability",
