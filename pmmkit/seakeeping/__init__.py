@@ -3,7 +3,7 @@
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
 from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.ikeda import RollDamping, ikeda_damping
-from pmmkit.seakeeping.library import hulls, load_hull
+from pmmkit.seakeeping.library import hull_of, hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
@@ -15,6 +15,7 @@ from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
 from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves
 from pmmkit.seakeeping.second_order.mean_drift import drift, drift_table
+from pmmkit.seakeeping.superposed import MotionInWaves, superposed
 from pmmkit.seakeeping.transfer import Rao
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Loading",
     "Measured",
     "Moments",
+    "MotionInWaves",
     "Operability",
     "Place",
     "Rao",
@@ -44,6 +46,7 @@ __all__ = [
     "from_irregular",
     "from_regular",
     "hull_from_particulars",
+    "hull_of",
     "hulls",
     "ikeda_damping",
     "in_waves",
@@ -56,4 +59,5 @@ __all__ = [
     "sea",
     "sea_states",
     "state_of",
+    "superposed",
 ]

@@ -88,3 +88,25 @@ def test_a_wrong_request_says_what_to_write(options, status, says, tmp_path, mon
     assert main(["seakeeping", *options]) == status
     assert says in capsys.readouterr().err
     assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.slow
+def test_a_turn_in_a_sea_drifts_and_rolls(tmp_path, capsys):
+    order = ["simulate", "s175-3dof", "--rudder-deg", "20", "--speed", "8", "--no-figures"]
+    waves = ["--wave-height", "4", "--wave-period", "8", "--waves-from-deg", "0", "--wave-motion"]
+    _, calm, _ = said(capsys, *order, "--out", tmp_path / "calm")
+    status, rough, _ = said(capsys, *order, *waves, "--seed", "3", "--out", tmp_path / "rough")
+    assert status == 0
+    assert rough["advance_L"] < calm["advance_L"] - 0.1
+    with (tmp_path / "rough" / "wave_motion.csv").open(newline="") as file:
+        rows = [*csv.DictReader(file)]
+    elevation = np.array([float(row["elevation"]) for row in rows])
+    assert 4 * np.std(elevation) == pytest.approx(4.0, rel=0.2)
+    assert set(rows[0]) == {"t", "x", "y", "psi", "phi", "heave", "pitch", "elevation"}
+
+
+def test_half_a_sea_is_refused(capsys):
+    assert main(["simulate", "kcs", "--speed", "8", "--wave-period", "8"]) != 0
+    assert "--wave-height" in capsys.readouterr().err
+    assert main(["simulate", "kcs", "--speed", "8", "--wave-height", "2", "--wave-motion"]) != 0
+    assert "--wave-period" in capsys.readouterr().err
