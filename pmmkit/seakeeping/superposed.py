@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
@@ -248,10 +249,10 @@ def _moved(
     return np.concatenate([sums, wave.sum(axis=1).real[None]])
 
 
-def _between(there: Array, wanted: Array) -> tuple[list[Array], list[Array]]:
+def _between(there: Array, wanted: Array) -> tuple[list[NDArray[np.intp]], list[Array]]:
     """Indices of the two values beside each, and their shares; held at both ends."""
     if there.size == 1:
-        return [np.zeros(wanted.size, dtype=int)], [np.ones(wanted.size)]
+        return [np.zeros(wanted.size, dtype=np.intp)], [np.ones(wanted.size)]
     low = np.clip(np.searchsorted(there, wanted, side="right") - 1, 0, there.size - 2)
     share = np.clip((wanted - there[low]) / (there[low + 1] - there[low]), 0.0, 1.0)
     return [low, low + 1], [1 - share, share]

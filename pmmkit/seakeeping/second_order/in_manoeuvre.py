@@ -22,7 +22,7 @@ HEADINGS: Final = tuple(range(0, 181, 15))
 _REST: Final = ("DX", "DY", "DN")
 
 
-def drift_part(found: Rao, sea: Sea, *, from_deg: float = 0.0) -> Part:
+def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: float = 0.0) -> Part:
     """The part ``wave_drift`` of a model for a sea.
 
     Parameters
@@ -32,6 +32,8 @@ def drift_part(found: Rao, sea: Sea, *, from_deg: float = 0.0) -> Part:
         forces go with the speed of each instant between both.
     sea : Sea
         Its period counts, and its height where nothing else states one.
+    speed : float, optional
+        One of those of `found`, which then holds all through [m/s].
     from_deg : float
         Where the waves come from, from the heading of the approach, to starboard [deg].
 
@@ -53,7 +55,7 @@ def drift_part(found: Rao, sea: Sea, *, from_deg: float = 0.0) -> Part:
     >>> part.options["coefficients"], part.values["speed"], len(part.values["DX_rest"])
     ('speeds', 6.0, 3)
     """
-    speeds = found.speed.tolist()
+    speeds = found.speed.tolist() if speed is None else [speed]
     two = len(speeds) == 2 and speeds[0] == 0.0 < speeds[1]
     if len(speeds) != 1 and not two:
         raise DataError("A model takes the drift at one speed, or at rest and at one speed.")
