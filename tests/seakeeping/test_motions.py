@@ -10,7 +10,16 @@ from few_stations import thinned
 from veres import read_transfer
 
 from pmmkit.errors import DataError
-from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, loading_of, rao, read_hull
+from pmmkit.seakeeping import (
+    Loading,
+    Rao,
+    Sea,
+    hull_from_particulars,
+    load_hull,
+    loading_of,
+    rao,
+    read_hull,
+)
 from pmmkit.seakeeping.strips import coefficients, strips_of
 
 SHIP = thinned(
@@ -60,6 +69,29 @@ def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, head
         assert apart(s175, veres, 4, speed, heading, over_slope=True) < 0.012
         assert apart(s175, veres, 1, speed, heading) < 0.03
         assert apart(s175, veres, 5, speed, heading, over_slope=True) < 0.035
+
+
+def test_s175_by_its_particulars_costs_five_hundredths_of_heave(veres):
+    """Lewis forms with the centres and coefficients of its lines; without xF three times that."""
+    hull = load_hull("s175-design")
+    given = {"GM": 0.996, "kxx": 8.331, "kyy": 42.0, "kzz": 42.0}
+    off = {}
+    bare = hull_from_particulars(
+        name="S175", L=175.0, B=25.4, d=9.5, block=0.569, waterplane=0.709, midship=0.966, xB=-2.547
+    )
+    for one in (hull, bare):
+        found = rao(
+            one,
+            speeds=veres.speed,
+            headings_deg=veres.heading_deg,
+            omega=veres.omega,
+            loading=loading_of(one, **given),
+        )
+        off[one.name] = [apart(found, veres, 2, speed, 180) for speed in veres.speed[[0, 3, 4]]]
+    assert max(off[hull.name]) < 0.06
+    assert max(off["S175"]) > 3 * max(off[hull.name])
+    assert any("give xF" in note for note in bare.notes)
+    assert not any("give xF" in note for note in hull.notes)
 
 
 @pytest.mark.slow
