@@ -2,8 +2,9 @@
 
 Half breadth over B/2: (1 - ζ²)(1 - ξ²)(1 + 0.2 ξ²) + α ζ²(1 - ζ⁸)(1 - ξ²)⁴ with ξ = 2x/L, ζ = z/d
 downward; α = 1 for I and II, 0 for III and IV. L 3 m, d 0.1875 m, B 0.3 m (I, III) or 0.6 m, radius
-of gyration in pitch 0.75 m. Numbers are those of Journée's report 909 (Delft University of Technology,
-1992) as two public programs quote its tables (michell, openhull); the report was not at hand.
+of gyration in pitch 0.75 m. Numbers are those of Journée's report 909 (Delft University of
+Technology, 1992) as two public programs quote its tables (michell, openhull); the report was not at
+hand.
 """
 
 from __future__ import annotations

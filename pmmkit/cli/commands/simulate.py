@@ -22,7 +22,15 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.sea import carried, first_order, stated_sea
+from pmmkit.cli.sea import (
+    WAVES,
+    WaveHeight,
+    WavePeriod,
+    carried,
+    first_order,
+    new_notes,
+    stated_sea,
+)
 from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed, approach
 from pmmkit.presentation import text_of
 
@@ -59,16 +67,8 @@ def simulate(
     current_direction_deg: Annotated[
         float, typer.Option(help="Where it flows to, from the bow of the approach.")
     ] = 0.0,
-    wave_height: Annotated[
-        float | None,
-        typer.Option(help="Significant height of waves in m, whose mean drift carries the ship."),
-    ] = None,
-    wave_period: Annotated[
-        float | None,
-        typer.Option(
-            help="Their peak period in s, from which strip theory finds forces that a model lacks."
-        ),
-    ] = None,
+    wave_height: WaveHeight = None,
+    wave_period: WavePeriod = None,
     waves_from_deg: Annotated[
         float, typer.Option(help="Where they come from, from the bow of the approach.")
     ] = 0.0,
@@ -94,7 +94,9 @@ def simulate(
     folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
     loaded = load_model(model)
     pace = approach(speed, loaded)
-    sea = stated_sea(wave_height, wave_period, wave_motion=wave_motion)
+    sea = stated_sea(wave_height, wave_period)
+    if wave_motion and sea is None:
+        raise typer.BadParameter(WAVES)
     rough = carried(loaded, sea, model, pace, waves_from_deg)
     track = simulate(
         rough,
@@ -107,8 +109,6 @@ def simulate(
         wind_direction_deg=wind_direction_deg,
         current_speed=current_speed,
         current_direction_deg=current_direction_deg,
-        wave_height=wave_height,
-        waves_from_deg=waves_from_deg,
         depth=depth,
         extrapolate=extrapolate,
         **stated(
@@ -134,7 +134,6 @@ def simulate(
     files = write_results(folder, results)
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
-    added = [*(f"note: {text}" for text in rough.notes if text not in loaded.notes), ""]
-    added += [str(moved), ""] if moved else []
-    lines = [str(track), "", *(added if sea else []), *judged, f"Results: {folder}"]
+    told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
+    lines = [str(track), "", *(told if sea else []), *judged, f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)
