@@ -71,7 +71,8 @@ def new_notes(model: Model, before: Model) -> list[str]:
 
 
 def _hull(model: Model, name: str) -> Hull:
-    """The hull of the library that has the model's name, else sections from its particulars."""
+    """The hull of the library with the model's name and size, else its particulars' sections."""
     from pmmkit.seakeeping import hull_of, hulls, load_hull
 
-    return load_hull(name) if name in hulls() else hull_of(model.ship)
+    known = load_hull(name) if name in hulls() else None
+    return known if known is not None and known.L == model.ship.L else hull_of(model.ship)

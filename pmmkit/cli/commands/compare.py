@@ -64,15 +64,20 @@ def compare(
     from pmmkit.models import load_model
     from pmmkit.progress import shown
     from pmmkit.validation import comparison
+    from pmmkit.validation.free_running import as_tested
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
     known = load_model(model)
     opened, findings = sound_campaign(campaign, data)
     if runs:
         opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
-    pace = float(median([run.settings.speed for run in opened]))
-    sea = stated_sea(wave_height, wave_period)
-    rough = carried(known, sea, model, pace, waves_from_deg)
+    rough = known
+    if (sea := stated_sea(wave_height, wave_period)) is not None:
+        if opened.kind != "free-running":
+            raise typer.BadParameter("A tank is calm while a model is towed: leave the waves out.")
+        tested, _ = as_tested(known, opened)
+        pace = float(median([run.settings.speed for run in opened]))
+        rough = carried(tested, sea, model, pace, waves_from_deg)
     with shown() as progress:
         found = comparison.compare(
             rough, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
