@@ -16,7 +16,7 @@ from pmmkit.numerics import Array
 from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.arrays import Complex
 from pmmkit.seakeeping.seas import Sea
-from pmmkit.seakeeping.transfer import MODES, Rao
+from pmmkit.seakeeping.transfer import Rao
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -186,13 +186,15 @@ def superposed(
         axis=1,
     )
     ahead, aside = np.cos(path["psi"]), np.sin(path["psi"])
-    motion = dict(zip((*MODES, "elevation"), moved, strict=True))
+    surge, sway, heave, roll, pitch, yaw, elevation = moved
     waves = {
-        "x": motion["surge"] * ahead + motion["sway"] * aside,
-        "y": motion["surge"] * aside - motion["sway"] * ahead,
-        "psi": -motion["yaw"],
-        "phi": motion["roll"],
-        **{name: motion[name] for name in ("heave", "pitch", "elevation")},
+        "x": surge * ahead + sway * aside,
+        "y": surge * aside - sway * ahead,
+        "psi": -yaw,
+        "phi": roll,
+        "heave": heave,
+        "pitch": pitch,
+        "elevation": elevation,
     }
     values = {name: part + path[name] if name in path else part for name, part in waves.items()}
     return MotionInWaves(
