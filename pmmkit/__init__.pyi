@@ -46,10 +46,10 @@ from pmmkit.reduction import contributions as contributions
 from pmmkit.reduction import reduce_campaign as reduce_campaign
 from pmmkit.report import write_report as write_report
 from pmmkit.seakeeping.answers import Place as Place
-from pmmkit.seakeeping.library import load_hull as load_hull
+from pmmkit.seakeeping.hulls.library import load_hull as load_hull
+from pmmkit.seakeeping.hulls.offsets import read_hull as read_hull
+from pmmkit.seakeeping.hulls.particulars import hull_from_particulars as hull_from_particulars
 from pmmkit.seakeeping.motions import rao as rao
-from pmmkit.seakeeping.offsets import read_hull as read_hull
-from pmmkit.seakeeping.particulars import hull_from_particulars as hull_from_particulars
 from pmmkit.seakeeping.responses import response as response
 from pmmkit.seakeeping.seas import sea as sea
 from pmmkit.seakeeping.second_order.added_resistance import added_resistance as added_resistance

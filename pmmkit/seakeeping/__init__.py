@@ -1,15 +1,15 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
-from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
+from pmmkit.seakeeping.hulls.hull import Hull, Hydrostatics, Station
+from pmmkit.seakeeping.hulls.library import hull_of, hulls, load_hull
+from pmmkit.seakeeping.hulls.offsets import read_hull
+from pmmkit.seakeeping.hulls.particulars import hull_from_particulars
 from pmmkit.seakeeping.ikeda import RollDamping, ikeda_damping
-from pmmkit.seakeeping.library import hull_of, hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
-from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.operability import LIMITS, Operability, operability
-from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance

@@ -9,8 +9,8 @@ from pmmkit.effects.waves import WAVE_DRIFT
 from pmmkit.errors import DataError
 from pmmkit.models import Model
 from pmmkit.models.model import Part
-from pmmkit.seakeeping.hull import Hull
-from pmmkit.seakeeping.library import hull_of
+from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.hulls.library import hull_of
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.seas import Sea

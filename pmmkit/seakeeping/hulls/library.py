@@ -8,8 +8,8 @@ from typing import Any, Final
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.files import datasets_folder
-from pmmkit.seakeeping.hull import Hull
-from pmmkit.seakeeping.particulars import hull_from_particulars
+from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.hulls.particulars import hull_from_particulars
 from pmmkit.ship import Ship
 from pmmkit.ship_library import load_ship, number, ships
 from pmmkit.toml_files import read_toml

@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.hull import Hull, Station
+from pmmkit.seakeeping.hulls.hull import Hull, Station
 from pmmkit.seakeeping.mapping import at, lewis, lewis_area_range
 
 STATIONS: Final = 41
