@@ -115,6 +115,7 @@ def test_half_a_sea_is_refused(half, capsys):
     assert "--wave-height 3 --wave-period 8" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monkeypatch, capsys):
     """The ship of 320 m is made the 7 m model of the records before it feels their waves."""
     model = pk.load_model("kvlcc2-l7")
@@ -145,6 +146,7 @@ def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monk
     assert drift["speed"] == 1.179
 
 
+@pytest.mark.slow
 def test_no_tank_has_waves_while_a_model_is_towed(tmp_path, capsys):
     order = ["compare", "s175-3dof", "datasets/s175", "--wave-height", "1", "--wave-period", "3"]
     assert main([*order, "--out", str(tmp_path)]) != 0

@@ -114,6 +114,7 @@ def test_a_model_is_given_the_drift_of_a_sea_and_says_so(hull):
     assert one == pytest.approx(other, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_sea_that_is_asked_for_stands_for_that_of_the_model(table):
     """The same height and direction by the model and by the request; none is no waves."""
     own = sailed(30.0, 4.0, table, compiled=False)

@@ -71,6 +71,7 @@ def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, head
         assert apart(s175, veres, 5, speed, heading, over_slope=True) < 0.035
 
 
+@pytest.mark.slow
 def test_s175_by_its_particulars_costs_five_hundredths_of_heave(veres):
     """Lewis forms with the centres and coefficients of its lines; without xF three times that."""
     hull = load_hull("s175-design")

@@ -46,6 +46,7 @@ def test_a_straight_course_has_the_spectrum_of_the_response(found, straight, fro
     assert 4 * np.std(moved.values["elevation"]) == pytest.approx(3.0, rel=0.05)
 
 
+@pytest.mark.slow
 def test_waves_from_port_are_the_mirror_image(found, straight):
     port, starboard = (
         superposed(straight, found, SEA, from_deg=side * 50.0, seed=1).waves for side in (-1, 1)
@@ -54,6 +55,7 @@ def test_waves_from_port_are_the_mirror_image(found, straight):
         np.testing.assert_allclose(port[name], sign * starboard[name], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_in_long_waves_the_ship_rides_the_crest_and_leans_with_the_slope():
     """At rest, waves from starboard: while the water rises its crest is to starboard, and the
     ship, stiff enough to follow the slope, leans to port."""

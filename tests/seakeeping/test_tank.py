@@ -39,6 +39,7 @@ def test_the_hulls_displace_what_the_report_says(model):
     assert wigley(model).hydrostatics.volume == pytest.approx(VOLUME[model], rel=3e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", AT_REST)
 def test_heave_and_pitch_at_rest(model):
     """Heave to .04 of the wave (rms), pitch to .07 of 2πζ/L: low, as its own strip codes found."""
@@ -51,6 +52,7 @@ def test_heave_and_pitch_at_rest(model):
     assert np.abs(off[lengths >= 1.0]).max() < 20.0
 
 
+@pytest.mark.slow
 def test_heave_at_speed():
     """Resonance included: 1.34 of the wave where 1.28 was measured."""
     for Fn in (0.2, 0.3):
@@ -60,6 +62,7 @@ def test_heave_at_speed():
         assert np.abs(off).max() < 0.08
 
 
+@pytest.mark.slow
 def test_forced_heave_at_speed():
     """A33 lies 10 to 13 % below the tank, B33 14 % above to 1 % below, at Fn 0.3."""
     nondimensional, added, damped = np.array(FORCED_HEAVE).T
@@ -73,6 +76,7 @@ def test_forced_heave_at_speed():
     assert damping == pytest.approx(damped, rel=0.15)
 
 
+@pytest.mark.slow
 def test_forces_of_waves_on_the_held_model_at_speed():
     lengths, lift, turn = np.array(WAVE_LOADS).T
     found, places = moved("III", 0.3, lengths)

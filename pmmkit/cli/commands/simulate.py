@@ -134,6 +134,8 @@ def simulate(
     files = write_results(folder, results)
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
+    if judged and sea is not None:
+        judged.append("note: The standard asks for a calm; these numbers are those in waves.")
     told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
     lines = [str(track), "", *(told if sea else []), *judged, f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)
