@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, pi, sin, where
+from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, minimum, pi, sin, where
 from pmmkit.effects.seen import Move, Vessel
 
 
 def drift(
+    U: float,
     psi: float,
     L: float,
     B: float,
@@ -24,10 +25,14 @@ def drift(
     kx: float,
     ky: float,
     kn: float,
+    speed: float,
     angle_deg: Sequence[float],
     DX: Sequence[float],
     DY: Sequence[float],
     DN: Sequence[float],
+    DX_rest: Sequence[float],
+    DY_rest: Sequence[float],
+    DN_rest: Sequence[float],
 ) -> tuple[float, float, float]:
     """X, Y [N] and N [N m] of a sea past midship.
 
@@ -35,7 +40,10 @@ def drift(
     -----
     X = kx ρgHs² L DX, Y = ky ρgHs² L DY, N = kn ρgHs² L² DN, over the angle γ from which the waves
     come, from the bow, positive to starboard. Waves from starboard push to port: DY < 0. Tables
-    reach over 0 to 180°; waves from port mirror them. ``reflected``: waves that are short beside
+    reach over 0 to 180°; waves from port mirror them. ``speeds``: beside the tables at ``speed``
+    stand those of the ship at rest, and between both lies a straight line in U, as in short waves,
+    which meet the ship the more often the faster it goes; beyond ``speed`` it is held.
+    ``reflected``: waves that are short beside
     the ship, whose energy a wall sends back, DX = -(B/L) cos γ |cos γ|/16,
     DY = -sin γ |sin γ|/16, and no moment. A sea that a record states, ``wave_height`` [m] from
     ``wave_direction`` [rad], stands for ``Hs`` and ``from_deg``; a height below zero states none.
@@ -45,8 +53,8 @@ def drift(
     A sea of 4 m from starboard on 100 m of wall: ρgHs²L/16 to port.
 
     >>> none = (0.0,)
-    >>> X, Y, N = drift(0.0, 100.0, 20.0, 1025.0, 9.81, -1.0, 0.0, 0, 4.0, 90.0, 1.0, 1.0,
-    ...                 1.0, none, none, none, none)
+    >>> X, Y, N = drift(5.0, 0.0, 100.0, 20.0, 1025.0, 9.81, -1.0, 0.0, 0, 4.0, 90.0, 1.0, 1.0,
+    ...                 1.0, 5.0, *[none] * 7)
     >>> round(Y / 1e3)
     -1006
     """
@@ -64,11 +72,15 @@ def drift(
     angle = atan2(across, ahead)
     degrees = fabs(angle) * 180.0 / pi
     side = where(angle < 0.0, -size, size)
-    return (
-        kx * size * interpolate(degrees, angle_deg, DX),
-        ky * side * interpolate(degrees, angle_deg, DY),
-        kn * side * L * interpolate(degrees, angle_deg, DN),
-    )
+    x = interpolate(degrees, angle_deg, DX)
+    y = interpolate(degrees, angle_deg, DY)
+    n = interpolate(degrees, angle_deg, DN)
+    if coefficients == 2:
+        slower = 1.0 - minimum(U / speed, 1.0)
+        x += slower * (interpolate(degrees, angle_deg, DX_rest) - x)
+        y += slower * (interpolate(degrees, angle_deg, DY_rest) - y)
+        n += slower * (interpolate(degrees, angle_deg, DN_rest) - n)
+    return kx * size * x, ky * side * y, kn * side * L * n
 
 
 def some_sea(vessel: Vessel) -> Mapping[str, float]:
@@ -90,7 +102,8 @@ def together(_: Vessel) -> Mapping[str, Move]:
     }
 
 
-_TABLE: Final = ("coefficients", "table")
+_TABLE: Final = ("coefficients", "table", "speeds")
+_SPEEDS: Final = ("coefficients", "speeds")
 WAVE_DRIFT: Final = Effect(
     name="wave_drift",
     family="environment",
@@ -147,12 +160,24 @@ WAVE_DRIFT: Final = Effect(
         Parameter(
             name="DN", text="N over ρgHs²L², bow to starboard positive", form=_TABLE, table=True
         ),
+        Parameter(name="speed", text="of these tables", unit="m/s", low=1e-9, form=_SPEEDS),
+        Parameter(name="DX_rest", text="DX of the ship at rest", form=_SPEEDS, table=True),
+        Parameter(name="DY_rest", text="DY of the ship at rest", form=_SPEEDS, table=True),
+        Parameter(name="DN_rest", text="DN of the ship at rest", form=_SPEEDS, table=True),
+        Parameter(
+            name="Tp",
+            text="peak period of the waves that the tables are for; 0 where it is not known",
+            unit="s",
+            low=0.0,
+            default=0.0,
+            form=_TABLE,
+        ),
     ),
-    options={"coefficients": ("reflected", "table")},
+    options={"coefficients": ("reflected", "table", "speeds")},
     force=drift,
     outputs=("X", "Y", "N"),
     sources=("faltinsen_1980",),
     remark="reflection of short waves; tables are those of `pmmkit.seakeeping.drift_table`, at one "
-    "speed and one period of the waves",
+    "speed or two, and at one period of the waves",
 )
 EFFECTS: Final = (WAVE_DRIFT,)

@@ -48,6 +48,10 @@ class Conditions:
         Direction it flows to, from the heading of the approach, positive to starboard [deg].
     depth : float, optional
         Depth of the water [m]; by default that of the model's water, deep if it has none.
+    wave_height : float, optional
+        Significant height of the waves [m]; by default that of the model's part ``wave_drift``.
+    waves_from_deg : float
+        Direction they come from, from the heading of the approach, positive to starboard [deg].
     """
 
     wind_speed: float = 0.0
@@ -55,6 +59,8 @@ class Conditions:
     current_speed: float = 0.0
     current_direction_deg: float = 0.0
     depth: float | None = None
+    wave_height: float | None = None
+    waves_from_deg: float = 0.0
 
     @property
     def current(self) -> tuple[float, float]:
@@ -366,7 +372,8 @@ def packed(
         Constant.current_x: current_x,
         Constant.current_y: current_y,
         Constant.speed: speed,
-        Constant.wave_height: NO_SEA,
+        Constant.wave_height: NO_SEA if conditions.wave_height is None else conditions.wave_height,
+        Constant.wave_direction: math.radians(conditions.waves_from_deg),
     }
     k: list[Any] = [common.get(place, 0.0) for place in Constant]
     if not generic:
@@ -443,6 +450,11 @@ def _in_shallow_water(model: Model, values: Numbers, depth: float) -> Numbers:
 def feels_depth(model: Model) -> bool:
     """Whether the depth of the water changes the forces of a model."""
     return any("depth" in part.known.needs for part in model.parts.values())
+
+
+def feels_waves(model: Model) -> bool:
+    """Whether the height of the waves changes the forces of a model."""
+    return any("wave_height" in part.known.needs for part in model.parts.values())
 
 
 def missing_parts(model: Model) -> list[str]:

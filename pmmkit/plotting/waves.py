@@ -52,6 +52,31 @@ def over_wave_length(
     return figure
 
 
+def over_time(t: Array, panels: Mapping[str, Array]) -> Figure:
+    """Panels one below the other, over time.
+
+    Parameters
+    ----------
+    t : array
+        [s]
+    panels : mapping of str to array
+        Values by the label of the ordinate.
+
+    Returns
+    -------
+    Figure
+    """
+    with style.styled():
+        figure = style.canvas(1.7 * len(panels) + 0.6)
+        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        for axis, (label, values) in zip(axes, panels.items(), strict=True):
+            axis.plot(t, values, color=style.colour(0), lw=0.8)
+            axis.set_ylabel(label)
+        axes[-1].set_xlabel("time [s]")
+        axes[-1].set_xlim(t[0], t[-1])
+    return figure
+
+
 def polar(heading_deg: Array, curves: Mapping[str, Array], *, limit: float, label: str) -> Figure:
     """Curves around a ship whose bow is up, over where the waves come from; port mirrors starboard.
 

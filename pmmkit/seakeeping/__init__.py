@@ -1,19 +1,21 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
-from pmmkit.seakeeping.added_resistance import AddedResistance, added_resistance
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
-from pmmkit.seakeeping.hull import Hull, Hydrostatics, Station
+from pmmkit.seakeeping.hulls.hull import Hull, Hydrostatics, Station
+from pmmkit.seakeeping.hulls.library import hull_of, hulls, load_hull
+from pmmkit.seakeeping.hulls.offsets import read_hull
+from pmmkit.seakeeping.hulls.particulars import hull_from_particulars
 from pmmkit.seakeeping.ikeda import RollDamping, ikeda_damping
-from pmmkit.seakeeping.library import hulls, load_hull
 from pmmkit.seakeeping.loading import Loading, loading_of
-from pmmkit.seakeeping.mean_drift import drift, drift_table
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
-from pmmkit.seakeeping.offsets import read_hull
 from pmmkit.seakeeping.operability import LIMITS, Operability, operability
-from pmmkit.seakeeping.particulars import hull_from_particulars
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
+from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
+from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves
+from pmmkit.seakeeping.second_order.mean_drift import drift, drift_table
+from pmmkit.seakeeping.superposed import MotionInWaves, superposed
 from pmmkit.seakeeping.transfer import Rao
 
 __all__ = [
@@ -25,6 +27,7 @@ __all__ = [
     "Loading",
     "Measured",
     "Moments",
+    "MotionInWaves",
     "Operability",
     "Place",
     "Rao",
@@ -37,13 +40,16 @@ __all__ = [
     "added_resistance",
     "beside",
     "drift",
+    "drift_part",
     "drift_table",
     "frequencies",
     "from_irregular",
     "from_regular",
     "hull_from_particulars",
+    "hull_of",
     "hulls",
     "ikeda_damping",
+    "in_waves",
     "load_hull",
     "loading_of",
     "operability",
@@ -53,4 +59,5 @@ __all__ = [
     "sea",
     "sea_states",
     "state_of",
+    "superposed",
 ]

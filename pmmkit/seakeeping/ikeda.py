@@ -11,7 +11,7 @@ import numpy as np
 
 from pmmkit.errors import DataError, Problem
 from pmmkit.presentation import Described, Grid, Group, Section
-from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.hulls.hull import Hull
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.strips import coefficients, strips_of
 

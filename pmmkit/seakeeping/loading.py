@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from pmmkit.errors import DataError
-from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.hulls.hull import Hull
 
 
 @dataclass(frozen=True, kw_only=True)

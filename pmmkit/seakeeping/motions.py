@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex, Flags
-from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.hulls.hull import Hull
 from pmmkit.seakeeping.lengthwise import second, weights
 from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.seas import Sea

@@ -19,7 +19,7 @@ from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex
 from pmmkit.seakeeping.mapping import at, slope
 
-MULTIPOLES: Final = 14  # energy is kept to 0.1 % up to Ka = 2, 0.5 % at 5
+MULTIPOLES: Final = 20  # what is lost of the energy falls with the square of their number
 NODES: Final = 36
 HEAVE, SWAY, ROLL = 0, 1, 2
 
@@ -87,11 +87,11 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     theta = 0.25 * math.pi * (nodes + 1)
     points = at(maps, theta)
     weights = slope(maps, theta) * (0.25 * math.pi * gauss)
-    even = _multipoles(maps, theta, wavenumber, odd=False)
-    odd = _multipoles(maps, theta, wavenumber, odd=True)
+    even = multipoles(maps, theta, wavenumber, odd=False)
+    odd = multipoles(maps, theta, wavenumber, odd=True)
     stream = (-points.imag, -points.real, -0.5 * np.abs(points) ** 2)
-    heave, source = _strengths(even, stream[:1])
-    across, dipole = _strengths(odd, stream[1:], free=True)
+    heave, source = strengths(even, stream[:1])
+    across, dipole = strengths(odd, stream[1:], free=True)
     potentials = np.concatenate([heave, across])
     # the source sends out waves of π K, the dipole of π K², per unit of their strength
     far = math.pi * np.concatenate(
@@ -109,11 +109,23 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     )
 
 
-def _multipoles(maps: Array, theta: Array, wavenumber: Array, *, odd: bool) -> Complex:
+def multipoles(maps: Array, theta: Array, wavenumber: Array, *, odd: bool) -> Complex:
     """Complex potentials on the sections, shape (2, functions, frequencies, sections, nodes).
 
     The first of two is what is in phase, the second what sends out waves (of the first function
     only): each is φ + iψ, the i of the plane.
+
+    Parameters
+    ----------
+    maps : array, shape (sections, coefficients)
+        Of `pmmkit.seakeeping.mapping`.
+    theta : array
+        Angles of the nodes on the circle [rad].
+    wavenumber : array
+        K = ω²/g [1/m].
+    odd : bool
+        For sway and roll, or for heave. Far outward the first function is -πKe^(-Ky-iKx) where
+        odd, -iπe^(-Ky-iKx) where even.
     """
     points = at(maps, theta)
     K = wavenumber[:, None, None]
@@ -148,13 +160,19 @@ def _exponential_integral(z: Complex) -> Complex:
     return np.asarray(exp1(z))
 
 
-def _strengths(
+def strengths(
     functions: Complex, stream: tuple[Array, ...], *, free: bool = False
 ) -> tuple[Complex, Complex]:
     """Potentials at the nodes and the strength of the first function, by least squares.
 
-    The stream function on the section is known up to a constant, which is free where the potential
-    is odd.
+    Parameters
+    ----------
+    functions : array of complex
+        Of `multipoles`.
+    stream : tuple of array
+        Stream functions that are wanted on the sections, one for each problem.
+    free : bool
+        Whether a constant may be added to them, as where the potential is odd.
     """
     in_phase, outgoing = functions
     columns = np.moveaxis(in_phase.imag + 1j * outgoing.imag, 0, -1)

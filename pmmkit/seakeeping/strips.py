@@ -16,7 +16,7 @@ import numpy as np
 
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.hulls.hull import Hull
 from pmmkit.seakeeping.lengthwise import second, weights
 from pmmkit.seakeeping.mapping import Fit, fit_sections
 from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY, Sections, normals, solve

@@ -16,7 +16,7 @@ from pmmkit.conventions import parse_derivative
 from pmmkit.effects.hull import HULL
 from pmmkit.equations import CALM, Conditions
 from pmmkit.equations.layouts import Control, End, State
-from pmmkit.equations.prepared import feels_depth
+from pmmkit.equations.prepared import feels_depth, feels_waves
 from pmmkit.errors import DataError, Problem, SimulationError
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.froude import FOLLOWS, Follow, froude_range, prepared
@@ -32,6 +32,9 @@ ENVIRONMENT: Final = tuple(item.name for item in fields(Conditions))
 """Settings that say what is around the ship."""
 NO_BOTTOM: Final = (
     "The model does not feel the bottom: the depth changes nothing without a part shallow_water."
+)
+NO_WAVES: Final = (
+    "The model does not feel the waves: they change nothing without a part wave_drift."
 )
 LINEAR: Final = (
     "The hull's side force and moment are linear in v and r, which holds for small rudder angles "
@@ -57,6 +60,8 @@ def simulate(
     current_speed: float = 0.0,
     current_direction_deg: float = 0.0,
     depth: float | None = None,
+    wave_height: float | None = None,
+    waves_from_deg: float = 0.0,
     revolutions: float | None = None,
     dt: float | None = None,
     rtol: float = RTOL,
@@ -95,6 +100,10 @@ def simulate(
         Uniform current [m/s] and the direction it flows to, as above [deg].
     depth : float, optional
         Depth of the water [m], for models with a part ``shallow_water``.
+    wave_height, waves_from_deg : float, optional
+        Significant height of the waves [m] and where they come from, as above [deg]; for models
+        with a part ``wave_drift``, whose own sea they stand for. `pmmkit.seakeeping.in_waves`
+        gives a model that part.
     revolutions : float, optional
         Of the approach [1/s]; by default those of self-propulsion.
     dt : float, optional
@@ -141,6 +150,8 @@ def simulate(
         "current_speed": current_speed,
         "current_direction_deg": current_direction_deg,
         "depth": depth,
+        "wave_height": wave_height,
+        "waves_from_deg": waves_from_deg,
     }
     chosen = manoeuvre_of(manoeuvre)
     check_request(
@@ -156,7 +167,8 @@ def simulate(
         rtol=rtol,
         revolutions=revolutions,
     )
-    conditions = Conditions(**around) if any(around.values()) else CALM
+    calm = wave_height is None and not any(around.values())
+    conditions = CALM if calm else Conditions(**around)
     ready = prepared(loaded, speed, fn, conditions=conditions, extrapolate=extrapolate)
     plan = chosen.plan(speed / ready.L, wind=wind_speed > 0.0, **settings)
     lag = rudder_lag if rudder_law == "lag" else 0.0
@@ -164,6 +176,8 @@ def simulate(
     history = run_plan(ready, plan, gear, rtol=rtol, fast=compiled, revolutions=revolutions)
     track = track_of(loaded, history, dt, settings)
     more = [NO_BOTTOM] if depth is not None and not feels_depth(loaded) else []
+    if wave_height is not None and not feels_waves(loaded):
+        more.append(NO_WAVES)
     if fn == "instant":
         track = replace(track, tested=froude_range(loaded, history))
         more.append(track.tested.words if track.tested else ONE_SET)
@@ -238,6 +252,8 @@ def _environment_problems(environment: Mapping[str, float | None]) -> list[str]:
             found.append(f"{name} = {value} must be a finite number.")
         elif value < 0 and name.endswith("_speed"):
             found.append(f"{name} = {value} must not be negative; its direction says where from.")
+        elif value < 0 and name == "wave_height":
+            found.append(f"wave_height = {value} must not be negative.")
         elif value <= 0 and name == "depth":
             found.append(f"depth = {value} must be positive.")
     return found

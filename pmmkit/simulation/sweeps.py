@@ -25,6 +25,7 @@ SHARES: Final = ("share_below", "share_above")
 """Of a manoeuvre outside of the tested range, where derivatives follow the speed."""
 _UNITS: Final = {
     "depth": "m",
+    "wave_height": "m",
     "rudder_rate_deg": "deg/s",
     "rudder_lag": "s",
     "dt": "s",

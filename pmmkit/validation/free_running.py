@@ -20,6 +20,8 @@ from pmmkit.identification.binding import driven
 from pmmkit.identification.comparing import predicted_window
 from pmmkit.identification.from_run import free_records
 from pmmkit.identification.predict import predict, reference
+from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.seas import sea_notes
 from pmmkit.identification.smoother import Smoothed, implied_forces, smooth
 from pmmkit.metrics import unit_of
 from pmmkit.models import Model
@@ -227,6 +229,7 @@ def compare_free(
     runs: list[FreeRun] = []
     manoeuvres: list[Manoeuvre] = []
     reasons: list[str] = []
+    used: list[FreeRecord] = []
     for number, run in enumerate(campaign, start=1):
         if progress is not None:
             progress(number, len(campaign), f"compare {run.id}")
@@ -236,6 +239,7 @@ def compare_free(
             found = free_records(held, made, depth=campaign.water.depth)
             records = reference(made, found, extrapolate=extrapolate)
             runs += [_compared(made, held, item, window, extrapolate) for item in records]
+            used += found
         except PmmkitError as error:
             reasons.append(f"{run.id} is left out: {error}")
             continue
@@ -246,6 +250,7 @@ def compare_free(
                 notes.append(f"{run.id} has no measures: {error}")
     if not runs:
         raise DataError(reasons or ["There is no run."], title="Nothing can be compared")
+    notes += sea_notes(made, used)
     if "rate_deg_s" not in campaign.rudder:
         notes += _steering_gear(made, manoeuvres)
     return tuple(runs), tuple(manoeuvres), (*notes, *reasons)

@@ -12,6 +12,8 @@ from commands import said
 import pmmkit as pk
 import pmmkit.ship_library
 from pmmkit.cli import main
+from pmmkit.errors import DataError
+from pmmkit.validation import comparison
 
 SEA = ["--hs", "4", "--tp", "9.7"]
 
@@ -88,3 +90,64 @@ def test_a_wrong_request_says_what_to_write(options, status, says, tmp_path, mon
     assert main(["seakeeping", *options]) == status
     assert says in capsys.readouterr().err
     assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.slow
+def test_a_turn_in_a_sea_drifts_and_rolls(tmp_path, capsys):
+    order = ["simulate", "s175-3dof", "--rudder-deg", "20", "--speed", "8", "--no-figures"]
+    waves = ["--wave-height", "4", "--wave-period", "8", "--waves-from-deg", "0", "--wave-motion"]
+    _, calm, _ = said(capsys, *order, "--out", tmp_path / "calm")
+    status, rough, _ = said(capsys, *order, *waves, "--seed", "3", "--out", tmp_path / "rough")
+    assert status == 0
+    assert rough["advance_L"] < calm["advance_L"] - 0.1
+    with (tmp_path / "rough" / "wave_motion.csv").open(newline="") as file:
+        rows = [*csv.DictReader(file)]
+    elevation = np.array([float(row["elevation"]) for row in rows])
+    assert 4 * np.std(elevation) == pytest.approx(4.0, rel=0.2)
+    assert set(rows[0]) == {"t", "x", "y", "psi", "phi", "heave", "pitch", "elevation"}
+
+
+@pytest.mark.parametrize(
+    "half", [["--wave-period", "8"], ["--wave-height", "2"], ["--wave-motion"]]
+)
+def test_half_a_sea_is_refused(half, capsys):
+    assert main(["simulate", "kcs", "--speed", "8", *half]) != 0
+    assert "--wave-height 3 --wave-period 8" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monkeypatch, capsys):
+    """The ship of 320 m is made the 7 m model of the records before it feels their waves."""
+    model = pk.load_model("kvlcc2-l7")
+    ship = [f"{key} = {getattr(model.ship, key)}" for key in ("L", "B", "d", "volume", "mass")]
+    ship += [f"Izz = {model.ship.Izz}", f"xG = {model.ship.xG}"]
+    run = ['id = "zz"', 'test = "zigzag"', 'file = "zz.csv"', "speed = 1.179", "rudder_deg = 20"]
+    lines = ["[campaign]", 'kind = "free-running"', "[ship]", 'name = "model"', *ship]
+    lines += ["[water]", "rho = 1000.0", "[[runs]]", *run, "switch_deg = 20"]
+    (tmp_path / "campaign.toml").write_text("\n".join(lines), encoding="utf-8")
+    track = pk.simulate(model, "zigzag", rudder_deg=20, speed=1.179, dt=0.5, compiled=False)
+    columns = {name: getattr(track, name) for name in ("t", "x", "y", "psi", "r", "delta", "n")}
+    table, head = np.column_stack([*columns.values()]), ",".join(columns)
+    np.savetxt(tmp_path / "zz.csv", table, delimiter=",", header=head, comments="")
+    seen = []
+
+    def looked_at(sailed, campaign, **_):
+        seen.append(sailed)
+        raise DataError("Seen.")
+
+    monkeypatch.setattr(comparison, "compare", looked_at)
+    waves = ["--wave-height", "0.12", "--wave-period", "1.5", "--waves-from-deg", "70"]
+    assert main(["compare", "kvlcc2", str(tmp_path), *waves, "--out", str(tmp_path / "out")]) != 0
+    assert "Seen." in capsys.readouterr().err
+    (rough,) = seen
+    assert rough.ship.L == 7.0
+    drift = rough.values("wave_drift")
+    assert (drift["Hs"], drift["Tp"], drift["from_deg"]) == (0.12, 1.5, 70.0)
+    assert drift["speed"] == 1.179
+
+
+@pytest.mark.slow
+def test_no_tank_has_waves_while_a_model_is_towed(tmp_path, capsys):
+    order = ["compare", "s175-3dof", "datasets/s175", "--wave-height", "1", "--wave-period", "3"]
+    assert main([*order, "--out", str(tmp_path)]) != 0
+    assert "calm" in capsys.readouterr().err

@@ -11,13 +11,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pmmkit.effects.waves import drift
+from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model
-from pmmkit.seakeeping import Sea, drift_table, frequencies, load_hull, rao
+from pmmkit.seakeeping import Sea, drift_table, frequencies, in_waves, load_hull, rao
 from pmmkit.simulation import simulate
 
 MODEL = load_model("s175-3dof")
 NONE = (0.0,)
 FACTORS = {"kx": 1.0, "ky": 1.0, "kn": 1.0}
+ANGLES = {"angle_deg": (0.0, 90.0, 180.0)}
+TABLES = {**ANGLES, "DX": (-0.03, 0.0, 0.01), "DY": (0.0, -0.06, 0.0), "DN": (0.0, 0.004, 0.0)}
+RESTING = {**ANGLES, "DX": (-0.01, 0.0, 0.01), "DY": (0.0, -0.05, 0.0), "DN": (0.0, -0.001, 0.0)}
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +42,11 @@ def sailed(from_deg, height, table=None, **options):
     return simulate(model, "turning", rudder_deg=20, speed=8.0, **options)
 
 
-def push(form, bearing, table):
-    tables = [table[name] for name in ("angle_deg", "DX", "DY", "DN")] if table else [NONE] * 4
-    return drift(
-        0.0, 175.0, 25.4, 1025.0, 9.81, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables
-    )
+def push(form, bearing, table, speed=8.0):
+    names = ("angle_deg", "DX", "DY", "DN", "DX_rest", "DY_rest", "DN_rest")
+    tables = [(table or {}).get(name, NONE) for name in names]
+    ship = (175.0, 25.4, 1025.0, 9.81)
+    return drift(speed, 0.0, *ship, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, 8.0, *tables)
 
 
 @given(st.floats(1.0, 179.0))
@@ -81,3 +85,48 @@ def test_no_waves_change_nothing():
     still = sailed(30.0, 0.0, compiled=False)
     plain = simulate(MODEL, "turning", rudder_deg=20, speed=8.0, compiled=False)
     assert still.metrics["tactical_diameter_L"] == plain.metrics["tactical_diameter_L"]
+
+
+@pytest.fixture(scope="module")
+def hull():
+    return thinned(load_hull("s175"))
+
+
+@given(st.floats(0.0, 180.0), st.floats(0.0, 1.0))
+def test_between_rest_and_the_speed_of_the_table_lies_a_straight_line(bearing, share):
+    both = {**TABLES, **{f"{name}_rest": RESTING[name] for name in ("DX", "DY", "DN")}}
+    ends = np.array([push(1, bearing, RESTING), push(1, bearing, TABLES)])
+    wanted = (1 - share) * ends[0] + share * ends[1]
+    np.testing.assert_allclose(push(2, bearing, both, speed=8.0 * share), wanted, atol=1e-6)
+    np.testing.assert_allclose(push(2, bearing, both, speed=12.0), ends[1], atol=1e-6)
+
+
+@pytest.mark.slow
+def test_a_model_is_given_the_drift_of_a_sea_and_says_so(hull):
+    rough = in_waves(MODEL, Sea(Hs=3.0, Tp=8.0), speed=8.0, from_deg=40.0, hull=hull)
+    assert rough.values("wave_drift")["Tp"] == 8.0
+    assert any("rest and 8 m/s" in note for note in rough.notes)
+    assert any("Lewis forms" in note for note in rough.notes)
+    ways = (
+        simulate(rough, rudder_deg=20, speed=8.0, compiled=compiled) for compiled in (False, True)
+    )
+    one, other = (track.metrics["tactical_diameter_L"] for track in ways)
+    assert one == pytest.approx(other, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_sea_that_is_asked_for_stands_for_that_of_the_model(table):
+    """The same height and direction by the model and by the request; none is no waves."""
+    own = sailed(30.0, 4.0, table, compiled=False)
+    asked = sailed(0.0, 1.0, table, wave_height=4.0, waves_from_deg=30.0, compiled=False)
+    np.testing.assert_array_equal(own.y, asked.y)
+    calm = sailed(30.0, 4.0, table, wave_height=0.0, compiled=False)
+    plain = simulate(MODEL, rudder_deg=20, speed=8.0, compiled=False)
+    assert calm.metrics["advance"] == plain.metrics["advance"]
+
+
+def test_waves_that_nothing_feels_are_said():
+    track = simulate(MODEL, rudder_deg=20, speed=8.0, wave_height=3.0, compiled=False)
+    assert any("does not feel the waves" in note for note in track.notes)
+    with pytest.raises(DataError, match="wave_height"):
+        simulate(MODEL, rudder_deg=20, speed=8.0, wave_height=-3.0)

@@ -22,7 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
-from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability
+from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability, superposed
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
@@ -154,6 +154,13 @@ def answered():
 
 
 @cache
+def swaying():
+    headings = [0.0, 90.0, 180.0]
+    found = pk.rao(hull(), speeds=9.0, headings_deg=headings, omega=[0.4, 0.7, 1.0])
+    return superposed(track(), found, pk.sea("bretschneider", Hs=3.0, Tp=8.0), seed=5)
+
+
+@cache
 def parts():
     screw = Part(effect="propeller", values={"D": 0.2, "wp": 0.35}, source="measured: tank <2>")
     blade = Part(effect="rudder_mmg", values={"area": 0.05}, source="library: a ship")
@@ -207,6 +214,7 @@ MADE = {
     "Operability": judged,
     "RaoComparison": beaten,
     "AddedResistance": lambda: pk.added_resistance(waved()),
+    "MotionInWaves": swaying,
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
     "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
 }
@@ -245,6 +253,7 @@ SAID = {
     "Operability": ("roll_deg", "Allowed", "180°", "Hs 3 m"),
     "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
     "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),
+    "MotionInWaves": ("from 0°", "seed 5", "heave", "2σ", "bow down"),
     "Sea": ("ittc", "Hs 4 m", "10.4", "T1 [s]", "rough"),
     "FroudeRange": ("Fn 0.145 to 0.290", "% of", "below", "held at Fn 0.145"),
 }

@@ -9,6 +9,7 @@ from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.models import load_model, model_text
 from pmmkit.models.roles import lacking
 from pmmkit.ship_library import load_ship, ship_file, ships
+from pmmkit.simulation import simulate
 from pmmkit.toml_files import read_toml
 
 RHO, L = 1025.0, 175.0
@@ -97,3 +98,21 @@ def test_library_files_survive_a_round_trip(tmp_path):
         path = tmp_path / f"{name}.toml"
         path.write_text(model_text(model), encoding="utf-8")
         assert model_text(load_model(path)) == model_text(model)
+
+
+def test_the_tanker_of_a_preliminary_design_has_the_row_it_prints_and_a_turn_of_a_full_ship():
+    """Its xG is 0.534 L from the after perpendicular; KVLCC2, of the same size, turns in 3.0 L."""
+    model = load_model("tanker-320")
+    hull = model.values("hull_polynomial")
+    printed = {"Yv": -0.02111, "Yr": 0.004249, "Nv": -0.00823, "Nr": -0.00279}
+    assert {name: hull[name] for name in printed} == printed
+    ship, like = model.ship, load_ship("kvlcc2")
+    assert 0.5 + ship.xG / ship.L == pytest.approx(0.534)
+    assert (ship.L, ship.B, ship.d) == (like.L, like.B, like.d)
+    assert ship.volume == pytest.approx(like.volume, rel=5e-4)
+    turned = {
+        name: simulate(name, speed=7.97, rudder_deg=35.0, compiled=False).metrics
+        for name in ("tanker-320", "kvlcc2")
+    }
+    wider = [turned[name]["tactical_diameter_L"] for name in turned]
+    assert 1.0 < wider[0] / wider[1] < 1.4

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from few_stations import thinned
 from veres import read_transfer
 
 from pmmkit.errors import DataError
-from pmmkit.seakeeping import Loading, Rao, Sea, hull_from_particulars, loading_of, rao, read_hull
+from pmmkit.seakeeping import (
+    Loading,
+    Rao,
+    Sea,
+    hull_from_particulars,
+    load_hull,
+    loading_of,
+    rao,
+    read_hull,
+)
+from pmmkit.seakeeping.strips import coefficients, strips_of
 
 SHIP = thinned(
     hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.65, xB=-0.5, xF=-2.0)
@@ -60,6 +72,30 @@ def test_s175_is_within_three_percent_of_veres_at_all_headings(s175, veres, head
 
 
 @pytest.mark.slow
+def test_s175_by_its_particulars_costs_five_hundredths_of_heave(veres):
+    """Lewis forms with the centres and coefficients of its lines; without xF three times that."""
+    hull = load_hull("s175-design")
+    given = {"GM": 0.996, "kxx": 8.331, "kyy": 42.0, "kzz": 42.0}
+    off = {}
+    bare = hull_from_particulars(
+        name="S175", L=175.0, B=25.4, d=9.5, block=0.569, waterplane=0.709, midship=0.966, xB=-2.547
+    )
+    for one in (hull, bare):
+        found = rao(
+            one,
+            speeds=veres.speed,
+            headings_deg=veres.heading_deg,
+            omega=veres.omega,
+            loading=loading_of(one, **given),
+        )
+        off[one.name] = [apart(found, veres, 2, speed, 180) for speed in veres.speed[[0, 3, 4]]]
+    assert max(off[hull.name]) < 0.06
+    assert max(off["S175"]) > 3 * max(off[hull.name])
+    assert any("give xF" in note for note in bare.notes)
+    assert not any("give xF" in note for note in hull.notes)
+
+
+@pytest.mark.slow
 def test_roll_of_s175_above_its_resonance(s175, veres):
     """Near resonance it hangs on a damping that VERES does not state."""
     above = s175.omega > 0.6
@@ -93,6 +129,22 @@ def test_very_long_waves_carry_the_ship(heading):
     assert np.abs(found.mode("roll")[0, 0, 0]) / k[0] == pytest.approx(abs(np.sin(beta)), abs=0.01)
     assert np.abs(found.mode("sway")[0, 0, 1]) == pytest.approx(abs(np.sin(beta)), abs=0.05)
     assert np.abs(found.mode("surge")[0, 0, 1]) == pytest.approx(abs(np.cos(beta)), abs=0.03)
+
+
+def test_coefficients_ahead_are_those_astern_turned_about():
+    """Timman and Newman (1962): a_jk(U) = a_kj(-U) of a hull that ends in points.
+
+    Forward, the coupling of heave and pitch is far from the same both ways.
+    """
+    strips = strips_of(SHIP, 2.0)
+    pointed = strips.sections.added.copy()
+    pointed[..., 0] = 0.0
+    strips = replace(strips, sections=replace(strips.sections, added=pointed))
+    omega = np.array([0.6, 1.0, 1.5])
+    ahead, astern = (coefficients(strips, np.array(U), omega) for U in (6.0, -6.0))
+    scale = np.abs(ahead).max()
+    np.testing.assert_allclose(ahead, astern.swapaxes(0, 1), rtol=1e-12, atol=1e-12 * scale)
+    assert (np.abs(ahead[2, 4] - ahead[4, 2]) > np.abs(ahead[2, 4])).all()
 
 
 def test_port_and_starboard_are_alike():

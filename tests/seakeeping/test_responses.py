@@ -25,9 +25,9 @@ from pmmkit.seakeeping import (
     response,
     sea,
 )
-from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
-from pmmkit.seakeeping.mean_drift import plate_reflection, scattering
 from pmmkit.seakeeping.responses import moments
+from pmmkit.seakeeping.second_order.empirical_resistance import Form, snnm, stawave2
+from pmmkit.seakeeping.second_order.mean_drift import plate_reflection, scattering
 from pmmkit.seakeeping.sectional import solve
 from pmmkit.seakeeping.sickness import dose_weight, incidence_in_waves
 

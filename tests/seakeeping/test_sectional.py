@@ -10,7 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pmmkit.seakeeping.mapping import at, lewis, lewis_area_range, slope
-from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY, normals, solve
+from pmmkit.seakeeping.second_order.mean_drift import scattering
+from pmmkit.seakeeping.sectional import (
+    HEAVE,
+    NODES,
+    ROLL,
+    SWAY,
+    multipoles,
+    normals,
+    solve,
+    strengths,
+)
 
 CIRCLE = np.array([[1.0, 0.0, 0.0]])
 SHAPES = st.tuples(st.floats(0.6, 2.5), st.floats(0.02, 0.7))
@@ -60,12 +70,13 @@ def test_a_circle_does_not_feel_roll():
 
 @settings(max_examples=25)
 @given(SHAPES, st.floats(0.01, 2.0))
-def test_what_damps_is_the_energy_of_the_waves_sent_out(shape, Ka):
-    """b = ρg²Ā²/ω³, that is b/(ρω) = |Ā|²/K²."""
-    found = solve(section(shape), np.array([Ka]))
-    for mode, tolerance in ((HEAVE, 2.5e-3), (SWAY, 4e-3)):
-        sent = np.abs(found.far[mode, :, 0]) ** 2 / Ka**2
-        assert damping(found, mode) == pytest.approx(sent, rel=tolerance)
+def test_what_damps_is_the_energy_of_the_waves_sent_out(shape, Kb):
+    """b = ρg²Ā²/ω³, that is b/(ρω) = |Ā|²/K², up to waves of three half breadths."""
+    K = Kb / shape[0]
+    found = solve(section(shape), np.array([K]))
+    for mode in (HEAVE, SWAY):
+        sent = np.abs(found.far[mode, :, 0]) ** 2 / K**2
+        assert damping(found, mode) == pytest.approx(sent, rel=2e-3)
 
 
 @settings(max_examples=25)
@@ -97,6 +108,46 @@ def test_force_of_waves_by_haskind_is_that_of_the_waves_sent_out(shape, Ka):
         # over ρg, with ωω = gK
         force = -direct[mode] + Ka * np.sum(found.potentials[mode, 0, 0] * wave)
         assert abs(force) == pytest.approx(abs(found.far[mode, 0, 0]) / Ka, rel=8e-3)
+
+
+def diffracted(maps, Ka):
+    """A fixed section in the waves e^(-Ky) cos Kx and e^(-Ky) sin Kx: the diffraction solved."""
+    nodes, gauss = np.polynomial.legendre.leggauss(NODES)
+    theta = 0.25 * math.pi * (nodes + 1)
+    w, steps = at(maps, theta), slope(maps, theta) * (0.25 * math.pi * gauss)
+    K, wave = np.array([Ka]), np.exp(-Ka * w)
+    even, source = strengths(multipoles(maps, theta, K, odd=False), (-wave.imag,))
+    odd, dipole = strengths(multipoles(maps, theta, K, odd=True), (-wave.real,), free=True)
+    up, out, turn = normals(w, steps)
+    forces = [2 * np.sum(even[0, 0] * up), *(2 * np.sum(odd[0, 0] * n) for n in (out, turn))]
+    return np.array(forces), -1j * math.pi * source.item(), -math.pi * Ka * dipole.item()
+
+
+@settings(max_examples=15)
+@given(SHAPES, st.floats(0.05, 1.5))
+def test_diffraction_solved_directly_has_the_force_of_haskind_and_keeps_the_energy(shape, Ka):
+    """Three ways to one force: the problem of the fixed section, Haskind, and both parts of a
+    wave going out again whole, which is how the drift of a section sees it."""
+    maps = section(shape)
+    forces, even, odd = diffracted(maps, Ka)
+    found = solve(maps, np.array([Ka]))
+    w, steps = found.points[0], found.weights[0]
+    up, out, _ = normals(w, steps)
+    decay, phase = np.exp(-Ka * w.real), Ka * w.imag
+    through = {
+        HEAVE: 2 * decay * (np.cos(phase) * up - np.sin(phase) * out),
+        SWAY: 2 * decay * (np.sin(phase) * up + np.cos(phase) * out),
+    }
+    through[ROLL] = through[SWAY]
+    for mode, wave in through.items():
+        haskind = -Ka * np.sum(found.potentials[mode, 0, 0] * wave)
+        lift = 2 * shape[0] * (shape[0] if mode == ROLL else 1.0)  # of long waves
+        assert abs(forces[mode] - haskind) < 1e-3 * lift
+    assert abs(0.5 + even) == pytest.approx(0.5, rel=2e-3)
+    assert abs(0.5j + odd) == pytest.approx(0.5, rel=2e-3)
+    back, onward = scattering(found.far[:, 0, 0] * np.array([1.0, -1j, 1.0]))
+    assert abs(even + 1j * odd) == pytest.approx(abs(back), abs=4e-3)
+    assert abs(1 + even - 1j * odd) == pytest.approx(abs(onward), abs=4e-3)
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0, 3.0])

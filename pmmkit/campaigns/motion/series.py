@@ -46,8 +46,9 @@ class Series:
         waves = np.zeros_like(turn)
         for own in amplitudes[::-1]:
             waves = waves * turn + own
-        trend = {0: self.slope * away, 1: self.slope}.get(order, 0.0)
-        return np.asarray(waves.real + trend, float)
+        trend = {0: self.slope * away, 1: np.full_like(away, self.slope)}.get(order, 0.0)
+        found: Array = waves.real + trend
+        return found
 
 
 def fit_series(run: Run, times: Array, values: Array, name: str) -> Series:

@@ -11,6 +11,7 @@ import typer
 from pmmkit.cli.options import Campaign, Data, Figures, Model, patterns, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.sea import WaveHeight, WavePeriod, carried, new_notes, stated_sea
 
 if TYPE_CHECKING:
     from pmmkit.validation.comparison import Comparison
@@ -44,6 +45,11 @@ def compare(
             help="Runs to compare with, such as 'turn_*'; may be repeated; all if absent."
         ),
     ] = None,
+    wave_height: WaveHeight = None,
+    wave_period: WavePeriod = None,
+    waves_from_deg: Annotated[
+        float, typer.Option(help="Where they come from, from where the heading is zero.")
+    ] = 0.0,
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
     ] = False,
@@ -52,27 +58,37 @@ def compare(
     out: Out = None,
 ) -> Outcome:
     """Compare a model with tests: errors against their uncertainty, and where it fails."""
+    from statistics import median
+
     from pmmkit.files import write_results
     from pmmkit.identification.chosen import matching
     from pmmkit.models import load_model
     from pmmkit.progress import shown
     from pmmkit.report import write_comparison
     from pmmkit.validation import comparison
+    from pmmkit.validation.free_running import as_tested
 
     folder = results_folder(out, f"{stem(campaign)}-compared")
     known = load_model(model)
     opened, findings = sound_campaign(campaign, data)
     if runs:
         opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
+    rough = known
+    if (sea := stated_sea(wave_height, wave_period)) is not None:
+        if opened.kind != "free-running":
+            raise typer.BadParameter("A tank is calm while a model is towed: leave the waves out.")
+        tested, _ = as_tested(known, opened)
+        pace = float(median([run.settings.speed for run in opened]))
+        rough = carried(tested, sea, model, pace, waves_from_deg)
     with shown() as progress:
         found = comparison.compare(
-            known, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
+            rough, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
         )
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     page = partial(write_comparison, found, findings=findings)
     files = write_results(folder, (*_files(found, content, figures), ("report.html", page)))
     ends = [f"Results: {folder}", f"Report:  {folder / 'report.html'}"]
-    lines = [str(found), *warned(findings), "", *ends]
+    lines = [str(found), *warned(findings), *new_notes(rough, known), "", *ends]
     return Outcome(content={"out": str(folder), "files": files, **content}, lines=lines)
 
 

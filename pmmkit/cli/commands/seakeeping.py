@@ -15,6 +15,7 @@ from pmmkit.cli.outputs import Out, results_folder
 from pmmkit.cli.speeds import FROUDE, typed_list
 
 if TYPE_CHECKING:
+    from pmmkit.models.model import Part
     from pmmkit.seakeeping import AddedResistance, Hull, Rao, Response, Sea
 
 EXAMPLE: Final = (
@@ -175,24 +176,36 @@ def _means(answers: list[Response], added: AddedResistance) -> list[str]:
     return [*lines, ""]
 
 
-def _drift(found: Rao, waves: Sea, speed: float) -> str:
+def _drift(part: Part) -> str:
     """The lines by which a model file takes the mean drift of a sea."""
-    from pmmkit.seakeeping import drift_table
-
     lines = [
-        f"# Mean drift at {speed:.3f} m/s in a sea of Tp {waves.Tp:.2f} s, for a model. from_deg:",
-        "# where the waves come from, from the heading of the approach, to starboard.",
-        "[effects.wave_drift]",
+        "# Mean drift of a sea, for a model. from_deg: where the waves come from, from the heading",
+        "# of the approach, to starboard.",
+        f"[effects.{part.effect}]",
         'source = "strip theory: pmmkit seakeeping"',
-        "[effects.wave_drift.options]",
-        'coefficients = "table"',
-        "[effects.wave_drift.values]",
-        f"Hs = {waves.Hs!r}",
-        "from_deg = 0.0",
+        f"[effects.{part.effect}.options]",
+        *(f'{name} = "{word}"' for name, word in part.options.items()),
+        f"[effects.{part.effect}.values]",
     ]
-    for name, values in drift_table(found, waves, speed=speed).items():
-        lines.append(f"{name} = [{', '.join(f'{value:.6g}' for value in values)}]")
+    for name, value in part.values.items():
+        if isinstance(value, tuple):
+            told = f"[{', '.join(f'{x:.6g}' for x in value)}]"
+        else:
+            told = repr(float(value))
+        lines.append(f"{name} = {told}")
     return "\n".join(lines) + "\n"
+
+
+def _drifts(found: Rao, waves: Sea) -> Iterator[tuple[str, str]]:
+    """One file for one speed, or rest and one speed; else one for each speed."""
+    from pmmkit.seakeeping import drift_part
+
+    speeds = found.speed.tolist()
+    if len(speeds) == 1 or (len(speeds) == 2 and speeds[0] == 0.0):
+        yield "drift.toml", _drift(drift_part(found, waves))
+        return
+    for number, speed in enumerate(speeds, start=1):
+        yield f"drift_{number}.toml", _drift(drift_part(found, waves, speed=speed))
 
 
 def _files(
@@ -209,9 +222,7 @@ def _files(
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
         if {0.0, 180.0} <= {round(answer.heading_deg, 6) for answer in answers}:
-            for number, speed in enumerate(found.speed.tolist(), start=1):
-                name = "drift.toml" if found.speed.size == 1 else f"drift_{number}.toml"
-                yield name, _drift(found, waves, speed)
+            yield from _drifts(found, waves)
     if figures:
         yield "rao.svg", partial(save, found.plot())
         yield "added_resistance.svg", partial(save, added.plot())

@@ -22,6 +22,15 @@ from pmmkit.cli.options import (
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
+from pmmkit.cli.sea import (
+    WAVES,
+    WaveHeight,
+    WavePeriod,
+    carried,
+    first_order,
+    new_notes,
+    stated_sea,
+)
 from pmmkit.cli.speeds import CurrentSpeed, Speed, WindSpeed, approach
 from pmmkit.presentation import text_of
 
@@ -58,6 +67,18 @@ def simulate(
     current_direction_deg: Annotated[
         float, typer.Option(help="Where it flows to, from the bow of the approach.")
     ] = 0.0,
+    wave_height: WaveHeight = None,
+    wave_period: WavePeriod = None,
+    waves_from_deg: Annotated[
+        float, typer.Option(help="Where they come from, from the bow of the approach.")
+    ] = 0.0,
+    wave_motion: Annotated[
+        bool,
+        typer.Option(
+            "--wave-motion", help="Superpose heave, roll, pitch and yaw at wave frequency."
+        ),
+    ] = False,
+    seed: Annotated[int, typer.Option(help="Of the phases of these waves.")] = 0,
     depth: Depth = None,
     extrapolate: Extrapolate = False,
     figures: Figures = True,
@@ -72,10 +93,15 @@ def simulate(
 
     folder = results_folder(out, f"{stem(model)}-{manoeuvre}")
     loaded = load_model(model)
+    pace = approach(speed, loaded)
+    sea = stated_sea(wave_height, wave_period)
+    if wave_motion and sea is None:
+        raise typer.BadParameter(WAVES)
+    rough = carried(loaded, sea, model, pace, waves_from_deg)
     track = simulate(
-        loaded,
+        rough,
         manoeuvre,
-        speed=approach(speed, loaded),
+        speed=pace,
         fn=fn,
         compiled=False,
         rudder_rate_deg=rudder_rate_deg,
@@ -95,13 +121,21 @@ def simulate(
         )
         | settings_of(more),
     )
-    results = list(track_files(track))
-    if figures:
+    results, drawn = list(track_files(track)), track.figures() if figures else {}
+    moved = None
+    if wave_motion and sea is not None:
+        moved = first_order(track, rough, sea, model, waves_from_deg, seed)
+        results.append(("wave_motion.csv", moved.to_pandas()))
+        drawn |= {"wave_motion": moved.plot()} if figures else {}
+    if drawn:
         from pmmkit.plotting.style import figure_files
 
-        results += figure_files(track.figures(), "svg")
+        results += figure_files(drawn, "svg")
     files = write_results(folder, results)
     verdicts = imo_turning(track) if track.manoeuvre == "turning" else []
     judged = [text_of(verdict_sections(verdicts)), ""] if verdicts else []
-    lines = [str(track), "", *judged, f"Results: {folder}"]
+    if judged and sea is not None:
+        judged.append("note: The standard asks for a calm; these numbers are those in waves.")
+    told = [*new_notes(rough, loaded), "", *([str(moved), ""] if moved else [])]
+    lines = [str(track), "", *(told if sea else []), *judged, f"Results: {folder}"]
     return Outcome(content={"out": str(folder), "files": files, **metrics_of(track)}, lines=lines)

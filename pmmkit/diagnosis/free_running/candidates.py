@@ -15,13 +15,12 @@ from pmmkit.effects.hull import HULL
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.seas import ONE_SEA
 from pmmkit.models import Model, Part
 from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.roles import parts_of
 from pmmkit.models.vessel import Sailing, moves_of, told
 
-ONE_SEA: Final = 1.2
-"""Ratio of two peak periods up to which one table of drift is taken for both."""
 DEEP: Final = 6.0
 """Draughts from which the bottom adds at most 3 % to the linear derivatives."""
 

@@ -52,6 +52,7 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
+from pmmkit.identification.seas import sea_notes
 from pmmkit.models import Model
 
 LONGEST: Final = 6
@@ -389,4 +390,5 @@ def _notes(question: Question, last: Fit) -> tuple[str, ...]:
     ]
     if question.outliers:
         found.append(f"{question.outliers} averages left out that no motion explains")
+    found += sea_notes(question.model, [item.record for item in question.stretches])
     return tuple(found)

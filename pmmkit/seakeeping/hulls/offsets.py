@@ -12,8 +12,8 @@ from typing import Final
 import numpy as np
 
 from pmmkit.errors import DataError, Problem
-from pmmkit.seakeeping.hull import Hull, Station
-from pmmkit.seakeeping.particulars import lewis_station
+from pmmkit.seakeeping.hulls.hull import Hull, Station
+from pmmkit.seakeeping.hulls.particulars import lewis_station
 
 _POINTS: Final = ("x", "y", "z")
 _CURVES: Final = ("x", "breadth", "draught", "area")

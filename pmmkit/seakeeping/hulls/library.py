@@ -8,8 +8,9 @@ from typing import Any, Final
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError, Problem, UnknownNameError
 from pmmkit.files import datasets_folder
-from pmmkit.seakeeping.hull import Hull
-from pmmkit.seakeeping.particulars import hull_from_particulars
+from pmmkit.seakeeping.hulls.hull import Hull
+from pmmkit.seakeeping.hulls.particulars import hull_from_particulars
+from pmmkit.ship import Ship
 from pmmkit.ship_library import load_ship, number, ships
 from pmmkit.toml_files import read_toml
 
@@ -59,15 +60,26 @@ def load_hull(name: str | Path) -> Hull:
     if text in hulls():
         return _from_file(datasets_folder() / "hulls" / f"{text}.toml")
     if text in ships():
-        ship = load_ship(text)
-        return hull_from_particulars(
-            name=ship.name, L=ship.L, B=ship.B, d=ship.d, block=ship.block, xB=ship.xG
-        )
-    known = [*hulls(), *ships()]
+        return hull_of(load_ship(text))
+    known = sorted({*hulls(), *ships()})
     meant = did_you_mean(text, known) or "."
     raise UnknownNameError(
         f"There is no hull {text!r}{meant} There are {', '.join(known)}; for offsets "
         "of your own write a path with the ending .csv or .mgf."
+    )
+
+
+def hull_of(ship: Ship) -> Hull:
+    """A hull of Lewis forms with the particulars of a ship, at its scale.
+
+    Parameters
+    ----------
+    ship : Ship
+        Length, breadth, draught, volume; it floats with its centre of gravity above that of
+        buoyancy.
+    """
+    return hull_from_particulars(
+        name=ship.name, L=ship.L, B=ship.B, d=ship.d, block=ship.block, xB=ship.xG
     )
 
 

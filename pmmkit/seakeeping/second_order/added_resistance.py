@@ -17,10 +17,10 @@ from pmmkit.numerics import Array
 from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.asked import between, nearest
-from pmmkit.seakeeping.empirical_resistance import Form, snnm, stawave2
-from pmmkit.seakeeping.hull import Hull
-from pmmkit.seakeeping.mean_drift import drift, mean_force, radiated_force
+from pmmkit.seakeeping.hulls.hull import Hull
 from pmmkit.seakeeping.seas import Sea
+from pmmkit.seakeeping.second_order.empirical_resistance import Form, snnm, stawave2
+from pmmkit.seakeeping.second_order.mean_drift import drift, mean_force, radiated_force
 from pmmkit.seakeeping.transfer import Rao
 
 if TYPE_CHECKING:

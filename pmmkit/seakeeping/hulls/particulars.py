@@ -10,7 +10,7 @@ import numpy as np
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.hull import Hull, Station
+from pmmkit.seakeeping.hulls.hull import Hull, Station
 from pmmkit.seakeeping.mapping import at, lewis, lewis_area_range
 
 STATIONS: Final = 41
@@ -51,7 +51,7 @@ def hull_from_particulars(
     waterplane: float | None = None,
     midship: float | None = None,
     xB: float = 0.0,
-    xF: float = 0.0,
+    xF: float | None = None,
 ) -> Hull:
     """A hull of Lewis forms with the particulars of a ship whose lines are not known.
 
@@ -69,8 +69,9 @@ def hull_from_particulars(
     waterplane, midship : float, optional
         Coefficients of the waterplane and of the midship section [-]; where absent,
         0.18 + 0.86 CB/CM and 1.006 - 0.0056 CB⁻³·⁵⁶.
-    xB, xF : float
-        Centres of buoyancy and of the waterplane forward of midship [m].
+    xB, xF : float, optional
+        Centres of buoyancy and of the waterplane forward of midship [m]; the second couples heave
+        and pitch, and a wrong one spoils both (a note says where it is assumed to be at midship).
 
     Returns
     -------
@@ -93,7 +94,7 @@ def hull_from_particulars(
         )
     place = _ENDS * np.sin(np.linspace(-0.5 * math.pi, 0.5 * math.pi, STATIONS))
     areas = B * d * shown * _curve(place, prismatic, 2 * xB / L)
-    breadths = B * _curve(place, plane, 2 * xF / L)
+    breadths = B * _curve(place, plane, 2 * (xF or 0.0) / L)
     x = 0.5 * L * place
     areas *= block * L * B * d / np.trapezoid(areas, x)  # what is lost at the ends
     fullness, moved, stations = areas / (breadths * d), 0.0, []
@@ -106,6 +107,11 @@ def hull_from_particulars(
         "Sections are Lewis forms from the particulars, not the ship's: heave and pitch in waves "
         "longer than the ship are little touched; short waves, roll and added resistance are."
     ]
+    if xF is None:
+        notes.append(
+            "The centre of the waterplane is assumed at midship; most ships have it up to 4 % of "
+            "the length aft. It couples heave and pitch: give xF where it is known."
+        )
     if moved > 0.01:
         notes.append(
             f"The area coefficient of some sections was moved by up to {moved:.2f} into the range "

@@ -14,7 +14,7 @@ from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.seakeeping.arrays import Complex
 from pmmkit.seakeeping.asked import nearest
-from pmmkit.seakeeping.hull import Hull
+from pmmkit.seakeeping.hulls.hull import Hull
 from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.sectional import HEAVE, ROLL, SWAY
 from pmmkit.seakeeping.strips import at_frequency

@@ -1,0 +1,81 @@
+"""What the seas of records tell, and what they do not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+import numpy as np
+
+from pmmkit.identification.record import FreeRecord
+from pmmkit.models import Model
+from pmmkit.models.roles import parts_of
+from pmmkit.numerics import Array
+
+ONE_SEA: Final = 1.2
+"""Ratio of peak periods up to which one table of drift stands for both."""
+ONE_SIDE: Final = math.radians(30.0)
+_TURNING: Final = math.radians(20.0)  # by which a wind changes enough to be told from waves
+
+
+def sea_notes(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]:
+    """What a reader must know of waves in records: their period, and the wind beside them.
+
+    Parameters
+    ----------
+    model : Model
+        With a part for waves, else there is nothing to say.
+    records : sequence of FreeRecord
+        Those that are used.
+
+    Returns
+    -------
+    tuple of str
+        That the table is for waves of another period; that wind and waves come from one side, so
+        that their forces are not told apart.
+    """
+    waves = parts_of(model, "waves")
+    stated = [item for item in records if item.wave_height is not None]
+    if not waves or not stated:
+        return ()
+    notes = []
+    given = model.parts[waves[0]].values.get("Tp", 0.0)
+    made_for = given if isinstance(given, float) else 0.0
+    off = {
+        item.wave_period
+        for item in stated
+        if item.wave_period is not None
+        and made_for > 0.0
+        and not 1 / ONE_SEA <= item.wave_period / made_for <= ONE_SEA
+    }
+    if off:
+        told = ", ".join(f"{period:g} s" for period in sorted(off))
+        notes.append(
+            f"The model's drift of waves is for a peak period of {made_for:g} s, the records state "
+            f"{told}: make the table anew for their sea (pmmkit seakeeping --tp)."
+        )
+    if all(_one_side(item) for item in stated):
+        notes.append(
+            "Wind and waves come from one side in all records: their forces are not told apart. "
+            "Swell from another side, a change of the wind, or a wind that the model knows does."
+        )
+    return tuple(notes)
+
+
+def _one_side(record: FreeRecord) -> bool:
+    """Whether a steady wind blows from where the waves come."""
+    wind, waves, blows = record.wind_direction, record.wave_direction, record.wind_speed
+    if wind is None or waves is None or blows is None or not np.any(blows > 0.0):
+        return False
+    mean = _mean(wind)
+    steady = float(np.sqrt(np.mean(_between(wind, mean) ** 2))) < _TURNING
+    return steady and abs(float(_between(np.array([mean]), _mean(waves))[0])) < ONE_SIDE
+
+
+def _mean(angles: Array) -> float:
+    return float(np.angle(np.mean(np.exp(1j * angles))))
+
+
+def _between(angles: Array, other: float) -> Array:
+    return np.asarray(np.angle(np.exp(1j * (angles - other))))

@@ -1,0 +1,1 @@
+"""Hulls in sections: from offsets, from particulars, by name."""

@@ -1,0 +1,1 @@
+"""Mean forces of second order: added resistance and drift."""
