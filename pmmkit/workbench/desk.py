@@ -31,6 +31,7 @@ from pmmkit.workbench.pages.numbers import BUCKETS
 from pmmkit.workbench.pages.records import record_page
 from pmmkit.workbench.pages.runs import runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
+from pmmkit.workbench.rivals import RESULT, find_rivals
 from pmmkit.workbench.saved import (
     STEPS,
     State,
@@ -221,7 +222,9 @@ class Desk:
         manoeuvre, speed = str(settings.pop("manoeuvre")), float(settings.pop("speed"))
         if manoeuvre == "spiral":
             return spiral_page(model, speed=speed)
-        return sailed_page(model, manoeuvre, speed=speed, **settings)
+        own = self._opened().effects
+        rivals = find_rivals(self.folder, own) if settings.get("band") else ()
+        return sailed_page(model, manoeuvre, speed=speed, rivals=rivals, **settings)
 
     def trials(self) -> dict[str, list[dict[str, Any]]]:
         """Measured turns and zigzags of the tests, by manoeuvre; none of captive tests."""
@@ -297,16 +300,15 @@ class Desk:
         """Keep an effect of one's own, new or rewritten, and ask what is missing with it."""
         with self._changing:
             state = self._current(revision)
-            if self._campaign(state).kind != "captive":
-                raise DataError("Effects of your own are weighed by captive tests.")
             if name in state.effects:
                 raise DataError(f"{name} is in the model: undo it before you rewrite it.")
             effect = own_effect(name, text)
             others = [item for item in own_of(self.folder) if item.name != name]
             self._idle()
             save_own(self.folder, [*others, effect])
-            for old in self.folder.glob("missing_*.json"):
-                old.unlink(missing_ok=True)
+            for name in ("missing", RESULT):
+                for old in self.folder.glob(f"{name}_*.json"):
+                    old.unlink(missing_ok=True)
             self._change(replace(state, revision=state.revision + 1))
             return self._worker.start("diagnose", self._asked(state))
 
@@ -490,7 +492,7 @@ class Desk:
     def _turn(self, effects: tuple[str, ...]) -> dict[str, Any]:
         model, reach = self._model(effects), self.range()["speeds"]
         speed = reach[len(reach) // 2]
-        settings = {"rudder_deg": HARD_OVER, "extrapolate": True}
+        settings: dict[str, Any] = {"rudder_deg": HARD_OVER, "extrapolate": True}
         return sailed_page(model, "turning", speed=speed, band=True, **settings)
 
 
@@ -499,8 +501,15 @@ def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:
     if not added:
         return {"since": 0}
     left = [
-        {**item, "share": None}
+        {**item, "share": None, "lost": False}
         for item in found["candidates"]
         if item["named"] and item["effect"] not in added
     ]
-    return {"since": len(added), "candidates": left, "sets": [], "suspected": [], "overlays": {}}
+    return {
+        "since": len(added),
+        "candidates": left,
+        "sets": [],
+        "suspected": [],
+        "overlays": {},
+        "base": {},
+    }

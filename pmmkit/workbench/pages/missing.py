@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Final
@@ -14,14 +14,16 @@ from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stacked
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import taken_as_given
-from pmmkit.diagnosis.evidence import Entry
+from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
 from pmmkit.loop.captive import CaptiveTests
+from pmmkit.loop.records import FreeRecords
 from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.workbench.pages.numbers import short
+from pmmkit.workbench.pages.record_overlays import record_effects
 
 SHOWN: Final = 10
 """Candidates beside those that are named."""
@@ -30,7 +32,9 @@ Overlay = dict[str, dict[str, list[float]]]
 """Change of the model by run and channel, harmonic by harmonic [N, N m]."""
 
 
-def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
+def missing_page(
+    session: Session, found: Diagnosis, heard: Callable[[float, str], None] = lambda _done, _: None
+) -> dict[str, Any]:
     """A diagnosis with what each candidate would do, before anything is added.
 
     Parameters
@@ -39,14 +43,17 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
         The tests and what was added.
     found : Diagnosis
         Of this session.
+    heard : callable
+        Is told the share that is done, and of which candidate.
 
     Returns
     -------
     dict
         ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
-        set and its rivals), ``hidden``, ``overlays`` by effect.
+        set and its rivals), ``hidden``, ``overlays`` by effect, of records also ``base``: their
+        paths without any; ``unasked``: effects of one's own that take no part, and why.
     """
-    own = {item.name: item for item in getattr(session.evidence, "own", ())}
+    own = {item.name: item for item in session.evidence.own}
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
     visible = {item.name: item for item in found.covered}
@@ -56,7 +63,7 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
         for number, entry in enumerate(singles)
         if number < SHOWN or entry.names[0] in {*named, *findings, *own}
     ]
-    shares, overlays = _effects_of(session, chosen)
+    shares, overlays, base = _effects_of(session, chosen, heard)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
@@ -72,6 +79,7 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
                 "log_odds": short(finding.log_odds if finding else entry.log_evidence),
                 "evidence": odds(finding.log_odds if finding else entry.log_evidence),
                 "share": shares.get(name),
+                "lost": name not in shares,
                 "named": finding is not None,
                 "rivals": list(finding.rivals) if finding else _mimics(seen),
                 "test": finding.separating_test if finding else (effect.check if effect else ""),
@@ -97,7 +105,18 @@ def missing_page(session: Session, found: Diagnosis) -> dict[str, Any]:
             for item in found.not_testable
         ],
         "overlays": overlays,
+        "base": base,
+        "unasked": _unasked(session, visible),
     }
+
+
+def _unasked(session: Session, visible: Mapping[str, Visible]) -> list[dict[str, str]]:
+    """Effects of one's own that take no part, and why."""
+    evidence = session.evidence
+    absent = [item for item in evidence.own if item.name not in evidence.kinds]
+    if isinstance(evidence, FreeRecords):
+        return [{"effect": x.name, "why": evidence.why_not_asked(x)} for x in absent]
+    return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
 
 
 def _known(entry: Entry) -> bool:
@@ -123,15 +142,25 @@ def _coefficients(finding: Any) -> list[dict[str, Any]]:
 
 
 def _effects_of(
-    session: Session, chosen: Sequence[Entry]
-) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
+    session: Session, chosen: Sequence[Entry], heard: Callable[[float, str], None]
+) -> tuple[dict[str, dict[str, Any]], Mapping[str, Any], Mapping[str, Any]]:
     """By effect the share of the held-out mean square error that it takes away, and the change of
-    the model; nothing for records that run free."""
-    evidence = session.evidence
-    if not isinstance(evidence, CaptiveTests):
-        return {}, {}
-    system = evidence.system
-    known = taken_as_given(system, session.given)
+    the model; of records the paths, and those of the base."""
+    evidence, names = session.evidence, [entry.names[0] for entry in chosen]
+
+    def told(number: int, name: str) -> None:
+        heard(number / len(names), name)
+
+    if isinstance(evidence, FreeRecords):
+        return record_effects(evidence.contest(session.given), names, told)
+    assert isinstance(evidence, CaptiveTests)
+    return (*_captive_effects(evidence.system, session.given, chosen, told), {})
+
+
+def _captive_effects(
+    system: System, given: Sequence[str], chosen: Sequence[Entry], heard: Callable[[int, str], None]
+) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
+    known = taken_as_given(system, given)
     base = held_out(system, known.blocks, with_level=False)
     before = base.of_channel()
     each = [tuple(blocks_of(known.system, entry)) for entry in chosen]
@@ -140,6 +169,7 @@ def _effects_of(
     without = whole.forces()
     shares, overlays = {}, {}
     for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
+        heard(number, entry.names[0])
         errors = held_out(system, (*known.blocks, *own), with_level=False)
         after = errors.of_channel()
         shares[entry.names[0]] = {

@@ -8,8 +8,8 @@ import { frozen, post } from "./api.js";
 const PAUSE = 150;
 const EXAMPLE = "Y: v*|v|*r; N: v*v*r";
 
-export function ownPanel(app) {
-  if (frozen || app.state.kind !== "captive") return null;
+export function ownPanel(app, found) {
+  if (frozen) return null;
   const draft = app.draft ?? { name: "", text: "" };
   app.draft = draft;
   const said = el("div", { role: "status", id: "own-said" });
@@ -54,6 +54,7 @@ export function ownPanel(app) {
     el("p", { class: "soft small" }, t("own_about")),
     el("div", { class: "own" }, name, text),
     said, weigh,
+    found?.unasked?.length ? el("ul", { class: "sentences" }, found.unasked.map((item) => el("li", {}, t("own_unasked", { effect: item.effect, why: item.why })))) : null,
     app.state.own.length ? el("p", { class: "small" }, `${t("own_kept")}: `, app.state.own.flatMap((own, i) => [i ? ", " : "", again(own)])) : null);
 }
 
