@@ -22,6 +22,7 @@ from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
 from pmmkit.ship_library import ships
 from pmmkit.structures import structures
+from pmmkit.validation.captive import observed
 from pmmkit.validation.comparison import Comparison, compare
 from pmmkit.version import __version__
 from pmmkit.workbench.commands import command_lines
@@ -48,8 +49,8 @@ from pmmkit.workbench.worker import Job, Worker
 
 DEMONSTRATION: Final = ("s175", "cubic", "s175-3dof")
 """Campaign, structure of the base, and ship that lends propeller and rudder."""
-KEPT: Final = 12
-"""Comparisons that are kept: undo and add go back and forth between a few."""
+KEPT: Final = 16
+"""What was worked out and is kept, the last that was asked for: undo and add go back and forth."""
 
 
 class StaleRevision(DataError):
@@ -145,7 +146,7 @@ class Desk:
                 "ship": tests.ship.name,
                 "kind": tests.kind,
                 "runs": len(tests),
-                "own": [{"name": x.name, "text": x.text} for x in own_of(self.folder)],
+                **self._own(),
                 "asked": find_result(self.folder, "missing", state.effects) is not None,
             }
         return page
@@ -408,6 +409,14 @@ class Desk:
 
     # What stands behind ---------------------------------------------------------------------------
 
+    def _own(self) -> dict[str, Any]:
+        """Effects of one's own, or why their file cannot be read."""
+        try:
+            own = own_of(self.folder)
+        except PmmkitError as error:
+            return {"own": [], "own_error": str(error)}
+        return {"own": [{"name": x.name, "text": x.text} for x in own], "own_error": ""}
+
     def _idle(self) -> None:
         if self._worker.job.stand == "running":
             raise DataError("Something is being worked out: wait for it, or cancel it.")
@@ -417,7 +426,8 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["effects"], job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
-        if job.name in ("open", "add"):
+        # After a step the page asks itself, the waterfall first.
+        if job.name == "open":
             self.warm()
 
     def _result(self, name: str) -> Any:
@@ -465,18 +475,21 @@ class Desk:
     def _once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
         """What was worked out before, or is now: one at a time, so that nothing is done twice."""
         with self._working:
-            if key not in self._known:
-                found = work()
-                while len(self._known) >= KEPT:
-                    del self._known[next(iter(self._known))]
-                self._known[key] = found
-            return self._known[key]
+            found = self._known.pop(key) if key in self._known else work()
+            while len(self._known) >= KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[key] = found
+            return found
 
     def _comparison(self, effects: tuple[str, ...]) -> Comparison:
-        campaign = self._campaign(self._opened())
-        found: Comparison = self._once(
-            ("comparison", effects), lambda: compare(self._model(effects), campaign)
-        )
+        tests = self._campaign(self._opened())
+
+        def work() -> Comparison:
+            views = self._once(("views",), partial(observed, tests)) if captive else None
+            return compare(self._model(effects), tests, views=views)
+
+        captive = tests.kind == "captive"
+        found: Comparison = self._once(("comparison", effects), work)
         return found
 
     def _campaign(self, state: State) -> Campaign:

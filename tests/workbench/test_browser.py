@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib.resources
+import importlib.util
+import json
 import threading
 from contextlib import contextmanager
 
@@ -65,6 +68,21 @@ def asked_desk(place):
     done(browser, "diagnose")
     yield desk
     desk.close()
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The script that looks for broken rules of accessibility."""
+    if importlib.util.find_spec("axe_core_python") is None:
+        pytest.skip("no axe-core on this machine: pip install axe-core-python")
+    return (importlib.resources.files("axe_core_python") / "axe.min.js").read_text("utf-8")
+
+
+def broken(page, axe):
+    """Rules that the page breaks, each with the first place where it does."""
+    page.run(f"{axe}; 0")
+    found = page.run("axe.run().then(found => JSON.stringify(found.violations))")
+    return [(item["id"], item["nodes"][0]["html"]) for item in json.loads(found)]
 
 
 def settled(page):
@@ -167,6 +185,18 @@ def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):
         assert nameless == [], name
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_rule_of_accessibility_is_broken(opened, axe, scheme):
+    opened.scheme(scheme)
+    try:
+        for name in PLACES:
+            opened.run(f"location.hash = '{name}'")
+            settled(opened)
+            assert broken(opened, axe) == [], name
+    finally:
+        opened.scheme("light")
+
+
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (390, "light"), (1440, "dark")])
 def test_places_fit_a_narrow_screen_and_the_dark(opened, width, scheme):
     opened.size(width, 844)
@@ -220,3 +250,15 @@ def test_two_candidates_stand_side_by_side(page, asked_desk):
         assert page.run(heads) == names
         assert page.run("document.querySelectorAll('.c-overlay, .c-second').length") == 2
         assert page.run("document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_candidates_break_no_rule_of_accessibility(page, asked_desk, axe):
+    """And axe would say so: a picture without a name is found."""
+    with served(asked_desk) as address:
+        page.open(address + "#missing")
+        page.wait("document.querySelectorAll('.tick input').length > 2")
+        settled(page)
+        page.run("[...document.querySelectorAll('.tick input')].slice(0, 2).map(x => x.click())")
+        assert broken(page, axe) == []
+        page.run("document.querySelector('main').append(document.createElement('img'))")
+        assert [rule for rule, _ in broken(page, axe)] == ["image-alt"]

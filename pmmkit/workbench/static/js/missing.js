@@ -15,7 +15,7 @@ const STRONG = Math.log(1e6);
 export async function showMissing(root, app, shown) {
   const [found, fall] = await Promise.all([app.missing(), app.fall()]);
   const view = { draw: () => {} };
-  const right = el("div", { class: "stack" });
+  const right = el("div", { class: "stack keeps" });
   const left = el("div", { class: "stack" });
   refill(root, el("div", { class: "two" }, left, right));
   const fresh = found?.since === 0;
