@@ -14,7 +14,8 @@ const STRONG = Math.log(1e6);
 
 export async function showMissing(root, app, shown) {
   const [found, fall] = await Promise.all([app.missing(), app.fall()]);
-  const view = { draw: () => {} };
+  // What is pointed at before the run is there is drawn when it comes.
+  const view = { asked: app.pair, show: () => {}, draw: (asked) => { view.asked = asked; view.show(asked); } };
   const right = el("div", { class: "stack keeps" });
   const left = el("div", { class: "stack" });
   refill(root, el("div", { class: "two" }, left, right));
@@ -24,7 +25,8 @@ export async function showMissing(root, app, shown) {
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
   refill(right, fall ? waterfall(fall) : null, run, turns);
   shown();
-  view.draw = await runView(run, app, fresh ? found : null);
+  view.show = await runView(run, app, fresh ? found : null);
+  view.show(view.asked);
   await turnPanel(turns, app);
 }
 
@@ -152,7 +154,6 @@ async function runView(root, app, found) {
     if (history.kind === "free") recordPlots(plots, history, { base, overlays: overlays.map((own) => own[run]) });
     else runPlots(plots, history, channel, { overlays, compact: true });
   };
-  draw(app.pair);
   return draw;
 }
 

@@ -54,7 +54,9 @@ export async function showShip(root, app, shown) {
   };
   panel();
   refill(root, el("div", { class: "two" }, controls, picture));
-  await sail(true);
+  // The ship at once, the ships around her when they have sailed too.
+  await sail(false);
+  sail(true);
 }
 
 function request(asked, band) {
