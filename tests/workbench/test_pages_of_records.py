@@ -52,6 +52,12 @@ def shares(page):
     return {item["effect"]: item["share"] for item in page["candidates"]}
 
 
+def test_what_was_fitted_stands_before_what_the_linear_problem_promises(session, page):
+    fitted = {x for item in session.evidence.contest(()).settled for x in item.names}
+    shown = [item["effect"] for item in page["candidates"]]
+    assert set(shown[: len(fitted)]) == fitted
+
+
 def test_each_share_is_how_the_errors_of_records_left_out_fall(session, page):
     told = shares(page)
     assert set(told) == {"asymmetry", "fault_rudder_zero", "even"}

@@ -57,11 +57,12 @@ def missing_page(
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
     visible = {item.name: item for item in found.covered}
+    fitted = _fitted(session)
     singles = [item for item in found.entries if len(item.names) == 1 and _known(item)]
     chosen = [
         entry
         for number, entry in enumerate(singles)
-        if number < SHOWN or entry.names[0] in {*named, *findings, *own}
+        if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
     ]
     shares, overlays, base = _effects_of(session, chosen, heard)
     entries = {**catalogue(), **own}
@@ -88,7 +89,7 @@ def missing_page(
                 "why": seen.why if seen else "",
             }
         )
-    candidates.sort(key=lambda item: (not item["named"], -item["log_odds"]))
+    candidates.sort(key=lambda x: (not x["named"], x["effect"] not in fitted, -x["log_odds"]))
     return {
         "verdict": found.verdict,
         "sentence": found.sentence,
@@ -117,6 +118,15 @@ def _unasked(session: Session, visible: Mapping[str, Visible]) -> list[dict[str,
     if isinstance(evidence, FreeRecords):
         return [{"effect": x.name, "why": evidence.why_not_asked(x)} for x in absent]
     return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
+
+
+def _fitted(session: Session) -> set[str]:
+    """Effects that a contest of records has fitted through the equations: they stand before those
+    of which the linear problem promises more, which the equations may not keep."""
+    evidence = session.evidence
+    if not isinstance(evidence, FreeRecords):
+        return set()
+    return {name for item in evidence.contest(session.given).settled for name in item.names}
 
 
 def _known(entry: Entry) -> bool:
