@@ -89,12 +89,14 @@ def whole_path(fit: Fit, record: int) -> dict[str, Array]:
     Notes
     -----
     It begins where the most probable path does: sensors alone tell the sway of a start too badly
-    for a record that is sailed in one.
+    for a record that is sailed in one. The numbers are those of the linear problem where the fit
+    ended, as for the errors of records left out.
     """
     question = fit.place.question
+    z = probable(fit.known.total, question.numbers, fit.names, fit.spread)[0]
     stretch = question.stretches[record]
     whole = joined(stretch, len(stretch.begins)).free
-    change = question.numbers.T @ fit.z
+    change = question.numbers.T @ z
     states = sailed(whole, change)
     seen = shown(whole, states, change)
     found = {name: states[:, State[name]] for name in MOTION}
