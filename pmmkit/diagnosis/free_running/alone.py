@@ -112,9 +112,7 @@ def uncertain(model: Model, fit: Fit) -> Model:
     numbers = fit.place.question.numbers
     whole = numbers.T @ fit.covariance @ numbers.T.T
     moves = [
-        i
-        for i, name in enumerate(numbers.values)
-        if name not in OUTSIDE and whole[i, i] > 0.0 and numbers.T[i].any()
+        i for i, name in enumerate(numbers.values) if name not in OUTSIDE and whole[i, i] > 0.0
     ]
     at = places(model, [numbers.values[i] for i in moves])
     held = [k for k, (effect, name) in enumerate(at) if name in model.parts[effect].values]
