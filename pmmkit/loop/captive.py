@@ -11,7 +11,7 @@ from pathlib import Path
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
-from pmmkit.diagnosis.captive.held_out import held_out
+from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
 from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
@@ -82,6 +82,19 @@ class CaptiveTests:
         """The effects of the base at the values of their nonlinear parameters, by their names."""
         return cache(lambda given: refined(self.system, taken_as_given(self.system, given).blocks))
 
+    @cached_property
+    def _left_out(self) -> Callable[[Sequence[Block]], HeldOut]:
+        """Errors of what is left out with some blocks, each set of them once."""
+        known: dict[tuple[tuple[str, float, int], ...], HeldOut] = {}
+
+        def found(blocks: Sequence[Block]) -> HeldOut:
+            key = tuple((x.candidate.name, x.value, x.columns.start) for x in blocks)
+            if key not in known:
+                known[key] = held_out(self.system, blocks)
+            return known[key]
+
+        return found
+
     def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
         """What the base still lacks when it has some effects."""
         return answer(self.system, tuple(given), floor=self.floor, seed=seed)
@@ -93,9 +106,7 @@ class CaptiveTests:
         names = (BASE, *(step.effect for step in steps))
         return ErrorFall(
             steps=names,
-            errors=tuple(
-                held_out(self.system, blocks[: first + number]) for number in range(len(names))
-            ),
+            errors=tuple(self._left_out(blocks[: first + number]) for number in range(len(names))),
         )
 
     def held_out_errors(self, _steps: Sequence[Step]) -> dict[str, dict[str, float]]:
@@ -110,16 +121,31 @@ class CaptiveTests:
         ModelError
             If the base is a structure: it has no ship to sail with.
         """
+        source, blocks = self._ship(), self._with(steps)
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        found = refitted(source, fit, blocks, self.system.base, self.campaign, self.own)
+        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
+        return made.stepped(*self._fitted(steps, fit, blocks, source, made))
+
+    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+
+        Raises
+        ------
+        ModelError
+            If the base is a structure: it has no ship to sail with.
+        """
+        source, blocks = self._ship(), self.blocks((*given, *names))
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        return refitted(source, fit, blocks, self.system.base, self.campaign, self.own).model
+
+    def _ship(self) -> Model:
         if not isinstance(self.source, Model):
             raise ModelError(
                 f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
                 f"the campaign first, then take its model.toml."
             )
-        blocks = self._with(steps)
-        fit = joint_fit(self.system, blocks, floor=self.floor)
-        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
-        made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
-        return made.stepped(*self._fitted(steps, fit, blocks, self.source, made))
+        return self.source
 
     def _with(self, steps: Sequence[Step]) -> tuple[Block, ...]:
         return self.blocks((*self.begun, *(step.effect for step in steps)))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.effects.effect import Effect
 from pmmkit.models import Model
 from pmmkit.models.step import Step
 from pmmkit.presentation import Grid
@@ -82,6 +83,10 @@ class Evidence(Protocol):
     def kinds(self) -> Mapping[str, str]:
         """Who takes part: ``physics`` or ``fault`` by name."""
 
+    @property
+    def own(self) -> tuple[Effect, ...]:
+        """Effects of the user."""
+
     def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
         """What the base still lacks when it has some effects."""
 
@@ -93,3 +98,6 @@ class Evidence(Protocol):
 
     def model(self, steps: Sequence[Step]) -> Model:
         """Base and effects fitted together, with a step per effect."""
+
+    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""

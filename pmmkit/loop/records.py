@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,12 +12,14 @@ from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.diagnose import complete_model
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.free_running.alone import uncertain
 from pmmkit.diagnosis.free_running.bands import band
-from pmmkit.diagnosis.free_running.candidates import FreeCandidate
-from pmmkit.diagnosis.free_running.contest import MOST
-from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate, why_not_asked
+from pmmkit.diagnosis.free_running.contest import MOST, Contest
+from pmmkit.diagnosis.free_running.diagnose import TOLERANCE, answer, contest_about
 from pmmkit.diagnosis.free_running.findings import held_out_errors, model_of, moved
 from pmmkit.diagnosis.free_running.fits import Fit
+from pmmkit.diagnosis.free_running.hypotheses import Names
 from pmmkit.diagnosis.free_running.left_out import each, left_out_windows, predicted
 from pmmkit.diagnosis.free_running.refit import refitted
 from pmmkit.diagnosis.free_running.system import FreeSystem, free_system
@@ -24,7 +27,7 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
-from pmmkit.errors import DataError
+from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.evidence import BASE
 from pmmkit.loop.record_fall import RecordError, RecordFall
@@ -54,6 +57,8 @@ class FreeRecords:
         Faults of the records that the model's steps tell of.
     tolerance, held_out, held_out_window, most
         As for `diagnose_free`.
+    own : tuple of Effect
+        Effects of the user.
     """
 
     title: str
@@ -63,6 +68,7 @@ class FreeRecords:
     held_out: tuple[FreeRecord, ...] = ()
     held_out_window: float | None = None
     most: int = MOST
+    own: tuple[Effect, ...] = ()
 
     @property
     def base(self) -> str:
@@ -85,6 +91,10 @@ class FreeRecords:
         """Who takes part: ``physics`` or ``fault`` by name."""
         return {item.name: item.kind for item in self.system.every}
 
+    def why_not_asked(self, effect: Effect) -> str:
+        """Why an effect takes no part, in words; empty where it does."""
+        return why_not_asked(effect, self.system.model, self.system.records)
+
     def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
         """What the base still lacks when it has some effects."""
         return answer(
@@ -95,7 +105,13 @@ class FreeRecords:
             held_out_window=self.held_out_window,
             most=self.most,
             seed=seed,
+            contest=self.contest(tuple(given)),
         )
+
+    @cached_property
+    def contest(self) -> Callable[[Names], Contest]:
+        """Sets of effects against a base that has some already, each base once."""
+        return cache(lambda given: contest_about(self.system, given, most=self.most))
 
     def sets(self, steps: Sequence[Step]) -> tuple[tuple[str, ...], ...]:
         """The effects of the base, and after each step."""
@@ -156,6 +172,24 @@ class FreeRecords:
     def model(self, steps: Sequence[Step]) -> Model:
         """The model with base and effects fitted together, and with a step per effect."""
         return refitted(self.system, self.begun, steps)
+
+    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+
+        Raises
+        ------
+        ModelError
+            If the diagnosis did not name it.
+        """
+        settled = self.contest(tuple(given)).settled
+        fit = next((item.fit for item in settled if item.names == tuple(names)), None)
+        if fit is None:
+            raise ModelError(f"{' + '.join(names)} was not named.")
+        system, model = self.system, self.system.model
+        for item in system.every:
+            if item.name in given:
+                model = item.added_to(model)
+        return uncertain(model_of(model, system.every, fit, system.speed), fit)
 
 
 def _sailed(fits: Mapping[str, Fit], record: int) -> Sailed:
@@ -226,4 +260,5 @@ def free_running(
         held_out=tuple(held_out),
         held_out_window=held_out_window,
         most=most,
+        own=tuple(own),
     )

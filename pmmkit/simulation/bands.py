@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -81,6 +81,7 @@ def bands_of(
     seed: int = 0,
     compiled: bool = True,
     extrapolate: bool = False,
+    among: Sequence[tuple[Model, float]] = (),
     **settings: Any,
 ) -> Bands:
     """Bands of a manoeuvre from ships drawn as for `monte_carlo`: the same seed, the same ships.
@@ -93,6 +94,9 @@ def bands_of(
         Number of ships; each is kept in full, so some hundred.
     compiled : bool
         Run compiled code.
+    among : sequence of (Model, float)
+        Models that may each be the ship, with their odds: as many ships of each are drawn, about
+        the track of `model`; one without covariance stands for all of its ships.
 
     Raises
     ------
@@ -111,15 +115,22 @@ def bands_of(
     if not (isinstance(n, int) and n > 1):
         raise DataError(f"n = {n} must be a whole number above 1.")
     loaded = model if isinstance(model, Model) else load_model(model)
-    own = {"speed": speed, "extrapolate": extrapolate, **settings}
+    own: dict[str, Any] = {"speed": speed, "extrapolate": extrapolate, **settings}
     track = simulate(loaded, manoeuvre, compiled=compiled, **own)
-    batch = batch_of(loaded, manoeuvre, **own)
-    drawn = spread_of(loaded, speed, spread, extrapolate=extrapolate, fn=batch.fn)
-    tracks = [
-        found
-        for values in drawn.draw(seed, 0, n)
-        if (found := _sailed(batch, drawn.names, values, settings, compiled=compiled))
-    ]
+    total = sum(odds for _, odds in among) or 1.0
+    tracks: list[Track] = []
+    for other, odds in among or ((loaded, 1.0),):
+        count = max(round(n * odds / total), 1)
+        if among and spread is None and not _differs(other):
+            tracks += [simulate(other, manoeuvre, compiled=compiled, **own)] * count
+            continue
+        batch = batch_of(other, manoeuvre, **own)
+        drawn = spread_of(other, speed, spread, extrapolate=extrapolate, fn=batch.fn)
+        tracks += [
+            found
+            for values in drawn.draw(seed, 0, count)
+            if (found := _sailed(batch, drawn.names, values, settings, compiled=compiled))
+        ]
     if not tracks:
         raise DataError("None of the ships can be simulated: give a smaller spread.")
     low, high = _over_time(track, tracks)
@@ -138,6 +149,11 @@ def bands_of(
         ),
         ships=len(tracks),
     )
+
+
+def _differs(model: Model) -> bool:
+    """Whether anything is known of how ships of a model differ."""
+    return model.covariance is not None or any(part.std for part in model.parts.values())
 
 
 def _sailed(

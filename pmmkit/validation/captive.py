@@ -99,12 +99,18 @@ class CaptiveRun:
         }
 
 
+def observed(campaign: Campaign) -> tuple[View, ...]:
+    """What captive tests say, whichever model stands beside them."""
+    return views_of(campaign, unknown_noise=True, pieces=False)
+
+
 def compare_captive(
     model: Model,
     campaign: Campaign,
     *,
     floor: float,
     extrapolate: bool = False,
+    views: Sequence[View] | None = None,
     progress: Progress | None = None,
 ) -> tuple[tuple[CaptiveRun, ...], tuple[str, ...]]:
     """Every captive run beside a model.
@@ -119,6 +125,8 @@ def compare_captive(
         Share of the rms force of a channel that counts as uncertain whatever else is known.
     extrapolate : bool
         Allow speeds outside the range of the model's values.
+    views : sequence of View, optional
+        What `observed` says of the campaign, where it has been asked.
     progress : callable, optional
         Told what is being done.
 
@@ -137,7 +145,7 @@ def compare_captive(
     """
     predictor = in_the_tank(model, campaign, extrapolate=extrapolate)
     rig = rig_of(campaign)
-    views = views_of(campaign, unknown_noise=True, pieces=False)
+    views = observed(campaign) if views is None else views
     notes = [
         *predictor.notes,
         *idle(campaign.uncertainty, [(view.run, tuple(view.force)) for view in views]),

@@ -16,6 +16,7 @@ from pmmkit.errors import DataError, UnknownNameError
 from pmmkit.metrics import in_metres, told
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import rms
+from pmmkit.observations.views import View
 from pmmkit.observations.whitening import FLOOR
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section, counted, number
 from pmmkit.progress import Progress
@@ -373,6 +374,7 @@ def compare(
     floor: float = FLOOR,
     window: float | None = None,
     extrapolate: bool = False,
+    views: Sequence[View] | None = None,
     progress: Progress | None = None,
 ) -> Comparison:
     """A model beside measurements, and where it fails.
@@ -391,6 +393,9 @@ def compare(
         Free-running: length of the windows that are predicted [s]; 15 ship lengths by default.
     extrapolate : bool
         Allow speeds outside the range of the model's values.
+    views : sequence of View, optional
+        Captive tests: what `observed` says of them, where several models stand beside the same
+        tests.
     progress : callable, optional
         Told what is being done.
 
@@ -421,7 +426,7 @@ def compare(
     manoeuvres: tuple[Manoeuvre, ...] = ()
     if campaign.kind == "captive":
         captive, notes = compare_captive(
-            known, campaign, floor=floor, extrapolate=extrapolate, progress=progress
+            known, campaign, floor=floor, extrapolate=extrapolate, views=views, progress=progress
         )
     else:
         free, manoeuvres, notes = compare_free(

@@ -22,6 +22,7 @@ from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
 from pmmkit.ship_library import ships
 from pmmkit.structures import structures
+from pmmkit.validation.captive import observed
 from pmmkit.validation.comparison import Comparison, compare
 from pmmkit.version import __version__
 from pmmkit.workbench.commands import command_lines
@@ -30,6 +31,7 @@ from pmmkit.workbench.pages.numbers import BUCKETS
 from pmmkit.workbench.pages.one_run import run_page
 from pmmkit.workbench.pages.runs import record_page_of, runs_page
 from pmmkit.workbench.pages.turning import sailed_page, spiral_page, trials_page
+from pmmkit.workbench.rivals import RESULT, find_rivals
 from pmmkit.workbench.saved import (
     OPENED,
     STEPS,
@@ -48,8 +50,8 @@ from pmmkit.workbench.worker import Job, Worker
 
 DEMONSTRATION: Final = ("s175", "cubic", "s175-3dof")
 """Campaign, structure of the base, and ship that lends propeller and rudder."""
-KEPT: Final = 12
-"""Comparisons that are kept: undo and add go back and forth between a few."""
+KEPT: Final = 16
+"""What was worked out and is kept, the last that was asked for: undo and add go back and forth."""
 
 
 class StaleRevision(DataError):
@@ -149,7 +151,7 @@ class Desk:
             "ship": "",
             "kind": "captive",
             "runs": 0,
-            "own": [],
+            **self._own(),
             "faults": [],
             "outdated": False,
             "asked": find_result(self.folder, "missing", state.effects) is not None,
@@ -164,10 +166,6 @@ class Desk:
                 "runs": len(tests),
                 "outdated": reduced not in (None, tests.provenance.get("sha256")),
             }
-        except PmmkitError as error:
-            page["faults"].append(str(error))
-        try:
-            page["own"] = [{"name": x.name, "text": x.text} for x in own_of(self.folder)]
         except PmmkitError as error:
             page["faults"].append(str(error))
         return page
@@ -246,7 +244,9 @@ class Desk:
         manoeuvre, speed = str(settings.pop("manoeuvre")), float(settings.pop("speed"))
         if manoeuvre == "spiral":
             return spiral_page(model, speed=speed)
-        return sailed_page(model, manoeuvre, speed=speed, **settings)
+        own = self._opened().effects
+        rivals = find_rivals(self.folder, own) if settings.get("band") else ()
+        return sailed_page(model, manoeuvre, speed=speed, rivals=rivals, **settings)
 
     def trials(self) -> dict[str, list[dict[str, Any]]]:
         """Measured turns and zigzags of the tests, by manoeuvre; none of captive tests."""
@@ -346,16 +346,15 @@ class Desk:
         """Keep an effect of one's own, new or rewritten, and ask what is missing with it."""
         with self._changing:
             state = self._current(revision)
-            if self._campaign(state).kind != "captive":
-                raise DataError("Effects of your own are weighed by captive tests.")
             if name in state.effects:
                 raise DataError(f"{name} is in the model: undo it before you rewrite it.")
             effect = own_effect(name, text)
             others = [item for item in own_of(self.folder) if item.name != name]
             self._idle()
             save_own(self.folder, [*others, effect])
-            for old in self.folder.glob("missing_*.json"):
-                old.unlink(missing_ok=True)
+            for name in ("missing", RESULT):
+                for old in self.folder.glob(f"{name}_*.json"):
+                    old.unlink(missing_ok=True)
             self._change(replace(state, revision=state.revision + 1))
             return self._worker.start("diagnose", self._asked(state))
 
@@ -443,6 +442,14 @@ class Desk:
 
     # What stands behind ---------------------------------------------------------------------------
 
+    def _own(self) -> dict[str, Any]:
+        """Effects of one's own, or why their file cannot be read."""
+        try:
+            own = own_of(self.folder)
+        except PmmkitError as error:
+            return {"own": [], "own_error": str(error)}
+        return {"own": [{"name": x.name, "text": x.text} for x in own], "own_error": ""}
+
     def _idle(self) -> None:
         if self._worker.job.stand == "running":
             raise DataError("Something is being worked out: wait for it, or cancel it.")
@@ -452,7 +459,8 @@ class Desk:
             with self._changing:
                 effects = (*job.asked["effects"], job.asked["effect"])
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
-        if job.name in ("open", "add", "again"):
+        # After a step the page asks itself, the waterfall first.
+        if job.name in ("open", "again"):
             self._known.clear()
             self.warm()
 
@@ -501,12 +509,11 @@ class Desk:
     def once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
         """What was worked out before, or is now: one at a time, so that nothing is done twice."""
         with self._working:
-            if key not in self._known:
-                found = work()
-                while len(self._known) >= KEPT:
-                    del self._known[next(iter(self._known))]
-                self._known[key] = found
-            return self._known[key]
+            found = self._known.pop(key) if key in self._known else work()
+            while len(self._known) >= KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[key] = found
+            return found
 
     def aside(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
         """The same for what may take a minute: meanwhile everything else is answered."""
@@ -517,10 +524,14 @@ class Desk:
         return self.once(key, lambda: found)
 
     def _comparison(self, effects: tuple[str, ...]) -> Comparison:
-        campaign = self._campaign(self._opened())
-        found: Comparison = self.once(
-            ("comparison", effects), lambda: compare(self._model(effects), campaign)
-        )
+        tests = self._campaign(self._opened())
+
+        def work() -> Comparison:
+            views = self.once(("views",), partial(observed, tests)) if captive else None
+            return compare(self._model(effects), tests, views=views)
+
+        captive = tests.kind == "captive"
+        found: Comparison = self.once(("comparison", effects), work)
         return found
 
     def _campaign(self, state: State) -> Campaign:
@@ -542,7 +553,7 @@ class Desk:
     def _turn(self, effects: tuple[str, ...]) -> dict[str, Any]:
         model, reach = self._model(effects), self.range()["speeds"]
         speed = reach[len(reach) // 2]
-        settings = {"rudder_deg": HARD_OVER, "extrapolate": True}
+        settings: dict[str, Any] = {"rudder_deg": HARD_OVER, "extrapolate": True}
         return sailed_page(model, "turning", speed=speed, band=True, **settings)
 
 
@@ -556,8 +567,15 @@ def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:
     if not added:
         return {"since": 0}
     left = [
-        {**item, "share": None}
+        {**item, "share": None, "lost": False}
         for item in found["candidates"]
         if item["named"] and item["effect"] not in added
     ]
-    return {"since": len(added), "candidates": left, "sets": [], "suspected": [], "overlays": {}}
+    return {
+        "since": len(added),
+        "candidates": left,
+        "sets": [],
+        "suspected": [],
+        "overlays": {},
+        "base": {},
+    }

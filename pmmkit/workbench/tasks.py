@@ -17,6 +17,7 @@ from pmmkit.models import Model, load_model, save_model
 from pmmkit.structures import structures
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.missing import missing_page
+from pmmkit.workbench.rivals import save_rivals
 from pmmkit.workbench.saved import (
     OPENED,
     STEPS,
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
 
 STRUCTURE: Final = "abkowitz3"
 """Structure of the base where no model is named."""
+WHOLE: Final = 100
+PARTS: Final = (30, 75)
+"""How far of `WHOLE` a diagnosis is when tests are ready, and when the catalogue is weighed."""
 
 
 def tasks() -> Mapping[str, Task]:
@@ -127,8 +131,15 @@ class Tasks:
     ) -> None:
         """What the base with these steps still lacks."""
         session = self._session(folder, campaign, data, settings, effects, tell)
-        tell(1, 2, "weighing the effects of the catalogue")
-        page = missing_page(session, session.diagnose())
+        tell(PARTS[0], WHOLE, "weighing the effects of the catalogue")
+        found = session.diagnose()
+
+        def heard(share: float, effect: str) -> None:
+            done = PARTS[1] + round((WHOLE - PARTS[1]) * share)
+            tell(done, WHOLE, f"what {effect} alone would do")
+
+        page = missing_page(session, found, heard)
+        save_rivals(Path(folder), session, found)
         save_result(Path(folder), "missing", tuple(effects), page)
 
     def add(
@@ -146,14 +157,14 @@ class Tasks:
     ) -> None:
         """One effect more: the model, its errors and the steps, written to the folder."""
         session = self._session(folder, campaign, data, settings, effects, tell)
-        tell(1, 3, f"fitting with {effect}")
+        tell(PARTS[0], WHOLE, f"fitting with {effect}")
         session = session.add(effect, why)
         if log_odds is not None:
             last = replace(session.steps[-1], log_odds=log_odds)
             session = replace(session, steps=(*session.steps[:-1], last))
         place, now = Path(folder), tuple(step.effect for step in session.steps)
         save_model(session.model(), model_file(place, now))
-        tell(2, 3, "errors of what is left out")
+        tell(PARTS[1], WHOLE, "errors of what is left out")
         save_result(place, "fall", now, fall_page(session.fall()))
         session.save(place / STEPS)
 
@@ -200,7 +211,7 @@ class Tasks:
         if key not in self._sessions:
             first = (campaign, data, stamp, ())
             if first not in self._sessions:
-                tell(0, 3, "reading the tests")
+                tell(0, WHOLE, "reading the tests")
                 tests = self._campaign(campaign, data)
                 free = tests.kind == "free-running"
                 heard = {"progress": partial(_heard, tell)} if free else {}

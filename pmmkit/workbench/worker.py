@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import time
 from collections.abc import Callable, Mapping
@@ -36,8 +37,10 @@ class Job:
         Parts of the work; 0 of 0 where nothing is known.
     text : str
         What is being done, or why it failed.
-    began, ended : float
-        Seconds of a monotonic clock.
+    began, heard, ended : float
+        Seconds of a monotonic clock: of the begin, of the last part that was told, of the end.
+    usual : float
+        Seconds that the task took the last time; NaN where it was not done yet.
     asked : mapping
         What the task was asked.
     """
@@ -49,14 +52,25 @@ class Job:
     total: int = 0
     text: str = ""
     began: float = 0.0
+    heard: float = 0.0
     ended: float = 0.0
+    usual: float = math.nan
     asked: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def left(self, now: float) -> float | None:
+        """Seconds that are left at some time: as many as the last time, else as many as the parts
+        that are done foretell; None where neither can be told."""
+        share = self.done / self.total if self.total else 0.0
+        ends = self.began + self.usual
+        if math.isnan(ends) and share:
+            ends = self.began + (self.heard - self.began) / share
+        return ends - now if ends > now else None
 
     def to_dict(self) -> dict[str, Any]:
         """As the page reads it: with the seconds gone and, where it can be told, those left."""
         until = time.monotonic() if self.stand == "running" else self.ended
         gone = until - self.began if self.number else 0.0
-        share = self.done / self.total if self.total else 0.0
+        left = self.left(until)
         return {
             "number": self.number,
             "name": self.name,
@@ -65,7 +79,7 @@ class Job:
             "total": self.total,
             "text": self.text,
             "seconds": round(gone, 1),
-            "left": round(gone * (1.0 - share) / share, 1) if share else None,
+            "left": None if left is None else round(left, 1),
             "effect": self.asked.get("effect"),
         }
 
@@ -88,6 +102,7 @@ class Worker:
         self._finished = finished
         self._lock = Lock()
         self._job = Job()
+        self._took: dict[str, float] = {}
         self._process: multiprocessing.process.BaseProcess | None = None
         self._pipe: Connection | None = None
 
@@ -112,8 +127,15 @@ class Worker:
                 self._begin()
             assert self._pipe is not None
             number = self._job.number + 1
+            now = time.monotonic()
             job = Job(
-                number=number, name=name, stand="running", began=time.monotonic(), asked=asked
+                number=number,
+                name=name,
+                stand="running",
+                began=now,
+                heard=now,
+                usual=self._took.get(name, math.nan),
+                asked=asked,
             )
             self._job = job
             self._pipe.send((name, dict(asked)))
@@ -160,6 +182,8 @@ class Worker:
 
     def _end(self, stand: Stand, text: str) -> None:
         self._job = replace(self._job, stand=stand, text=text, ended=time.monotonic())
+        if stand == "done":
+            self._took[self._job.name] = self._job.ended - self._job.began
 
     def _listen(self, pipe: Connection, number: int) -> None:
         while True:
@@ -172,7 +196,8 @@ class Worker:
                     return
                 if kind == "progress":
                     done, total, text = content
-                    self._job = replace(self._job, done=done, total=total, text=text)
+                    now = time.monotonic()
+                    self._job = replace(self._job, done=done, total=total, text=text, heard=now)
                     continue
                 job = self._job
             if kind == "done":

@@ -13,6 +13,7 @@ from hidden_effects import hidden_campaign
 
 from pmmkit import model_of, reduce_campaign
 from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.diagnosis.captive.held_out import held_out
 from pmmkit.effects.grammar import own_effect
 from pmmkit.errors import ModelError, UnknownNameError
 from pmmkit.loop.session import begin, fit, replay, undone
@@ -153,6 +154,24 @@ def test_a_fault_found_before_is_known_in_the_next_session(session):
 
 
 @pytest.mark.slow
+def test_each_set_of_effects_is_left_out_once(bare, monkeypatch):
+    """Model and waterfall of three states: base, one step, two steps."""
+    asked = []
+
+    def counted(system, blocks):
+        asked.append([block.candidate.name for block in blocks])
+        return held_out(system, blocks)
+
+    monkeypatch.setattr("pmmkit.loop.captive.held_out", counted)
+    session = begin(bare, hidden_campaign("middle", {"yaw_sway_coupling": 1.0}, seed=3))
+    for effect in ("yaw_sway_coupling", "asymmetry"):
+        session = session.add(effect)
+        session.model()
+        session.fall()
+    assert asked == [[], ["yaw_sway_coupling"], ["yaw_sway_coupling", "asymmetry"]]
+
+
+@pytest.mark.slow
 def test_undo_takes_the_last_step_and_nothing_else(session):
     one = session.add("memory")
     two = one.add("fault_misalignment")
@@ -252,6 +271,6 @@ def test_an_effect_of_ones_own_is_named_added_and_fitted(bare, tmp_path):
 
 def test_a_fit_that_an_effect_cannot_have_says_that_the_tests_do_not_show_it(bare):
     """A truth with a thrust of the cross flow in place of its drag."""
-    tests = begin(bare, hidden_campaign("small", {"crossflow_drag": -1.0}, seed=3))
+    tests = begin(bare, hidden_campaign("middle", {"crossflow_drag": -1.0}, seed=3))
     with pytest.raises(ModelError, match=r"CD of crossflow_drag at -0\.\d+ ± .*leave it out, or"):
         tests.add("crossflow_drag").model()

@@ -92,6 +92,17 @@ class Page:
                 own["windowsVirtualKeyCode"] = codes[name]
             self._ask("Input.dispatchKeyEvent", own)
 
+    def point(self, script: str, *, click: bool = False) -> None:
+        """Move the mouse to the middle of an element, and click it if asked."""
+        self.run(f"({script}).scrollIntoView({{block: 'center'}})")
+        box = f"(({script}).getBoundingClientRect())"
+        x, y = self.run(f"[{box}.x + {box}.width / 2, {box}.y + {box}.height / 2]")
+        at = {"x": x, "y": y}
+        self._ask("Input.dispatchMouseEvent", {"type": "mouseMoved", **at})
+        for kind in ("mousePressed", "mouseReleased") if click else ():
+            pressed = {"type": kind, **at, "button": "left", "clickCount": 1}
+            self._ask("Input.dispatchMouseEvent", pressed)
+
     def _ask(self, method: str, params: dict[str, Any]) -> dict[str, Any]:
         self._number += 1
         number = self._number

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import importlib.resources
+import importlib.util
+import json
+import shlex
+
 import pytest
 from asgi import Browser
 from chromium import chromium, found
+from commands import said
 from long_work import done
 from served import served
 
 from pmmkit.cli import main
+from pmmkit.models import load_model
 from pmmkit.presentation import Grid, Group, Picture, Section
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
@@ -47,6 +54,21 @@ def asked_desk(place):
     done(browser, "diagnose")
     yield desk
     desk.close()
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The script that looks for broken rules of accessibility."""
+    if importlib.util.find_spec("axe_core_python") is None:
+        pytest.skip("no axe-core on this machine: pip install axe-core-python")
+    return (importlib.resources.files("axe_core_python") / "axe.min.js").read_text("utf-8")
+
+
+def broken(page, axe):
+    """Rules that the page breaks, each with the first place where it does."""
+    page.run(f"{axe}; 0")
+    found = page.run("axe.run().then(found => JSON.stringify(found.violations))")
+    return [(item["id"], item["nodes"][0]["html"]) for item in json.loads(found)]
 
 
 def settled(page):
@@ -147,6 +169,18 @@ def test_all_that_can_be_clicked_has_a_name_and_a_place_among_the_keys(opened):
             ".map(x => x.outerHTML.slice(0, 90))"
         )
         assert nameless == [], name
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_no_rule_of_accessibility_is_broken(opened, axe, scheme):
+    opened.scheme(scheme)
+    try:
+        for name in PLACES:
+            opened.run(f"location.hash = '{name}'")
+            settled(opened)
+            assert broken(opened, axe) == [], name
+    finally:
+        opened.scheme("light")
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(390, "dark"), (390, "light"), (1440, "dark")])
@@ -281,3 +315,79 @@ def test_two_candidates_stand_side_by_side(page, asked_desk):
         assert page.run(heads) == names
         assert page.run("document.querySelectorAll('.c-overlay, .c-second').length") == 2
         assert page.run("document.documentElement.scrollWidth <= innerWidth")
+
+
+FALL = "section[aria-label='How the error falls']"
+
+
+def errors(page, steps):
+    """The errors of the waterfall when it has so many steps."""
+    page.wait(f"document.querySelectorAll({FALL!r} + ' rect').length === {steps + 1}")
+    settled(page)
+    words = f"[...document.querySelectorAll({FALL!r} + ' svg text')].map(x => x.textContent)"
+    return [x for x in page.run(words) if x.endswith("%")]
+
+
+def tabbed(page, words, most=60):
+    """Goes on by the tabulator to what has these words."""
+    for _ in range(most):
+        page.key("Tab")
+        if page.run("document.activeElement.textContent") == words:
+            return
+    raise AssertionError(f"the tabulator does not come to {words}")
+
+
+def test_the_loop_by_mouse_and_by_keys_alone_and_by_the_command_line(
+    page, asked_desk, place, capsys
+):
+    """Point at a candidate, click it in, take it back, and again by keys: the same errors; the
+    command that the page shows gives the same model."""
+    with served(asked_desk) as address:
+        page.open(address + "#missing")
+        page.wait("document.querySelectorAll('.candidates button.primary').length")
+        settled(page)
+        first = "document.querySelector('.candidates button.primary')"
+        name = page.run(f"{first}.closest('li').querySelector('.link').textContent")
+        page.point(f"{first}.closest('li').querySelector('.summary')")
+        assert page.wait("document.querySelector('.c-overlay')?.parentElement.textContent") == (
+            f"with {name}"
+        )
+        page.point(first, click=True)
+        by_mouse = errors(page, 1)
+        page.point("document.querySelector('.rail button')", click=True)
+        page.wait(f"!document.querySelector({FALL!r})")
+        settled(page)
+        page.run("document.activeElement.blur()")
+        page.key("4", "4")
+        tabbed(page, name)
+        assert page.wait("document.querySelector('.c-overlay')?.parentElement.textContent") == (
+            f"with {name}"
+        )
+        tabbed(page, "Add")
+        page.key("Enter", "\r")
+        by_keys = errors(page, 1)
+        line = page.run("fetch('api/state').then(x => x.json()).then(x => x.commands.at(-1).line)")
+        typed, made = shlex.split(line)[1:], place / "by_command.toml"
+        typed[typed.index("replayed.toml")] = str(made)
+        assert said(capsys, *typed)[0] == 0
+        by_command = load_model(made)
+        by_page = load_model(asked_desk.folder / "model_1.toml")
+        tabbed(page, "Undo")
+        page.key("Enter", "\r")
+        page.wait(f"!document.querySelector({FALL!r})")
+    assert by_mouse == by_keys
+    assert float(by_keys[1].split()[0]) < float(by_keys[0].split()[0])
+    for name, part in by_page.parts.items():
+        assert by_command.parts[name].values == part.values, name
+
+
+def test_candidates_break_no_rule_of_accessibility(page, asked_desk, axe):
+    """And axe would say so: a picture without a name is found."""
+    with served(asked_desk) as address:
+        page.open(address + "#missing")
+        page.wait("document.querySelectorAll('.tick input').length > 2")
+        settled(page)
+        page.run("[...document.querySelectorAll('.tick input')].slice(0, 2).map(x => x.click())")
+        assert broken(page, axe) == []
+        page.run("document.querySelector('main').append(document.createElement('img'))")
+        assert [rule for rule, _ in broken(page, axe)] == ["image-alt"]

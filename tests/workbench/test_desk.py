@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,9 @@ from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.frozen import answers, frozen_page
 from pmmkit.workbench.page_file import bundle
+from pmmkit.workbench.rivals import find_rivals
 from pmmkit.workbench.saved import STATE
+from pmmkit.workbench.worker import Job
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +56,21 @@ def test_the_command_line_replays_the_steps_with_the_same_numbers(looped, desk, 
     assert {name: part.values for name, part in mine.parts.items()} == {
         name: part.values for name, part in theirs.parts.items()
     }
+
+
+@pytest.mark.slow
+def test_the_band_of_a_turn_is_of_all_ships_that_the_tests_accept(looped, desk):
+    """The set that was added among them: its ship is the model that came of the steps."""
+    speed = desk.range()["speeds"][0]
+    asked = {"manoeuvre": "turning", "speed": speed, "rudder_deg": 35.0, "band": True}
+    band = desk.sail(asked)["band"]
+    rivals = find_rivals(desk.folder, tuple(looped["named"]))
+    assert band["rivals"] == [list(item.effects) for item in rivals]
+    mine = next(item for item in rivals if set(item.effects) == set(looped["named"]))
+    made = load_model(desk.folder / "model_2.toml")
+    for name, part in made.parts.items():
+        assert mine.model.parts[name].values == pytest.approx(part.values), name
+    assert find_rivals(desk.folder, ("memory",)) == ()
 
 
 @pytest.mark.slow
@@ -105,6 +123,17 @@ def test_work_is_cancelled_at_once_and_can_be_asked_again(looped, browser):
     assert browser.post("/api/diagnose", {"revision": state["revision"]}).status == 400
     assert browser.post("/api/cancel", {}).json["stand"] == "cancelled"
     assert done(browser, "diagnose")["asked"]
+
+
+def test_what_is_left_is_told_by_the_parts_done_or_by_the_last_time():
+    """A quarter done in ten seconds leaves thirty, and less as time goes; done before in 15 s,
+    it leaves five after ten."""
+    job = Job(number=1, stand="running", began=100.0, heard=110.0, done=25, total=100)
+    assert job.left(110.0) == pytest.approx(30.0)
+    assert job.left(120.0) == pytest.approx(20.0)
+    assert job.left(145.0) is None
+    assert replace(job, done=0).left(110.0) is None
+    assert replace(job, usual=15.0).left(110.0) == pytest.approx(5.0)
 
 
 def test_modules_of_the_page_are_in_the_file_in_the_order_of_their_needs():

@@ -11,9 +11,11 @@ from long_work import done
 
 from pmmkit.effects.grammar import own_effect
 from pmmkit.errors import DataError
-from pmmkit.models import load_model
+from pmmkit.files import datasets_folder
+from pmmkit.models import load_model, save_model
 from pmmkit.workbench.application import application
 from pmmkit.workbench.desk import Desk
+from pmmkit.workbench.saved import OWN, State, model_file, save_state
 
 TERMS = "Y: v*v*r + v*r*r; N: v*v*r + v*r*r; Yvvr ~ 0.02; Yvrr ~ -0.04; Nvvr ~ -0.04; Nvrr ~ 0.002"
 """The coupling of sway and yaw that the model lacks, under another name."""
@@ -67,3 +69,19 @@ def test_an_own_effect_is_weighed_added_and_replayed_as_the_others(browser, desk
     assert {name: part.values for name, part in ours.parts.items()} == {
         name: part.values for name, part in theirs.parts.items()
     }
+
+
+def test_a_damaged_file_of_own_effects_is_said_beside_them(tmp_path):
+    """The state is given all the same: a page without it would be blank."""
+    save_model(load_model("s175-3dof"), model_file(tmp_path, ()))
+    save_state(tmp_path, State(campaign=str(datasets_folder() / "s175"), model="s175-3dof"))
+    (tmp_path / OWN).write_text("[[effects]]\nname = ", encoding="utf-8")
+    desk = Desk(tmp_path, [tmp_path])
+    try:
+        page = desk.page()
+        assert page["own"] == []
+        assert OWN in page["own_error"]
+        with pytest.raises(DataError, match=OWN):
+            desk.write(page["revision"], "mine", "Y: v*r*r")
+    finally:
+        desk.close()

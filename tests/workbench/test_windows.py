@@ -135,7 +135,7 @@ def test_what_is_damaged_is_told_beside_what_is_not(browser, desk, folder):
     state = browser.get("/api/state").json
     assert state["opened"] is True
     assert state["runs"] > 0
-    assert "own.toml" in " ".join(state["faults"])
+    assert "own.toml" in state["own_error"]
     own.unlink()
     whole = file.read_bytes()
     file.write_bytes(whole + b"[[runs")

@@ -12,7 +12,7 @@ from pmmkit.effects.added_mass import INERTIA
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
-from pmmkit.effects.seen import OUTSIDE
+from pmmkit.effects.seen import EXCITES, OUTSIDE
 from pmmkit.errors import DataError
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import ONE_SEA
@@ -21,6 +21,8 @@ from pmmkit.models.model import DERIVATIVE_PARTS
 from pmmkit.models.roles import parts_of
 from pmmkit.models.vessel import Sailing, moves_of, told
 
+APART: Final = 1.1
+"""Ratio of two speeds of approach from which they count as two."""
 DEEP: Final = 6.0
 """Draughts from which the bottom adds at most 3 % to the linear derivatives."""
 
@@ -94,11 +96,13 @@ def asked_in_free_running(effect: Effect) -> bool:
 
 def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
     """What records hold, in the words of `effects.seen.EXCITES`."""
+    speeds = [item.speed for item in records]
     return frozenset(
         word
         for word, there in {
             "rudder": True,
             "large motion": True,
+            "several speeds": bool(speeds) and max(speeds) > APART * min(speeds),
             "roll": model.rolls
             or (bool(records) and all(item.roll is not None for item in records)),
             "wind": bool(records) and all(item.wind_speed is not None for item in records),
@@ -109,6 +113,19 @@ def excited(model: Model, records: Sequence[FreeRecord]) -> frozenset[str]:
         }.items()
         if there
     )
+
+
+def why_not_asked(effect: Effect, model: Model, records: Sequence[FreeRecord]) -> str:
+    """Why records are not asked for an effect, in words; empty where they are."""
+    if effect.not_free_running or not asked_in_free_running(effect):
+        return effect.not_free_running or "it moves nothing that such records show"
+    held = excited(model, records)
+    lacking = [EXCITES[word] for word in effect.excites if word not in held]
+    if lacking:
+        return f"these records lack {' and '.join(lacking)}"
+    if not candidate_of(effect, Sailing(model, records[0].speed)).moves:
+        return "the model has no place for it"
+    return ""
 
 
 def check_seas(model: Model, records: Sequence[FreeRecord]) -> None:

@@ -184,14 +184,19 @@ def left_out_errors(
     return [_beside_small(fit, question) for question in asked]
 
 
-def _beside_small(fit: Fit, question: Question) -> list[tuple[float, float]]:
+def unimportant(question: Question) -> dict[str, float]:
+    """What does not matter of each error, in its unit."""
     record, L = question.stretches[0].record, question.model.ship.L
-    small = {
+    return {
         "position": NEAR * L,
         "heading": AIMED,
         "speed": SLOW * record.speed,
         "yaw_rate": AIMED * record.speed / L,
     }
+
+
+def _beside_small(fit: Fit, question: Question) -> list[tuple[float, float]]:
+    small = unimportant(question)
     left_out = each([item.record for item in question.stretches])
     found = pooled(_predicted(fit, left_out, question))
     return [(x, small[name]) for name, x in found.items()]

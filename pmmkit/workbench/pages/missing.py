@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Final
@@ -19,9 +19,11 @@ from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
 from pmmkit.loop.captive import CaptiveTests
+from pmmkit.loop.records import FreeRecords
 from pmmkit.models.step import odds
 from pmmkit.numerics import Array
 from pmmkit.workbench.pages.numbers import short
+from pmmkit.workbench.pages.record_overlays import record_effects
 
 SHOWN: Final = 10
 """Candidates beside those that are named."""
@@ -30,7 +32,13 @@ Overlay = dict[str, dict[str, list[float]]]
 """Change of the model by run and channel, harmonic by harmonic [N, N m]."""
 
 
-def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -> dict[str, Any]:
+def missing_page(
+    session: Session,
+    found: Diagnosis,
+    heard: Callable[[float, str], None] = lambda _done, _: None,
+    *,
+    overlays: bool = True,
+) -> dict[str, Any]:
     """A diagnosis with what each candidate would do, before anything is added.
 
     Parameters
@@ -39,27 +47,32 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
         The tests and what was added.
     found : Diagnosis
         Of this session.
+    heard : callable
+        Is told the share that is done, and of which candidate.
     overlays : bool
-        Whether a page follows that draws candidates over runs.
+        Whether a page follows that draws candidates over runs; without, candidates of records have
+        no share either, which is told by their paths.
 
     Returns
     -------
     dict
         ``verdict``, ``sentence``, ``remarks``, ``candidates`` (the best first), ``sets`` (the named
         set and its rivals), ``hidden``, ``covered`` (size that could hide of each, the smallest
-        first), ``overlays`` by effect.
+        first), ``overlays`` by effect, of records also ``base``: their paths without any;
+        ``unasked``: effects of one's own that take no part, and why.
     """
-    own = {item.name: item for item in getattr(session.evidence, "own", ())}
+    own = {item.name: item for item in session.evidence.own}
     named = {name for names, _ in found.group for name in names}
     findings = {item.effect: item for item in found.findings}
     visible = {item.name: item for item in found.covered}
+    fitted = _fitted(session)
     singles = [item for item in found.entries if len(item.names) == 1 and _known(item)]
     chosen = [
         entry
         for number, entry in enumerate(singles)
-        if number < SHOWN or entry.names[0] in {*named, *findings, *own}
+        if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
     ]
-    shares, changes = _effects_of(session, chosen, overlays=overlays)
+    shares, changes, base = _effects_of(session, chosen, heard, overlays=overlays)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
@@ -75,6 +88,7 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
                 "log_odds": short(finding.log_odds if finding else entry.log_evidence),
                 "evidence": odds(finding.log_odds if finding else entry.log_evidence),
                 "share": shares.get(name),
+                "lost": name not in shares,
                 "named": finding is not None,
                 "rivals": list(finding.rivals) if finding else _mimics(seen),
                 "test": finding.separating_test if finding else (effect.check if effect else ""),
@@ -83,7 +97,7 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
                 "why": seen.why if seen else "",
             }
         )
-    candidates.sort(key=lambda item: (not item["named"], -item["log_odds"]))
+    candidates.sort(key=lambda x: (not x["named"], x["effect"] not in fitted, -x["log_odds"]))
     return {
         "verdict": found.verdict,
         "sentence": found.sentence,
@@ -104,11 +118,31 @@ def missing_page(session: Session, found: Diagnosis, *, overlays: bool = True) -
             for item in sorted(found.covered, key=_hidden)
         ],
         "overlays": changes,
+        "base": base,
+        "unasked": _unasked(session, visible),
     }
 
 
 def _hidden(seen: Visible) -> float:
     return seen.hides if np.isfinite(seen.hides) else np.inf
+
+
+def _unasked(session: Session, visible: Mapping[str, Visible]) -> list[dict[str, str]]:
+    """Effects of one's own that take no part, and why."""
+    evidence = session.evidence
+    absent = [item for item in evidence.own if item.name not in evidence.kinds]
+    if isinstance(evidence, FreeRecords):
+        return [{"effect": x.name, "why": evidence.why_not_asked(x)} for x in absent]
+    return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
+
+
+def _fitted(session: Session) -> set[str]:
+    """Effects that a contest of records has fitted through the equations: they stand before those
+    of which the linear problem promises more, which the equations may not keep."""
+    evidence = session.evidence
+    if not isinstance(evidence, FreeRecords):
+        return set()
+    return {name for item in evidence.contest(session.given).settled for name in item.names}
 
 
 def _known(entry: Entry) -> bool:
@@ -134,20 +168,43 @@ def _coefficients(finding: Any) -> list[dict[str, Any]]:
 
 
 def _effects_of(
-    session: Session, chosen: Sequence[Entry], *, overlays: bool
-) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
+    session: Session,
+    chosen: Sequence[Entry],
+    heard: Callable[[float, str], None],
+    *,
+    overlays: bool,
+) -> tuple[dict[str, dict[str, Any]], Mapping[str, Any], Mapping[str, Any]]:
     """By effect the share of the held-out mean square error that it takes away, and the change of
-    the model; nothing for records that run free."""
-    evidence = session.evidence
-    if not isinstance(evidence, CaptiveTests):
-        return {}, {}
-    system = evidence.system
-    known = taken_as_given(system, session.given)
+    the model; of records the paths, and those of the base."""
+    evidence, names = session.evidence, [entry.names[0] for entry in chosen]
+
+    def told(number: int, name: str) -> None:
+        heard(number / len(names), name)
+
+    if isinstance(evidence, FreeRecords):
+        if not overlays:
+            return {}, {}, {}
+        return record_effects(evidence.contest(session.given), names, told)
+    assert isinstance(evidence, CaptiveTests)
+    found = _captive_effects(evidence.system, session.given, chosen, told, overlays=overlays)
+    return (*found, {})
+
+
+def _captive_effects(
+    system: System,
+    given: Sequence[str],
+    chosen: Sequence[Entry],
+    heard: Callable[[int, str], None],
+    *,
+    overlays: bool,
+) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
+    known = taken_as_given(system, given)
     base = held_out(system, known.blocks, with_level=False)
     before = base.of_channel()
     each = [tuple(blocks_of(known.system, entry)) for entry in chosen]
     shares = {}
-    for entry, own in zip(chosen, each, strict=True):
+    for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
+        heard(number, entry.names[0])
         errors = held_out(system, (*known.blocks, *own), with_level=False)
         after = errors.of_channel()
         shares[entry.names[0]] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -25,8 +26,33 @@ LENGTHS: Final = ("advance_L", "transfer_L", "tactical_diameter_L", "steady_diam
 """Measures of a turn that stand beside its path."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rival:
+    """A ship that the tests accept.
+
+    Parameters
+    ----------
+    effects : tuple of str
+        What the base lacks if this is the ship.
+    odds : float
+        Against the most probable one.
+    model : Model
+        With what is unknown of it.
+    """
+
+    effects: tuple[str, ...]
+    odds: float
+    model: Model
+
+
 def sailed_page(
-    model: Model, manoeuvre: str, *, speed: float, band: bool = False, **settings: Any
+    model: Model,
+    manoeuvre: str,
+    *,
+    speed: float,
+    band: bool = False,
+    rivals: Sequence[Rival] = (),
+    **settings: Any,
 ) -> dict[str, Any]:
     """A manoeuvre as the page draws it.
 
@@ -40,6 +66,8 @@ def sailed_page(
         Of the approach [m/s].
     band : bool
         Whether the central 95 % of ships drawn from the model's covariance is asked for.
+    rivals : sequence of Rival
+        Ships of which the band is drawn instead, each with its covariance.
     **settings
         As for `simulate`.
 
@@ -52,11 +80,12 @@ def sailed_page(
     """
     track = simulate(model, manoeuvre, speed=speed, compiled=False, **settings)
     page = track_page(track)
-    if band and model.covariance is not None:
+    if band and (rivals or model.covariance is not None):
+        among = [(item.model, item.odds) for item in rivals]
+        how = {"speed": speed, "n": SHIPS, "compiled": False, **settings}
         try:
-            page["band"] = _band(
-                bands_of(model, manoeuvre, speed=speed, n=SHIPS, compiled=False, **settings)
-            )
+            found = bands_of(model, manoeuvre, among=among, **how)
+            page["band"] = {**_band(found), "rivals": [list(item.effects) for item in rivals]}
         except PmmkitError as error:
             page["notes"] = [*page["notes"], str(error)]
     return page

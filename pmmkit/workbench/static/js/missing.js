@@ -2,28 +2,32 @@
 
 import { el, refill, svg } from "./dom.js";
 import { t } from "./words.js";
-import { fixed, num, plainWord } from "./format.js";
+import { fixed, num, plainWord, unitOf } from "./format.js";
+import { recordPlots } from "./recordplots.js";
 import { legend, runPlots } from "./runplots.js";
 import { turnPanel } from "./sailed.js";
 import { frozen } from "./api.js";
 import { ownPanel } from "./own.js";
 import { coveragePanel } from "./coverage.js";
+import { chosenCell } from "./where.js";
 
 const STRONG = Math.log(1e6);
 
 export async function showMissing(root, app, shown) {
   const [found, fall] = await Promise.all([app.missing(), app.fall()]);
-  const view = { draw: () => {} };
-  const right = el("div", { class: "stack" });
+  // What is pointed at before the run is there is drawn when it comes.
+  const view = { asked: app.pair, show: () => {}, draw: (asked) => { view.asked = asked; view.show(asked); } };
+  const right = el("div", { class: "stack keeps" });
   const left = el("div", { class: "stack" });
   refill(root, el("div", { class: "two" }, left, right));
   const fresh = found?.since === 0;
-  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app));
+  refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app, found));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
   refill(right, fall ? waterfall(fall) : null, run, turns, coveragePanel(found?.covered));
   shown();
-  view.draw = await runView(run, app, fresh ? found : null);
+  view.show = await runView(run, app, fresh ? found : null);
+  view.show(view.asked);
   // The turn of a page that asks about no model that sails is of another one.
   if (app.state.model) await turnPanel(turns, app);
   else turns.remove();
@@ -47,7 +51,6 @@ function answer(found, app, view) {
 }
 
 function candidate(item, app, view, drawn) {
-  const own = app.selected ? item.share?.channels?.[app.selected.channel] : null;
   const preview = () => view.draw([item.effect]);
   const leave = () => view.draw(app.pair);
   const name = el("button", { class: "link", title: t("show_effect", { effect: plainWord(item.effect) }), on: { focus: preview, click: preview } }, plainWord(item.effect));
@@ -62,9 +65,10 @@ function candidate(item, app, view, drawn) {
     frozen ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect }) } },
       item.kind === "fault" ? t("correct") : t("add")),
     el("p", { class: "summary" }, item.summary, item.kind === "fault" ? ` ${t("fault_about")}` : ""),
-    item.share ? meter("share", t("takes_away"), item.share.all, `${fixed(100 * Math.max(item.share.all, -9.99), 0)} %`) : null,
+    item.share ? meter("share", t("takes_away"), item.share.all, percent(item.share.all)) : null,
     meter("evidence", t("evidence"), item.log_odds / STRONG, item.evidence),
-    item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${channel} ${fixed(100 * share, 0)} %`).join(" · ")) : null,
+    item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${t(`channel_${channel}`)} ${percent(share)}`).join(" · ")) : null,
+    item.lost ? el("p", { class: "summary" }, t("lost_motion")) : null,
     item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
     item.test ? el("p", { class: "summary" }, t("to_be_sure", { test: item.test })) : null,
     item.coefficients.length ? coefficients(item.coefficients) : null,
@@ -82,7 +86,6 @@ function pairUp(box, app, view) {
 function beside(items) {
   if (items.length < 2) return null;
   const row = (title, give) => el("tr", {}, el("th", { scope: "row" }, title), items.map((item) => el("td", {}, give(item))));
-  const percent = (share) => `${fixed(100 * share, 0)} %`;
   return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("side_by_side") },
     el("table", { class: "plain beside" },
       el("thead", {}, el("tr", {}, el("th", {}, el("span", { class: "sr" }, t("measure"))), items.map((item) => el("th", { scope: "col" }, plainWord(item.effect))))),
@@ -91,6 +94,10 @@ function beside(items) {
         Object.keys(items[0].share.channels).map((channel) => row(t(`channel_${channel}`), (item) => percent(item.share.channels[channel]))),
         row(t("evidence"), (item) => `${item.evidence} (${t("log_odds", { odds: num(item.log_odds) })})`),
         row(t("separating_test"), (item) => item.test || "–"))));
+}
+
+function percent(share) {
+  return `${fixed(100 * Math.max(share, -9.99), 0)} %`;
 }
 
 function meter(kind, label, share, text) {
@@ -125,25 +132,19 @@ function hidden(found) {
 // The run that is looked at, with the candidate under the pointer drawn over it.
 async function runView(root, app, found) {
   const misfit = await app.misfit();
-  if (!misfit || misfit.kind !== "captive") {
-    root.remove();
-    return () => {};
-  }
-  if (!app.selected) {
-    const rows = misfit.groups.flatMap((group) => group.rows);
-    const worst = rows.flatMap((row) => Object.entries(row.cells).map(([channel, cell]) => ({ run: row.run, channel, ratio: cell.ratio ?? 0 })))
-      .reduce((a, b) => (b.ratio > a.ratio ? b : a));
-    app.selected = { run: worst.run, channel: worst.channel };
-  }
-  const history = await app.history(app.selected.run);
+  const chosen = misfit && chosenCell(app, misfit);
+  const history = chosen && await app.history(chosen.run);
   if (!history) {
     root.remove();
     return () => {};
   }
+  app.selected = chosen;
+  const { run, channel } = chosen;
+  const base = found?.base?.[run];
   const plots = el("div");
   const keys = el("div", { "aria-live": "polite" });
   refill(root,
-    el("div", { class: "head" }, el("h2", {}, `${t(`channel_${app.selected.channel}`)} · ${history.title}, ${history.words}`),
+    el("div", { class: "head" }, el("h2", {}, `${t(`channel_${channel}`)} · ${history.title}, ${history.words}`),
       el("a", { class: "small right", href: "#where" }, t("another_run"))),
     keys, plots);
   let shown;
@@ -152,10 +153,11 @@ async function runView(root, app, found) {
     const effects = items.map((item) => item.effect);
     if (effects.join() === shown) return;
     shown = effects.join();
-    refill(keys, legend(effects.map(plainWord)), beside(items));
-    runPlots(plots, history, app.selected.channel, { overlays: effects.map((effect) => found.overlays[effect]), compact: true });
+    refill(keys, legend(effects.map(plainWord), base ? "base_fitted" : "model"), beside(items));
+    const overlays = effects.map((effect) => found.overlays[effect]);
+    if (history.kind === "free") recordPlots(plots, history, { base, overlays: overlays.map((own) => own[run]) });
+    else runPlots(plots, history, channel, { overlays, compact: true });
   };
-  draw(app.pair);
   return draw;
 }
 
@@ -189,7 +191,7 @@ function waterfall(fall) {
     el("div", { class: "plot" }, root),
     el("details", {}, el("summary", {}, t("by_channel")),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("by_channel") }, el("table", { class: "plain" },
-        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${plainWord(name)} [${steps[0].channels[name].unit}]`)))),
+        el("thead", {}, el("tr", {}, el("th", { scope: "col" }, t("after")), channels.map((name) => el("th", { scope: "col" }, `${t(`channel_${name}`)} [${unitOf(steps[0].channels[name].unit)}]`)))),
         el("tbody", {}, steps.map((step) => el("tr", {}, el("th", { scope: "row" }, plainWord(step.step)), channels.map((name) => el("td", {}, num(step.channels[name].error)))))))),
       el("p", { class: "soft small" }, fall.how), fall.remarks.map((text) => el("p", { class: "soft small" }, text))));
 }

@@ -8,8 +8,8 @@ import { frozen, post } from "./api.js";
 const PAUSE = 150;
 const EXAMPLE = "Y: v*|v|*r; N: v*v*r";
 
-export function ownPanel(app) {
-  if (frozen || app.state.kind !== "captive") return null;
+export function ownPanel(app, found) {
+  if (frozen) return null;
   const draft = app.draft ?? { name: "", text: "" };
   app.draft = draft;
   const said = el("div", { role: "status", id: "own-said" });
@@ -18,7 +18,7 @@ export function ownPanel(app) {
   const text = el("textarea", { rows: 3, "aria-label": t("own_terms"), "aria-describedby": "own-said", placeholder: EXAMPLE, maxlength: 2000, spellcheck: "false" }, draft.text);
   const tell = (valid, ...content) => {
     text.setAttribute("aria-invalid", valid === false ? "true" : "false");
-    weigh.disabled = valid !== true || app.busy();
+    weigh.disabled = valid !== true || app.busy() || Boolean(app.state.own_error);
     refill(said, ...content);
   };
   let pause = null;
@@ -52,8 +52,10 @@ export function ownPanel(app) {
   return el("section", { class: "panel", "aria-label": t("own_effect") },
     el("h2", {}, t("own_effect")),
     el("p", { class: "soft small" }, t("own_about")),
+    app.state.own_error ? el("div", { class: "message", role: "alert" }, el("p", {}, t("own_damaged")), el("pre", { class: "scroll small", tabindex: 0 }, app.state.own_error)) : null,
     el("div", { class: "own" }, name, text),
     said, weigh,
+    found?.unasked?.length ? el("ul", { class: "sentences" }, found.unasked.map((item) => el("li", {}, t("own_unasked", { effect: item.effect, why: item.why })))) : null,
     app.state.own.length ? el("p", { class: "small" }, `${t("own_kept")}: `, app.state.own.flatMap((own, i) => [i ? ", " : "", again(own)])) : null);
 }
 

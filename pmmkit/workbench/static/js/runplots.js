@@ -9,7 +9,7 @@ import { area, dots, extent, frame, path, roomOf } from "./linear.js";
 import { circle, halfBand, overPhase, summed } from "./harmonics.js";
 
 const DEGREES = 180 / Math.PI;
-const OVERLAYS = ["overlay", "second"];
+export const OVERLAYS = ["overlay", "second"];
 const DASH = { second: [6, 4] };
 
 export function runPlots(root, history, channel, { overlays = [], compact = false } = {}) {
@@ -45,11 +45,11 @@ export function runPlots(root, history, channel, { overlays = [], compact = fals
 }
 
 // `effects`: names of those that are drawn over the run, two at most.
-export function legend(effects = []) {
+export function legend(effects = [], model = "model") {
   const item = (name, text) => el("span", {}, el("i", { class: `line c-${name}` }), text);
   return el("p", { class: "legend" },
     item("measured", t("measured")),
-    item("model", t("model")),
+    item("model", t(model)),
     effects.map((effect, i) => item(OVERLAYS[i], t("with_effect", { effect }))),
     el("span", {}, el("i", { class: "b-band" }), t("band")));
 }

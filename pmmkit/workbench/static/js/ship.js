@@ -2,7 +2,7 @@
 
 import { el, refill } from "./dom.js";
 import { t } from "./words.js";
-import { num } from "./format.js";
+import { num, plainWord } from "./format.js";
 import { frozen, post } from "./api.js";
 import { extent, frame, path, roomOf } from "./linear.js";
 import { metricTitle, trackPlot, turnPanel } from "./sailed.js";
@@ -54,7 +54,9 @@ export async function showShip(root, app, shown) {
   };
   panel();
   refill(root, el("div", { class: "two" }, controls, picture));
-  await sail(true);
+  // The ship at once, the ships around her when they have sailed too.
+  await sail(false);
+  sail(true);
 }
 
 function request(asked, band) {
@@ -109,7 +111,7 @@ function draw(root, asked, found, trials) {
   const key = (name, text) => el("span", {}, el("i", { class: `line ${name}` }), text);
   refill(root,
     el("div", { class: "head" }, el("h2", {}, t(asked.manoeuvre)), el("span", { class: "soft small" }, `Fn ${num(found.Fn)}`),
-      found.band ? el("span", { class: "soft small right" }, t("band_ships", { ships: found.band.ships })) : null),
+      found.band ? el("span", { class: "soft small right" }, bandOf(found.band)) : null),
     near ? el("p", { class: "legend" }, key("c-model", t("model")),
       key("c-measured", t("measured_run", { run: near.run, rudder: num(Math.abs(near.rudder), 2), Fn: num(near.Fn) })),
       turning && others.length ? key("c-measured faint", t("other_runs", { count: others.length })) : null) : null,
@@ -120,6 +122,12 @@ function draw(root, asked, found, trials) {
     el("p", { class: "legend" }, key("c-model", t("heading")), key("c-rudder", t("rudder")), near ? key("c-measured", `${t("heading")}, ${t("measured")}`) : null,
       near ? key("c-rudder dashed", `${t("rudder")}, ${t("measured")}`) : null),
     found.notes.map((text) => el("p", { class: "soft small" }, text)));
+}
+
+// Whose band it is: ships of the model, or of all sets that the tests accept.
+function bandOf(band) {
+  const sets = band.rivals.map((effects) => effects.map(plainWord).join(" + "));
+  return sets.length ? t("band_rivals", { ships: band.ships, count: sets.length, sets: sets.join("; ") }) : t("band_ships", { ships: band.ships });
 }
 
 function measures(found, near) {

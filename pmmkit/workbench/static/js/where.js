@@ -77,7 +77,7 @@ function key(scale) {
   return el("p", { class: "legend" }, scale.words.map((word, i) => el("span", {}, el("i", { class: `h${i}` }), word)));
 }
 
-function chosenCell(app, misfit) {
+export function chosenCell(app, misfit) {
   const rows = misfit.groups.flatMap((group) => group.rows);
   const kept = app.selected && rows.find((row) => row.run === app.selected.run && row.cells[app.selected.channel]);
   return kept ? app.selected : worstOf(misfit);

@@ -1,0 +1,103 @@
+"""What the page shows of free-running records before anything is added is what adding does."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import pmmkit as pk
+from pmmkit.identification.prior import prior_of
+from pmmkit.simulation.bands import bands_of
+from pmmkit.workbench.pages.missing import missing_page
+from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
+
+pytestmark = pytest.mark.slow
+EVEN = pk.own_effect("even", "Y: 1; N: 1; Y0 ~ 0.002; N0 ~ 0.001")
+"""The asymmetry that the model lacks, under another name."""
+SINKS = pk.own_effect("sinks", "Y: b*sinkage*v; b ~ -0.002")
+QUICK = pk.own_effect("quick", "Y: b*Fn*v; b ~ -0.002")
+
+
+@pytest.fixture(scope="module")
+def records():
+    return sailed(ASYMMETRY, 5)
+
+
+@pytest.fixture(scope="module")
+def session(records):
+    return pk.begin(
+        SHIP,
+        records,
+        candidates=("asymmetry", "fault_rudder_zero", "even"),
+        own=(EVEN, SINKS, QUICK),
+        prior=prior_of(SHIP, KNOWN, SPEED, spread=0.02),
+        sensors=SENSORS,
+        most=1,
+    )
+
+
+@pytest.fixture(scope="module")
+def found(session):
+    return session.diagnose()
+
+
+@pytest.fixture(scope="module")
+def page(session, found):
+    return missing_page(session, found)
+
+
+def shares(page):
+    return {item["effect"]: item["share"] for item in page["candidates"]}
+
+
+def test_what_was_fitted_stands_before_what_the_linear_problem_promises(session, page):
+    fitted = {x for item in session.evidence.contest(()).settled for x in item.names}
+    shown = [item["effect"] for item in page["candidates"]]
+    assert set(shown[: len(fitted)]) == fitted
+
+
+def test_each_share_is_how_the_errors_of_records_left_out_fall(session, page):
+    told = shares(page)
+    assert set(told) == {"asymmetry", "fault_rudder_zero", "even"}
+    before, after = session.add("asymmetry").fall().errors
+    for kind, share in told["asymmetry"]["channels"].items():
+        assert share == pytest.approx(1 - (after.of(kind) / before.of(kind)) ** 2, abs=0.03)
+    assert 0.3 < told["asymmetry"]["all"] < 1.0
+
+
+def test_an_overlay_goes_where_the_measured_record_goes(page, records):
+    """Within a degree from begin to end, where the base is off by ten."""
+    for record in records:
+        base, own = page["base"][record.name], page["overlays"]["asymmetry"][record.name]
+        measured = np.degrees(np.interp(base["t"], record.t, record.measured["psi"]))
+        off = [np.sqrt(np.mean((np.array(x["psi"]) - measured) ** 2)) for x in (base, own)]
+        assert off[1] < 1.0 < 8.0 < off[0]
+        assert len(own["x"]) == len(base["t"])
+    json.dumps(page, allow_nan=False)
+
+
+def test_an_effect_of_ones_own_is_a_candidate_of_records(session, page):
+    told = shares(page)
+    assert told["even"]["all"] == pytest.approx(told["asymmetry"]["all"], abs=0.02)
+    assert session.add("even").model().parts["hull_polynomial"].values["Y0"] > 0.0
+
+
+def test_what_records_cannot_be_asked_for_is_said_with_the_reason(page):
+    assert page["unasked"] == [
+        {"effect": "sinks", "why": "these records lack measured sinkage"},
+        {"effect": "quick", "why": "these records lack runs at two speeds or more"},
+    ]
+
+
+def test_the_ships_that_records_accept_are_the_sets_that_were_named(session, found):
+    names, odds = found.group[0]
+    ship = session.evidence.rival((), names)
+    for part, own in found.model.parts.items():
+        assert ship.parts[part].values == pytest.approx(own.values), part
+    assert {"Y0", "N0"} <= set(ship.covariance_names)
+    band = bands_of(SHIP, rudder_deg=35, speed=SPEED, n=8, compiled=False, among=[(ship, odds)])
+    there = pk.simulate(ship, rudder_deg=35, speed=SPEED, compiled=False)
+    low, high = band.measures["tactical_diameter_L"]
+    assert low < there.metrics["tactical_diameter_L"] < high
