@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -55,6 +56,18 @@ def test_the_loop_ends_where_nothing_is_missing(added):
     assert again.given == ("asymmetry",)
     asked = {name for item in again.entries for name in item.names}
     assert asked == {"fault_rudder_zero", "modulus_yaw_drag"}, "what is there is not asked again"
+
+
+@pytest.mark.slow
+def test_what_no_step_reaches_is_refused_and_not_added_with_nothing_in_it(records):
+    """Gyros that tell another heading at each sample: no path is along such records."""
+    rng = np.random.default_rng(2)
+    wild = [
+        replace(x, measured={**x.measured, "psi": rng.uniform(-0.1, 0.1, len(x.t))})
+        for x in records
+    ]
+    with pytest.raises(DataError, match="give asymmetry no size"):
+        pk.begin(SHIP, wild, candidates=FEW, **HOW).add("asymmetry").model()
 
 
 @pytest.mark.slow
