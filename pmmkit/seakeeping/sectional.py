@@ -81,7 +81,7 @@ def solve(maps: Array, wavenumber: Array) -> Sections:
     >>> found = solve(np.array([[1.0, 0.0, 0.0]]), np.array([1.0]))
     >>> heave = found.added[0, 0, 0, 0] / (np.pi / 2)
     >>> f"{heave.real:.3f} {-heave.imag:.3f}"
-    '0.605 0.397'
+    '0.605 0.396'
     """
     nodes, gauss = np.polynomial.legendre.leggauss(NODES)
     theta = 0.25 * math.pi * (nodes + 1)

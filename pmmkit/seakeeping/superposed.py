@@ -148,7 +148,7 @@ def superposed(
     >>> found = rao(hull, speeds=8.0, headings_deg=range(0, 181, 30))
     >>> rolled = superposed(track, found, Sea(Hs=3.0, Tp=11.0), seed=1)
     >>> f"{2 * np.std(rolled.values['elevation']):.1f} m"
-    '1.4 m'
+    '1.3 m'
     """
     headings = np.degrees(found.heading)
     if sea.spreading is not None:

@@ -12,6 +12,7 @@ from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
 from pmmkit.diagnosis.free_running.system import FreeSystem
+from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.models import Model
 from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step, odds
@@ -29,6 +30,11 @@ def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) ->
     steps : sequence of Step
         What is added, one after another, with its odds and a remark. Faults correct the records
         and enter no model.
+
+    Raises
+    ------
+    DataError
+        If no step towards an effect helps: it would be added with nothing in it.
     """
     every = {item.name: item for item in system.every}
     names = tuple(begun)
@@ -41,6 +47,8 @@ def refitted(system: FreeSystem, begun: Sequence[str], steps: Sequence[Step]) ->
         before = system.errors(names)["heading"]
         names = (*names, step.effect)
         fit = system.fit(names)
+        if not np.any(fit.z[fit.place.question.numbers.columns[step.effect]]):
+            raise DataError(_not_found(step.effect))
         after = model_of(system.model, system.every, fit, system.speed)
         fall = f"{before:.2f} to {system.errors(names)['heading']:.2f}"
         said = f"error of heading of records left out {fall}°"
@@ -83,4 +91,16 @@ def step_of(old: Model, new: Model, item: FreeCandidate, fit: Fit) -> Step:
         system="prime",
         source="diagnosis",
         before=before_of(old, new, places),
+    )
+
+
+def _not_found(name: str) -> Problem:
+    return Problem(
+        message=f"These records give {name} no size: from the model as it is no step towards it "
+        "makes them more probable.",
+        remedy=Remedy(
+            "{} says what is wrong with the records: cut them to what is sound (trim), state what "
+            "their sensors are uncertain by, or begin with a model that sails them.",
+            (Way("pmmkit.checks.examine(campaign)", "pmmkit check"),),
+        ),
     )

@@ -6,8 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-import numpy as np
-
 from pmmkit.campaigns.run import Campaign
 from pmmkit.diagnosis.captive.candidate import no_such_effect
 from pmmkit.diagnosis.free_running.base import SPREAD, Base, base_of, stated_base
@@ -24,7 +22,6 @@ from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.effects.effect import Effect
-from pmmkit.errors import DataError, Problem, Remedy, Way
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -97,20 +94,8 @@ class FreeSystem:
 
     @cached_property
     def fit(self) -> Callable[[Names], Fit]:
-        """The base fitted together with a set of candidates, each set once.
-
-        It raises a `DataError` where no step towards a candidate can be sailed: it would be added
-        with nothing in it.
-        """
-
-        def found(names: Names) -> Fit:
-            fit = steady(self._moving(names))
-            columns = fit.place.question.numbers.columns
-            if lost := [name for name in names if not np.any(fit.z[columns[name]])]:
-                raise DataError(_not_found(lost))
-            return fit
-
-        return cache(found)
+        """The base fitted together with a set of candidates, each set once."""
+        return cache(lambda names: steady(self._moving(names)))
 
     @cached_property
     def _moving(self) -> Callable[[Names], Fit]:
@@ -202,16 +187,4 @@ def free_system(
         sensors=sensors,
         extrapolate=extrapolate,
         tell=progress or (lambda _: None),
-    )
-
-
-def _not_found(names: Sequence[str]) -> Problem:
-    return Problem(
-        message=f"These records give {' and '.join(names)} no size: from the model as it is no "
-        "step towards it can be sailed along them.",
-        remedy=Remedy(
-            "{} says what is wrong with the records: cut them to what is sound (trim), state what "
-            "their sensors are uncertain by, or begin with a model that sails them.",
-            (Way("pmmkit.checks.examine(campaign)", "pmmkit check"),),
-        ),
     )
