@@ -14,7 +14,7 @@ from pmmkit.diagnosis.captive.build import build
 from pmmkit.diagnosis.captive.chosen_anew import _losses, chosen_anew
 from pmmkit.diagnosis.captive.diagnose import captive_system
 from pmmkit.diagnosis.captive.evidence import evidence_at, ranked_sets, sets_of
-from pmmkit.diagnosis.captive.held_out import condition, held_out
+from pmmkit.diagnosis.captive.held_out import _of_others, condition, held_out
 
 
 @pytest.fixture(scope="module")
@@ -118,3 +118,13 @@ def test_evidence_is_that_of_each_effect_and_not_of_the_set():
     assert own["yaw_sway_coupling"] > 10 * own["fault_misalignment"] > 0.0
     single = next(item for item in found.entries if item.names == ("yaw_sway_coupling",))
     assert own["fault_misalignment"] == pytest.approx(best.log_evidence - single.log_evidence)
+
+
+@pytest.mark.parametrize("rows", [3, 12])
+def test_a_condition_of_few_rows_and_of_many_is_left_out_alike(rows):
+    """(I - H_kk)⁻¹ where a condition has fewer and more rows than the fit has columns."""
+    rng = np.random.default_rng(rows)
+    Q = np.linalg.qr(rng.normal(size=(40, 5)))[0][:rows]
+    found = _of_others(Q)
+    np.testing.assert_allclose(found @ (np.eye(rows) - Q @ Q.T), np.eye(rows), atol=1e-12)
+    assert _of_others(np.linalg.qr(rng.normal(size=(rows, min(rows, 5))))[0]) is None

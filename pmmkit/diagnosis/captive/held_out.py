@@ -207,10 +207,9 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
     for number, own in enumerate(groups.values()):
         rows = np.concatenate([at for _, _, at in own])
         Q = found.Q[rows]
-        inner = np.eye(len(rows)) - Q @ Q.T
-        if np.linalg.eigvalsh(inner)[0] < ALONE:
+        inverse = _of_others(Q)
+        if inverse is None:
             continue
-        inverse = np.linalg.inv(inner)
         change = np.linalg.solve(found.R, Q.T @ inverse @ residual[rows]) / found.size
         solution = found.solution - change
         counted = []
@@ -250,6 +249,20 @@ def held_out(system: System, effects: Sequence[Block] = (), *, with_level: bool 
         spread=spread,
         tests=tuple(own[0][1].run.test for own in groups.values()),
     )
+
+
+def _of_others(Q: Array) -> Array | None:
+    """Inverse of ``I - Q Q'``, rows by rows; None where the other rows do not determine these.
+
+    Of a setting that was repeated often there are more rows than columns: then by Woodbury.
+    """
+    many = len(Q) > Q.shape[1]
+    inner = np.eye(min(Q.shape)) - (Q.T @ Q if many else Q @ Q.T)
+    if np.linalg.eigvalsh(inner)[0] < ALONE:
+        return None
+    inverse = np.linalg.inv(inner)
+    found: Array = np.eye(len(Q)) + Q @ inverse @ Q.T if many else inverse
+    return found
 
 
 def _weights(rows: int) -> Array:
