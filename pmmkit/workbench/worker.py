@@ -186,10 +186,12 @@ class Worker:
             self._took[self._job.name] = self._job.ended - self._job.began
 
     def _listen(self, pipe: Connection, number: int) -> None:
+        lost = False
         while True:
             try:
                 kind, content = pipe.recv()
             except (EOFError, OSError, TypeError):
+                lost = True
                 kind, content = "failed", "The process ended before its time. Try again."
             with self._lock:
                 if self._job.number != number or self._job.stand != "running":
@@ -206,6 +208,9 @@ class Worker:
                 except PmmkitError as error:
                     kind, content = "failed", str(error)
             with self._lock:
+                if lost and self._pipe is pipe:
+                    # Its pipe ends a moment before the process does: nothing more is sent to it.
+                    self._stop()
                 if self._job.number == number and self._job.stand == "running":
                     self._end(
                         "done" if kind == "done" else "failed", "" if kind == "done" else content
