@@ -13,7 +13,7 @@ from pmmkit.diagnosis.captive.candidate import Candidate
 from pmmkit.diagnosis.captive.diagnose import captive_system, derivatives_of
 from pmmkit.diagnosis.captive.held_out import HeldOut, held_out
 from pmmkit.diagnosis.captive.joint_fit import JointFit, joint_fit, refined
-from pmmkit.diagnosis.captive.refit import froude_numbers, places_of, refitted
+from pmmkit.diagnosis.captive.refit import Refit, froude_numbers, places_of, refitted
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_given
 from pmmkit.diagnosis.findings import Diagnosis
@@ -121,11 +121,9 @@ class CaptiveTests:
         ModelError
             If the base is a structure: it has no ship to sail with.
         """
-        source, blocks = self._ship(), self._with(steps)
-        fit = joint_fit(self.system, blocks, floor=self.floor)
-        found = refitted(source, fit, blocks, self.system.base, self.campaign, self.own)
+        source, fit, found = self._sailing(self._names(steps))
         made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
-        return made.stepped(*self._fitted(steps, fit, blocks, source, made))
+        return made.stepped(*self._fitted(steps, fit, self._with(steps), source, made))
 
     def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
@@ -135,20 +133,25 @@ class CaptiveTests:
         ModelError
             If the base is a structure: it has no ship to sail with.
         """
-        source, blocks = self._ship(), self.blocks((*given, *names))
-        fit = joint_fit(self.system, blocks, floor=self.floor)
-        return refitted(source, fit, blocks, self.system.base, self.campaign, self.own).model
+        return self._sailing((*given, *names))[-1].model
 
-    def _ship(self) -> Model:
+    def _sailing(self, effects: tuple[str, ...]) -> tuple[Model, JointFit, Refit]:
+        """The ship of the base, what is fitted together with some effects, and the ship of that."""
         if not isinstance(self.source, Model):
             raise ModelError(
                 f"The base {self.source!r} is a list of derivatives. Begin with a model: reduce "
                 f"the campaign first, then take its model.toml."
             )
-        return self.source
+        blocks = self.blocks(effects)
+        fit = joint_fit(self.system, blocks, floor=self.floor)
+        found = refitted(self.source, fit, blocks, self.system.base, self.campaign, self.own)
+        return self.source, fit, found
 
     def _with(self, steps: Sequence[Step]) -> tuple[Block, ...]:
-        return self.blocks((*self.begun, *(step.effect for step in steps)))
+        return self.blocks(self._names(steps))
+
+    def _names(self, steps: Sequence[Step]) -> tuple[str, ...]:
+        return (*self.begun, *(step.effect for step in steps))
 
     def _fitted(
         self, taken: Sequence[Step], fit: JointFit, blocks: Sequence[Block], old: Model, new: Model

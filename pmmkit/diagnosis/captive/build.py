@@ -84,12 +84,13 @@ def build(
             item,
             value,
             tuple(
-                each_run_columns(item, value, c, views, base, predicted[c.name]).times(size)
+                each_run_columns(item, value, c, views, base, predicted[c.name]).times(
+                    prior_sizes(item).item()
+                )
                 for c in channels
             ),
         )
         for item in for_each
-        for size in prior_sizes(item)
         for value in item.grid
     ]
     few = [item for item in drawn if item.count <= MANY]

@@ -260,9 +260,8 @@ def _of_others(Q: Array) -> Array | None:
     inner = np.eye(min(Q.shape)) - (Q.T @ Q if many else Q @ Q.T)
     if np.linalg.eigvalsh(inner)[0] < ALONE:
         return None
-    inverse = np.linalg.inv(inner)
-    found: Array = np.eye(len(Q)) + Q @ inverse @ Q.T if many else inverse
-    return found
+    inverse = np.asarray(np.linalg.inv(inner), float)
+    return np.eye(len(Q)) + Q @ inverse @ Q.T if many else inverse
 
 
 def _weights(rows: int) -> Array:
