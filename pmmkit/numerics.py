@@ -14,7 +14,7 @@ WELL = 1e-6
 
 
 def rms(values: ArrayLike) -> float:
-    """Root mean square of what is known; NaN where nothing is.
+    """Root mean square of what is known; NaN where nothing is, infinite where a square is.
 
     Examples
     --------
@@ -23,7 +23,8 @@ def rms(values: ArrayLike) -> float:
     """
     known = np.asarray(values, dtype=float)
     known = known[np.isfinite(known)]
-    return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
+    with np.errstate(over="ignore"):
+        return float(np.sqrt(np.mean(np.square(known)))) if known.size else float("nan")
 
 
 def coverage_factor(dof: ArrayLike, confidence: float) -> Array:

@@ -9,10 +9,12 @@ from scripts.set_up import environment
 
 # Each worker of the tests has a core; threads of its linear algebra would take it from the others.
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+# Very many processes import the same modules: their bytecode is kept whatever the shell says.
+KEPT = {"PYTHONDONTWRITEBYTECODE": ""}
 CHECKS = {
     "format": ["ruff", "format", "--check", "."],
     "lint": ["ruff", "check", "."],
-    "types": ["mypy"],
+    "types": ["mypy", "--num-workers", "auto"],
     "rooms": ["lint-imports"],
 }
 # Slow tests come first (tests/conftest.py), one at a time, so that no worker is left with one.
@@ -57,7 +59,7 @@ def run(steps):
         environment.say(f"== {name}: {tool} {' '.join(arguments)}")
         started = time.monotonic()
         command = [environment.program(tool), *arguments]
-        if subprocess.call(command, cwd=environment.ROOT, env=ONE_THREAD | os.environ):
+        if subprocess.call(command, cwd=environment.ROOT, env=ONE_THREAD | os.environ | KEPT):
             failed.append(name)
         environment.say(f"== {name}: {time.monotonic() - started:.1f} s")
     environment.say(f"Failed: {', '.join(failed)}." if failed else "Everything passed.")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -29,6 +31,24 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def _file(item: pytest.Item) -> str:
     return item.nodeid.split("::")[0]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def symbols_set_once() -> Iterator[None]:
+    """Mathematical symbols are set once a session: matplotlib remembers the last fifty."""
+    from matplotlib.mathtext import MathTextParser
+
+    few = getattr(MathTextParser, "_parse_cached", None)  # of matplotlib's own, as it is today
+    with pytest.MonkeyPatch.context() as patch:
+        if few is not None:
+            patch.setattr(MathTextParser, "_parse_cached", lru_cache(4096)(few.__wrapped__))
+        yield
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Reports without pictures, which take most of their time, where another file is asked."""
+    monkeypatch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
 
 
 @pytest.fixture(scope="session")

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Final
 
-from pmmkit.campaigns.run import Campaign
+from threadpoolctl import threadpool_limits
+
+from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.checks import (
     carriage,
     clock,
@@ -32,6 +36,7 @@ from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, 
 from pmmkit.checks.reading import summarise
 from pmmkit.checks.summary import Summary
 from pmmkit.errors import CampaignError, DataError, Problem
+from pmmkit.executors import Workers, each, opened
 
 __all__ = [
     "CHECKS",
@@ -72,7 +77,7 @@ RECORDS: Final[tuple[Check, ...]] = (*gauges.CHECKS, *record.SATURATION)
 
 
 def examine(
-    campaign: Campaign, summaries: Sequence[Summary] | None = None
+    campaign: Campaign, summaries: Sequence[Summary] | None = None, *, executor: Workers = None
 ) -> tuple[CheckFinding, ...]:
     """Every check on a campaign, all at once.
 
@@ -83,6 +88,8 @@ def examine(
         kilobytes is kept, so that thousands of runs fit in little memory.
     summaries : sequence of Summary, optional
         Summaries already made by `summarise`, one for each run; nothing is read then.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who reads the runs, as for `reduce_campaign`; by default this process alone.
 
     Returns
     -------
@@ -107,7 +114,7 @@ def examine(
     """
     _known_checks(campaign)
     if summaries is None:
-        summaries = _read_all(campaign)
+        summaries = _read_all(campaign, executor)
     ship = [
         accepted(campaign, x)
         for check in particulars.CHECKS
@@ -183,14 +190,26 @@ def settled(findings: Sequence[CheckFinding]) -> list[CheckFinding]:
     return [x for x in findings if (x.check, x.severity) not in gone]
 
 
-def _read_all(campaign: Campaign) -> list[Summary]:
+def _read_all(campaign: Campaign, executor: Workers) -> list[Summary]:
+    work = partial(summarise, campaign=campaign.with_(runs=(), excluded=()))
+
+    def here(run: Run) -> Summary | DataError:
+        try:
+            return work(run)
+        except DataError as error:
+            return error
+
+    names = [f"run {run.id}" for run in campaign.runs]
+    with opened(executor) as ready, threadpool_limits(1):
+        found = dict(each(work, campaign.runs, ready, names=names, here=here))
     summaries: list[Summary] = []
     problems: list[Problem] = []
-    for run in campaign.runs:
-        try:
-            summaries.append(summarise(run, campaign))
-        except DataError as error:
-            problems += [problem for problem in error.problems if problem not in problems]
+    for place, run in enumerate(campaign.runs):
+        result = found[place]
+        if isinstance(result, DataError):
+            problems += [problem for problem in result.problems if problem not in problems]
+        else:
+            summaries.append(replace(result, run=run))
     if problems:
         raise CampaignError(problems, title="Some runs cannot be read")
     return summaries

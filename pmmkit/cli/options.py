@@ -12,6 +12,7 @@ import typer
 if TYPE_CHECKING:
     import pmmkit.campaigns.run
     from pmmkit.checks import CheckFinding
+    from pmmkit.executors import Workers
 
 Data = Annotated[
     Path | None,
@@ -64,6 +65,21 @@ Spread = Annotated[
     ),
 ]
 
+WorkerCount = Annotated[
+    int | None,
+    typer.Option(
+        "--workers",
+        "--jobs",
+        min=1,
+        help="How many work side by side on this machine; as many as it has processors if absent.",
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        help="Address of a dask scheduler whose workers do it instead, such as tcp://host:8786."
+    ),
+]
 Floor = Annotated[
     float | None,
     typer.Option(
@@ -93,16 +109,33 @@ Given = Annotated[
 
 
 def sound_campaign(
-    path: Path, data: Path | None
+    path: Path, data: Path | None, executor: Workers = None
 ) -> tuple[pmmkit.campaigns.run.Campaign, tuple[CheckFinding, ...]]:
     """A campaign that does not contradict itself, and what the checks say of it."""
     from pmmkit.campaigns.file.campaign_file import open_campaign
     from pmmkit.checks import examine, refuse
 
     campaign = open_campaign(path, data=data)
-    findings = examine(campaign)
+    findings = examine(campaign, executor=executor)
     refuse(findings)
     return campaign, findings
+
+
+def sound_campaigns(
+    paths: Sequence[Path], data: Path | None
+) -> dict[str, tuple[pmmkit.campaigns.run.Campaign, tuple[CheckFinding, ...]]]:
+    """The same of several campaigns, by their titles as a session knows them."""
+    from pmmkit.campaigns.several import by_title
+
+    sound = [sound_campaign(path, data) for path in paths]
+    return dict(zip(by_title([campaign for campaign, _ in sound]), sound, strict=True))
+
+
+def where(workers: int | None, scheduler: str | None) -> int | str | None:
+    """Where work runs, as `executor=` takes it."""
+    if workers is not None and scheduler is not None:
+        raise typer.BadParameter("Give --workers or --scheduler, not both.")
+    return workers if scheduler is None else scheduler
 
 
 def stem(path: str | Path) -> str:

@@ -139,6 +139,19 @@ class Asked:
             "held_out_window": self.window if kept else None,
         }
 
+    def several(self) -> dict[str, Any]:
+        """Settings of a session about several campaigns."""
+        return {
+            **self.system(),
+            **stated(
+                runs=patterns(self.runs),
+                test_runs=patterns(self.test_runs),
+                channels=None if self.channels is None else words(self.channels),
+                shortest=self.shortest,
+                held_out_window=self.window if self.test_runs else None,
+            ),
+        }
+
     def together(self) -> dict[str, Any]:
         """Settings of the records where several campaigns vote together."""
         from pmmkit.effects.catalogue import effect_of

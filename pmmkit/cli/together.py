@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pmmkit.cli.options import sound_campaign, stated, stem
+from pmmkit.cli.options import sound_campaigns, stated
 from pmmkit.cli.output import Outcome, say, warned
 
 if TYPE_CHECKING:
@@ -56,10 +56,7 @@ def together_outcome(
     model = load_model(name)
     asked: dict[str, Campaign] = {}
     head, warnings, checks = [], [], {}
-    for path in paths:
-        campaign, checked = sound_campaign(path, data)
-        title = campaign.title or stem(path)
-        title = f"{title} ({len(asked) + 1})" if title in asked else title
+    for title, (campaign, checked) in sound_campaigns(paths, data).items():
         asked[title] = campaign
         head.append(f"{title}: {len(campaign.runs)} runs, {campaign.kind}")
         warnings += warned(checked)

@@ -25,6 +25,8 @@ CONDITIONS: Final = ("wind_speed", "wind_direction", "depth", "wave_height", "wa
 GIVEN: Final = frozenset((*MOTION, *CONTROLS, *PARTICULARS, *CONDITIONS))
 """Names that an effect finds without any other effect."""
 ENGINE: Final = ("equilibrium.py", "integrator.py", "queries.py")
+CARRYING: Final = ("equilibrium.py", "integrator.py", "communication.py", "surroundings.py")
+"""What a program in another language is made of; with it stands `forces`."""
 ESTIMATING: Final = ("equilibrium.py", "integrator.py", "sensors.py", "estimators.py")
 ENTRIES: Final = (
     "rates",
@@ -96,6 +98,7 @@ def module_text(structure: Structure, files: tuple[str, ...] = ENGINE) -> str:
         "TWICE = 2.0 * math.pi",
         "",
         *_rates(structure, heeled=structure.rolls or files == ESTIMATING),
+        *(_forces(structure) if files == CARRYING else []),
         "",
         _functions(files),
     ]
@@ -124,8 +127,8 @@ def _balanced(structure: Structure) -> tuple[tuple[int, ...], tuple[int, ...]]:
     return tuple(map(int, [*free, *extra])), tuple(map(int, [*balance, *extra]))
 
 
-def _rates(structure: Structure, *, heeled: bool) -> list[str]:
-    """The equations; of a ship without roll `heeled` takes the heel from the constants."""
+def _instant(structure: Structure, *, heeled: bool) -> list[str]:
+    """Names of the states and of the controls."""
     states = structure.states
     own = structure.brought
     body = [f"u, v, r, psi = y[{State.u}], y[{State.v}], y[{State.r}], y[{State.psi}]"]
@@ -137,16 +140,48 @@ def _rates(structure: Structure, *, heeled: bool) -> list[str]:
         body.append("p, phi = 0.0, 0.0")
     body += [f"{name} = y[{states.index(name)}]" for name in own if name != "n"]
     body.append(f"n = y[{states.index('n')}]" if "n" in own else "n = revolutions")
-    body += ["n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
+    return [*body, "n_order = revolutions", "U = max(sqrt(u * u + v * v), 1e-9)"]
+
+
+def _rates(structure: Structure, *, heeled: bool) -> list[str]:
+    """The equations; of a ship without roll `heeled` takes the heel from the constants."""
+    body = _instant(structure, heeled=heeled)
     lines, extra_mass, rates_of = summed(structure)
     lines += _motion(structure, extra_mass, heeled=heeled)
     body += _at_the_moment(structure, lines) if structure.follows else lines
-    body += [f"out[{states.index(name)}] = {rates_of[name]}" for name in own]
+    body += [
+        f"out[{structure.states.index(name)}] = {rates_of[name]}" for name in structure.brought
+    ]
     return [
         "@entry",
         "def rates(y, delta, revolutions, bucket, k, out):",
         *(f"    {line}" for line in body),
     ]
+
+
+def _forces(structure: Structure) -> list[str]:
+    """A function that fills `out` with `told`: what the water and the air do to the ship."""
+    lines, _, _ = summed(structure)
+    body = _instant(structure, heeled=structure.rolls)
+    body += _at_the_moment(structure, lines) if structure.follows else lines
+    body += [f"out[{place}] = {name}" for place, name in enumerate(told(structure))]
+    return [
+        "",
+        "@entry",
+        "def forces(y, delta, revolutions, bucket, k, out):",
+        *(f"    {line}" for line in body),
+    ]
+
+
+def told(structure: Structure) -> tuple[str, ...]:
+    """Forces and moment of all effects [N, N m], and the signals that effects give each other."""
+    signals = (
+        output
+        for item in structure.used
+        for output in item.known.outputs
+        if output not in (*FORCES, *ACCELERATIONS) and not output.endswith("_rate")
+    )
+    return (*FORCES, *dict.fromkeys(signals))
 
 
 def _at_the_moment(structure: Structure, lines: Sequence[str]) -> list[str]:

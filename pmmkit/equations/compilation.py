@@ -32,11 +32,11 @@ def cache_folder() -> Path:
 
 
 @cache
-def interpreted(structure: Structure) -> ModuleType:
+def interpreted(structure: Structure, files: tuple[str, ...] = ENGINE) -> ModuleType:
     """The functions of a structure, run by Python itself; lists stand for their arrays."""
     module = ModuleType("pmmkit_equations")
     module.__dict__.update(entry=_same, inner=_same, use=_same, vector=lambda size: [0.0] * size)
-    exec(compile(module_text(structure), "<equations of a model>", "exec"), module.__dict__)
+    exec(compile(module_text(structure, files), "<equations of a model>", "exec"), module.__dict__)
     return module
 
 

@@ -22,6 +22,7 @@ from pmmkit.equations.code_generation import GIVEN
 from pmmkit.equations.compilation import compiled, interpreted
 from pmmkit.equations.layouts import NO_SEA, Constant, State
 from pmmkit.equations.structure import POLYNOMIALS, Structure, Used, in_order
+from pmmkit.equations.surroundings import flow, wind_over_current
 from pmmkit.errors import DataError, MissingPartError, ModelError, Problem, Remedy, Way
 from pmmkit.models import Model
 from pmmkit.models.model import TAKE_PARTS
@@ -65,17 +66,13 @@ class Conditions:
     @property
     def current(self) -> tuple[float, float]:
         """Velocity of the current along and to starboard of the approach [m/s]."""
-        angle = math.radians(self.current_direction_deg)
-        return self.current_speed * math.cos(angle), self.current_speed * math.sin(angle)
+        return flow(self.current_speed, math.radians(self.current_direction_deg))
 
     @property
     def wind_on_water(self) -> tuple[float, float]:
         """The wind as the drifting water feels it: speed [m/s], direction it comes from [rad]."""
-        angle = math.radians(self.wind_direction_deg)
-        along, across = self.current
-        x = -self.wind_speed * math.cos(angle) - along
-        y = -self.wind_speed * math.sin(angle) - across
-        return math.hypot(x, y), math.atan2(-y, -x)
+        direction = math.radians(self.wind_direction_deg)
+        return wind_over_current(self.wind_speed, direction, *self.current)
 
 
 CALM: Final = Conditions()

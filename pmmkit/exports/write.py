@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.store import save_campaign
-from pmmkit.errors import DataError, FileExists, Problem, Remedy, UnknownNameError, Way
+from pmmkit.errors import DataError, FileExists, Problem, Remedy, UnknownNameError, Way, setting
 from pmmkit.exports.campaign_csv import write_campaign_csv
+from pmmkit.exports.fmu.unit import VERSIONS, Version, model_to_fmu
 from pmmkit.exports.matlab.model import model_to_mss
 from pmmkit.exports.matlab.table import table_to_mss
 from pmmkit.exports.shipmmg import model_to_shipmmg
 from pmmkit.exports.subject import read_subject
 from pmmkit.exports.text import matlab_name
 from pmmkit.exports.track import write_track_csv, write_track_netcdf
-from pmmkit.files import write_text
+from pmmkit.files import atomic_path, write_text
 from pmmkit.models import Model
 from pmmkit.simulation.track import Track
 from pmmkit.tables import DerivativeTable, write_table
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 FORMATS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
-        "model": ("mss", "shipmmg"),
+        "model": ("mss", "shipmmg", "fmu"),
         "table": ("mss", "csv", "excel", "latex", "netcdf"),
         "campaign": ("csv", "netcdf"),
         "track": ("csv", "netcdf"),
@@ -40,6 +41,7 @@ ENDINGS: Final[Mapping[str, str]] = MappingProxyType(
     {
         "mss": ".m",
         "shipmmg": ".py",
+        "fmu": ".fmu",
         "csv": ".csv",
         "excel": ".xlsx",
         "latex": ".tex",
@@ -60,6 +62,8 @@ def export(
     *,
     speed: float | None = None,
     data: str | Path | None = None,
+    fmi: Version | None = None,
+    compile: bool = False,
 ) -> list[Path]:
     """Write a model, a table, a campaign or a track for other programs.
 
@@ -72,12 +76,18 @@ def export(
         File to write; for a campaign as ``csv`` a folder. A file that is there is replaced, all or
         nothing.
     to : str, optional
-        ``mss`` (function file for MATLAB and Octave), ``shipmmg`` (Python), ``csv``, ``excel``,
-        ``latex``, ``netcdf``; by default the one that the ending of `path` names.
+        ``mss`` (function file for MATLAB and Octave), ``shipmmg`` (Python), ``fmu`` (Simulink,
+        OpenModelica and others), ``csv``, ``excel``, ``latex``, ``netcdf``; by default the one that
+        the ending of `path` names.
     speed : float, optional
-        For models: speed [m/s] at whose Froude number the values are taken.
+        For models: speed [m/s] at whose Froude number the values are taken; of an FMU also that
+        of the start.
     data : path, optional
         For a campaign that is named by its path: folder of its measurements.
+    fmi : {3, 2}, optional
+        For an FMU: version of the interface, 3 by default.
+    compile : bool
+        For an FMU: put a library for this machine into it, made by its C compiler.
 
     Returns
     -------
@@ -104,26 +114,47 @@ def export(
     subject = read_subject(obj, data=data) if isinstance(obj, str | Path) else obj
     kind = kind_of(subject)
     chosen = _format(kind, target, to)
+    if chosen != "fmu" and (fmi is not None or compile):
+        raise DataError(
+            Problem(
+                message=f"{chosen} has no version of FMI and is not compiled.",
+                remedy=Remedy("Say {}, or leave that out.", (setting("to", "fmu"),)),
+            )
+        )
+    writers = _writers(speed, fmi or VERSIONS[0], compile=compile)
     try:
-        return _written(subject, kind, chosen, target, speed)
+        return _written(subject, kind, chosen, target, writers)
     except OSError as error:
         if isinstance(error, FileExists):
             raise
         raise FileExists(f"{path} cannot be written: {error.strerror or error}.") from error
 
 
-def _written(subject: Any, kind: str, to: str, target: Path, speed: float | None) -> list[Path]:
-    """Write by whom the kind and the format name."""
-    if kind == "campaign" and to == "csv":
-        return [target / name for name in write_campaign_csv(subject, target)]
-    writers: dict[tuple[str, str], Any] = {
+def _writers(
+    speed: float | None, fmi: Version, *, compile: bool
+) -> Mapping[tuple[str, str], Callable[..., object]]:
+    """Who writes what in which format, but for tables and folders."""
+    return {
         ("model", "mss"): partial(_model_as_mss, speed=speed),
         ("model", "shipmmg"): partial(_model_as_shipmmg, speed=speed),
+        ("model", "fmu"): partial(_model_as_fmu, speed=speed, fmi=fmi, compile=compile),
         ("table", "mss"): _table_as_mss,
         ("campaign", "netcdf"): save_campaign,
         ("track", "csv"): write_track_csv,
         ("track", "netcdf"): write_track_netcdf,
     }
+
+
+def _written(
+    subject: Any,
+    kind: str,
+    to: str,
+    target: Path,
+    writers: Mapping[tuple[str, str], Callable[..., object]],
+) -> list[Path]:
+    """Write by whom the kind and the format name."""
+    if kind == "campaign" and to == "csv":
+        return [target / name for name in write_campaign_csv(subject, target)]
     if isinstance(subject, Track):
         subject = subject.to_xarray()
     writers.get((kind, to), partial(_table_as, to))(subject, target)
@@ -219,6 +250,16 @@ def _model_as_mss(model: Model, path: Path, *, speed: float | None) -> None:
 
 def _model_as_shipmmg(model: Model, path: Path, *, speed: float | None) -> None:
     write_text(path, model_to_shipmmg(model, speed=speed))
+
+
+def _model_as_fmu(
+    model: Model, path: Path, *, speed: float | None, fmi: Version, compile: bool
+) -> None:
+    if path.suffix.lower() != ENDINGS["fmu"]:
+        raise DataError(f"{path}: programs know an FMU by its ending {ENDINGS['fmu']}.")
+    content = model_to_fmu(model, speed=speed, fmi=fmi, compile=compile)
+    with atomic_path(path) as part:
+        part.write_bytes(content)
 
 
 def _table_as_mss(table: DerivativeTable, path: Path) -> None:

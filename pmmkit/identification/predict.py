@@ -173,8 +173,10 @@ POSITION: Final = [State.x, State.y]
 NAMES: Final = ("position", "position_end", "heading", "speed", "yaw_rate")
 
 
+@np.errstate(over="ignore")
 def _squares(out: Array, truth: Array) -> list[float]:
-    """Mean squares of the errors of one window, in the order of `NAMES`."""
+    """Mean squares of the errors of one window, in the order of `NAMES`; infinite of a motion that
+    grows without bound."""
     away = np.sum((out[:, POSITION] - truth[:, POSITION]) ** 2, axis=1)
     speed = np.hypot(out[:, State.u], out[:, State.v]) - np.hypot(
         truth[:, State.u], truth[:, State.v]

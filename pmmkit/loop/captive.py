@@ -19,8 +19,9 @@ from pmmkit.diagnosis.captive.verdict import answer, coefficients_of, taken_as_g
 from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError
+from pmmkit.executors import Workers
 from pmmkit.loop.error_fall import ErrorFall
-from pmmkit.loop.evidence import BASE
+from pmmkit.loop.evidence import BASE, only_campaign
 from pmmkit.models import Model
 from pmmkit.models.changes import before_of
 from pmmkit.models.step import Step
@@ -95,9 +96,13 @@ class CaptiveTests:
 
         return found
 
-    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
-        """What the base still lacks when it has some effects."""
-        return answer(self.system, tuple(given), floor=self.floor, seed=seed)
+    def named(self, effect: str, campaign: str) -> str:
+        """Nothing: there is one campaign alone."""
+        return only_campaign(self.title, effect, campaign)
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
+        """What the base still lacks with some steps."""
+        return answer(self.system, self._names(steps), floor=self.floor, seed=seed)
 
     def fall(self, steps: Sequence[Step]) -> ErrorFall:
         """Held-out errors of the base and after each step."""
@@ -125,7 +130,7 @@ class CaptiveTests:
         made = found.model.with_(notes=tuple(dict.fromkeys((*found.model.notes, *found.notes))))
         return made.stepped(*self._fitted(steps, fit, self._with(steps), source, made))
 
-    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
 
         Raises
@@ -133,7 +138,7 @@ class CaptiveTests:
         ModelError
             If the base is a structure: it has no ship to sail with.
         """
-        return self._sailing((*given, *names))[-1].model
+        return self._sailing((*self._names(steps), *names))[-1].model
 
     def _sailing(self, effects: tuple[str, ...]) -> tuple[Model, JointFit, Refit]:
         """The ship of the base, what is fitted together with some effects, and the ship of that."""
@@ -203,11 +208,18 @@ def captive_tests(
     candidates: Sequence[Candidate] | None,
     noise: float | None,
     own: Sequence[Effect],
+    executor: Workers = None,
 ) -> CaptiveTests:
     """The evidence of captive tests; arguments as for `begin`."""
     base = derivatives_of(model)
     system = captive_system(
-        campaign, base.structure, floor=floor, candidates=candidates, noise=noise, own=own
+        campaign,
+        base.structure,
+        floor=floor,
+        candidates=candidates,
+        noise=noise,
+        own=own,
+        executor=executor,
     )
     begun = system.taking_part(base.effects)
     return CaptiveTests(

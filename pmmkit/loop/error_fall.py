@@ -33,6 +33,21 @@ class ErrorFall(Described):
     errors: tuple[HeldOut, ...]
 
     @property
+    def totals(self) -> tuple[float, ...]:
+        """Error over the rms force, all channels and conditions [%]."""
+        return tuple(100.0 * item.share() for item in self.errors)
+
+    @property
+    def unit(self) -> str:
+        """Of `totals`."""
+        return "%"
+
+    @property
+    def of(self) -> str:
+        """What `totals` are errors of."""
+        return "force"
+
+    @property
     def useless(self) -> tuple[str, ...]:
         """Steps that do not lower the held-out error."""
         shares = [item.share() for item in self.errors]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol, TypeVar
 
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.together.result import Together
 from pmmkit.effects.effect import Effect
+from pmmkit.errors import DataError
 from pmmkit.models import Model
 from pmmkit.models.step import Step
 from pmmkit.presentation import Grid
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 
 BASE: Final = "base"
 """First line of an error fall: the model before any step."""
+Said_co = TypeVar("Said_co", bound=Diagnosis | Together, covariant=True)
+"""What a diagnosis is, of one campaign or of several."""
 FALLS: Final = 0.995
 """A step whose held-out error is above this share of the one before does not lower it."""
 
@@ -31,6 +35,18 @@ class Fall(Protocol):
     @property
     def errors(self) -> tuple[Any, ...]:
         """After each."""
+
+    @property
+    def totals(self) -> tuple[float, ...]:
+        """The one number of each step [`unit`]."""
+
+    @property
+    def unit(self) -> str:
+        """Of `totals`."""
+
+    @property
+    def of(self) -> str:
+        """What `totals` are errors of."""
 
     @property
     def useless(self) -> tuple[str, ...]:
@@ -53,7 +69,7 @@ class Fall(Protocol):
         """The errors as data."""
 
 
-class Evidence(Protocol):
+class Evidence(Protocol[Said_co]):
     """Tests, a base, and all that may be missing of it.
 
     What takes long is worked out once, when it is first needed.
@@ -87,8 +103,17 @@ class Evidence(Protocol):
     def own(self) -> tuple[Effect, ...]:
         """Effects of the user."""
 
-    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
-        """What the base still lacks when it has some effects."""
+    def named(self, effect: str, campaign: str) -> str:
+        """The campaign that a step is about: empty where it is about all there are.
+
+        Raises
+        ------
+        DataError
+            If there is no such campaign, or it has to be said.
+        """
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Said_co:
+        """What the base still lacks with some steps."""
 
     def fall(self, steps: Sequence[Step]) -> Fall:
         """Errors of what is left out, of the base and after each step."""
@@ -99,5 +124,25 @@ class Evidence(Protocol):
     def model(self, steps: Sequence[Step]) -> Model:
         """Base and effects fitted together, with a step per effect."""
 
-    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps."""
+
+
+def only_campaign(title: str, effect: str, campaign: str) -> str:
+    """`Evidence.named` where there is one campaign alone: nothing has to be said.
+
+    Parameters
+    ----------
+    title : str
+        Of the campaign.
+    effect, campaign : str
+        As for `Evidence.named`.
+
+    Raises
+    ------
+    DataError
+        If another one is named.
+    """
+    if campaign not in ("", title):
+        raise DataError(f"{effect}: there is no campaign {campaign!r}, but {title!r}.")
+    return ""

@@ -66,6 +66,21 @@ class RecordFall(Described):
         return tuple(name for name in ERRORS if not math.isnan(self.errors[0].of(name)))
 
     @property
+    def totals(self) -> tuple[float, ...]:
+        """Error of heading [deg]."""
+        return tuple(item.heading for item in self.errors)
+
+    @property
+    def unit(self) -> str:
+        """Of `totals`."""
+        return UNITS["heading"]
+
+    @property
+    def of(self) -> str:
+        """What `totals` are errors of."""
+        return "heading"
+
+    @property
     def useless(self) -> tuple[str, ...]:
         """Steps after which nothing is predicted better."""
         return tuple(

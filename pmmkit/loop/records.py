@@ -29,7 +29,7 @@ from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
 from pmmkit.errors import DataError, ModelError
 from pmmkit.identification.record import FreeRecord
-from pmmkit.loop.evidence import BASE
+from pmmkit.loop.evidence import BASE, only_campaign
 from pmmkit.loop.record_fall import RecordError, RecordFall
 from pmmkit.models import Model
 from pmmkit.models.step import Step
@@ -95,8 +95,13 @@ class FreeRecords:
         """Why an effect takes no part, in words; empty where it does."""
         return why_not_asked(effect, self.system.model, self.system.records)
 
-    def diagnose(self, given: Sequence[str], seed: int) -> Diagnosis:
-        """What the base still lacks when it has some effects."""
+    def named(self, effect: str, campaign: str) -> str:
+        """Nothing: there is one campaign alone."""
+        return only_campaign(self.title, effect, campaign)
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Diagnosis:
+        """What the base still lacks with some steps."""
+        given = self.sets(steps)[-1]
         return answer(
             self.system,
             given,
@@ -105,7 +110,7 @@ class FreeRecords:
             held_out_window=self.held_out_window,
             most=self.most,
             seed=seed,
-            contest=self.contest(tuple(given)),
+            contest=self.contest(given),
         )
 
     @cached_property
@@ -173,7 +178,7 @@ class FreeRecords:
         """The model with base and effects fitted together, and with a step per effect."""
         return refitted(self.system, self.begun, steps)
 
-    def rival(self, given: Sequence[str], names: Sequence[str]) -> Model:
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
 
         Raises
@@ -181,7 +186,8 @@ class FreeRecords:
         ModelError
             If the diagnosis did not name it.
         """
-        settled = self.contest(tuple(given)).settled
+        given = self.sets(steps)[-1]
+        settled = self.contest(given).settled
         fit = next((item.fit for item in settled if item.names == tuple(names)), None)
         if fit is None:
             raise ModelError(f"{' + '.join(names)} was not named.")

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeGuard, TypeVar, overload
 
 from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.several import by_title
 from pmmkit.diagnosis.captive.candidate import Candidate, no_such_effect
 from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
+from pmmkit.diagnosis.together.result import Together
 from pmmkit.effects.effect import Effect
 from pmmkit.errors import DataError, ModelError
+from pmmkit.executors import Workers
 from pmmkit.identification.record import FreeRecord
 from pmmkit.loop.captive import captive_tests
 from pmmkit.loop.evidence import Evidence, Fall
 from pmmkit.loop.records import free_running
 from pmmkit.loop.saved import SavedSession, read_session
+from pmmkit.loop.several import Tests, several_campaigns
 from pmmkit.models import Model, load_model
 from pmmkit.models.changes import restored
 from pmmkit.models.edit import without_effect
@@ -25,9 +29,14 @@ from pmmkit.models.step import Step, last_added, odds
 from pmmkit.presentation import Described, Section, counted
 from pmmkit.structures import Structure
 
+Said = TypeVar("Said", bound=Diagnosis | Together)
+"""What a diagnosis is, of one campaign or of several."""
+Base = Model | str | Path | Sequence[str] | Structure
+"""What a session begins with."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
-class Session(Described):
+class Session(Described, Generic[Said]):
     """A base model, the tests, and the effects that were added one after another.
 
     Each action gives a new session; the old one stays as it is. All of them share what was worked
@@ -36,12 +45,12 @@ class Session(Described):
     Parameters
     ----------
     evidence : Evidence
-        The tests, captive or free-running, and the base.
+        The tests, captive or free-running, of one campaign or of several, and the base.
     steps : tuple of Step
         What was added.
     """
 
-    evidence: Evidence
+    evidence: Evidence[Said]
     steps: tuple[Step, ...] = ()
 
     @property
@@ -49,11 +58,19 @@ class Session(Described):
         """Effects that the base has now."""
         return (*self.evidence.begun, *(step.effect for step in self.steps))
 
-    def diagnose(self, seed: int = 0) -> Diagnosis:
-        """What the base, with the effects added so far, still lacks."""
-        return self.evidence.diagnose(self.given, seed)
+    def diagnose(self, seed: int = 0) -> Said:
+        """What the base, with the effects added so far, still lacks; of several campaigns what
+        they say together."""
+        return self.evidence.diagnose(self.steps, seed)
 
-    def add(self, effect: str | Finding | Step, why: str = "") -> Session:
+    def add(
+        self,
+        effect: str | Finding | Step,
+        why: str = "",
+        *,
+        campaign: str = "",
+        log_odds: float | None = None,
+    ) -> Session[Said]:
         """A session with one effect more.
 
         Parameters
@@ -62,29 +79,40 @@ class Session(Described):
             Its name, or a finding of `diagnose` or a step of another session, whose odds are kept.
         why : str
             A remark.
+        campaign : str
+            Of several, the one that has the fault; an effect of the ship is asked of all.
+        log_odds : float, optional
+            ln of the odds for an effect that is given by its name.
 
         Raises
         ------
         UnknownNameError
             If no such effect takes part.
+        DataError
+            If it is not said which of several campaigns has a fault, or there is no such one.
         ModelError
             If the base has it already.
         """
         name = effect if isinstance(effect, str) else effect.effect
-        if name in self.given:
-            raise ModelError(f"The model has {name} already.")
         kinds = self.evidence.kinds
         if name not in kinds:
             raise no_such_effect(name, list(kinds))
+        of = campaign or (effect.campaign if isinstance(effect, Step) else "")
+        of = self.evidence.named(name, of)
+        if name in self.evidence.begun or (name, of) in [
+            (x.effect, x.campaign) for x in self.steps
+        ]:
+            raise ModelError(f"The model has {name} already.")
         step = Step(
             action="fault_corrected" if kinds[name] == "fault" else "effect_added",
             effect=name,
-            log_odds=None if isinstance(effect, str) else effect.log_odds,
+            campaign=of,
+            log_odds=log_odds if isinstance(effect, str) else effect.log_odds,
             note=why,
         )
         return replace(self, steps=(*self.steps, step))
 
-    def undo(self) -> Session:
+    def undo(self) -> Session[Said]:
         """The session before the last step.
 
         Raises
@@ -147,32 +175,66 @@ def _told(step: Step) -> str:
     return f"{step.effect}: {why}" if why else step.effect
 
 
+@overload
 def begin(
-    model: Model | str | Path | Sequence[str] | Structure,
+    model: Base,
     campaign: Campaign | Sequence[FreeRecord],
     *,
     floor: float | None = None,
     candidates: Sequence[Candidate | FreeCandidate | Effect | str] | None = None,
     noise: float | None = None,
     own: Sequence[Effect] = (),
+    executor: Workers = None,
     **settings: Any,
-) -> Session:
+) -> Session[Diagnosis]: ...
+
+
+@overload
+def begin(
+    model: Base,
+    campaign: Sequence[Campaign] | Mapping[str, Tests],
+    *,
+    floor: float | None = None,
+    candidates: Sequence[FreeCandidate | Effect | str] | None = None,
+    noise: float | None = None,
+    own: Sequence[Effect] = (),
+    executor: Workers = None,
+    **settings: Any,
+) -> Session[Together]: ...
+
+
+def begin(
+    model: Base,
+    campaign: Campaign | Sequence[FreeRecord] | Sequence[Campaign] | Mapping[str, Tests],
+    *,
+    floor: float | None = None,
+    candidates: Sequence[Candidate | FreeCandidate | Effect | str] | None = None,
+    noise: float | None = None,
+    own: Sequence[Effect] = (),
+    executor: Workers = None,
+    **settings: Any,
+) -> Session[Diagnosis] | Session[Together]:
     """A session about a model and its tests.
 
     Parameters
     ----------
     model : Model, str, path, sequence of str or Structure
-        As for `diagnose`: free-running records need a complete model.
-    campaign : Campaign or sequence of FreeRecord
-        Captive tests with histories, or free-running records.
-    floor, candidates, noise, own
+        As for `diagnose`: free-running records, and several campaigns, need a complete model.
+    campaign : Campaign or sequence of FreeRecord, sequence of Campaign, or mapping of str to these
+        Captive tests with histories, or free-running records; or several campaigns of one ship,
+        by name if a mapping, as for `together`.
+    floor, candidates, noise, own, executor
         As for `diagnose_captive`, or for `diagnose_free`, which tells the noise from the records.
+        Of several campaigns ``noise`` is that of captive tests, ``candidates`` are those of
+        records.
     **settings
-        Of free-running records alone, as for `diagnose_free`.
+        Of free-running records alone, as for `diagnose_free`; of several campaigns also ``runs``,
+        ``test_runs`` (held out), ``channels`` and ``shortest``, as for `chosen_records`.
 
     Returns
     -------
     Session
+        Of several campaigns `Session.diagnose` gives what they say together.
 
     Raises
     ------
@@ -180,17 +242,28 @@ def begin(
         If captive tests hold no run with a known noise, records are too few, or an argument is of
         no use for such tests.
     """
+    if not _is_one(campaign):
+        more = settings if candidates is None else settings | {"candidates": candidates}
+        several = several_campaigns(
+            model, _by_name(campaign), floor=floor, noise=noise, own=own, executor=executor, **more
+        )
+        return Session(evidence=several)
     if not isinstance(campaign, Campaign) or campaign.kind == "free-running":
         if noise is not None:
             raise DataError(
                 "noise belongs to captive tests. Free-running records tell theirs, or state it "
                 "by channel as sensors."
             )
-        return Session(
-            evidence=free_running(
-                model, campaign, floor=floor, candidates=candidates, own=own, **settings
-            )
+        records = free_running(
+            model,
+            campaign,
+            floor=floor,
+            candidates=candidates,
+            own=own,
+            executor=executor,
+            **settings,
         )
+        return Session(evidence=records)
     if settings:
         raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
     asked: list[Candidate] | None = None if candidates is None else []
@@ -199,17 +272,53 @@ def begin(
             raise DataError(f"{item} is no candidate of captive tests: give a Candidate.")
         if asked is not None:
             asked.append(item)
-    return Session(
-        evidence=captive_tests(model, campaign, floor=floor, candidates=asked, noise=noise, own=own)
+    tests = captive_tests(
+        model, campaign, floor=floor, candidates=asked, noise=noise, own=own, executor=executor
     )
+    return Session(evidence=tests)
+
+
+def _is_one(
+    campaign: Campaign | Sequence[FreeRecord] | Sequence[Campaign] | Mapping[str, Tests],
+) -> TypeGuard[Campaign | Sequence[FreeRecord]]:
+    """Whether it is one campaign, or its records."""
+    if isinstance(campaign, Campaign):
+        return True
+    return not isinstance(campaign, Mapping) and not any(isinstance(x, Campaign) for x in campaign)
+
+
+def _by_name(campaigns: Iterable[Any] | Mapping[str, Tests]) -> Mapping[str, Tests]:
+    """Several campaigns, by their titles where they have no other names."""
+    if isinstance(campaigns, Mapping):
+        return campaigns
+    every = list(campaigns)
+    found = [item for item in every if isinstance(item, Campaign)]
+    if len(found) < len(every):
+        raise DataError("Records beside campaigns need a name: give a mapping of names to both.")
+    return by_title(found)
+
+
+@overload
+def replay(
+    path: str | Path, model: Base, campaign: Campaign | Sequence[FreeRecord], **settings: Any
+) -> Session[Diagnosis]: ...
+
+
+@overload
+def replay(
+    path: str | Path,
+    model: Base,
+    campaign: Sequence[Campaign] | Mapping[str, Tests],
+    **settings: Any,
+) -> Session[Together]: ...
 
 
 def replay(
     path: str | Path,
-    model: Model | str | Path | Sequence[str] | Structure,
-    campaign: Campaign | Sequence[FreeRecord],
+    model: Base,
+    campaign: Campaign | Sequence[FreeRecord] | Sequence[Campaign] | Mapping[str, Tests],
     **settings: Any,
-) -> Session:
+) -> Session[Diagnosis] | Session[Together]:
     """The steps of a file carried out again on a model and its tests.
 
     Parameters
@@ -225,7 +334,7 @@ def replay(
         If the file is damaged or of another kind.
     """
     saved = read_session(path)
-    session = begin(model, campaign, **settings | {"floor": saved.floor})
+    session: Session[Any] = begin(model, campaign, **settings | {"floor": saved.floor})
     for step in saved.steps:
         session = session.add(step, step.note)
     return session

@@ -178,9 +178,11 @@ def odds(log_odds: float) -> str:
 
     Examples
     --------
-    >>> odds(3.0), odds(80.0)
-    ('about 20 to 1', 'over 1000 to 1')
+    >>> odds(3.0), odds(80.0), odds(-3.0)
+    ('about 20 to 1', 'over 1000 to 1', 'about 20 to 1 against')
     """
+    if log_odds < 0.0:
+        return f"{odds(-log_odds)} against"
     if log_odds > math.log(1000.0):
         return "over 1000 to 1"
     return f"about {math.exp(log_odds):.0f} to 1"

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.day import places_in_day
 from pmmkit.campaigns.motion.counted import travel_of
@@ -19,6 +20,7 @@ from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.conventions import CHANNELS
 from pmmkit.effects.state import State
 from pmmkit.errors import DataError
+from pmmkit.executors import Workers, each, opened
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import Prepared, prepare
 
@@ -138,7 +140,11 @@ class View:
 
 
 def views_of(
-    campaign: Campaign, *, unknown_noise: bool = False, pieces: bool = True
+    campaign: Campaign,
+    *,
+    unknown_noise: bool = False,
+    pieces: bool = True,
+    executor: Workers = None,
 ) -> tuple[View, ...]:
     """All runs of a captive campaign, oscillating ones in two pieces.
 
@@ -152,6 +158,8 @@ def views_of(
         `View.known` says so. Harmonics that a table lacks are left out.
     pieces : bool
         Whether long records are cut in two; False takes each as the reduction does.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who reads the runs, as for `reduce_campaign`; by default this process alone.
 
     Returns
     -------
@@ -166,16 +174,27 @@ def views_of(
     """
     if campaign.kind != "captive":
         raise DataError("Forces are diagnosed in captive tests; this campaign is free-running.")
-    rig = rig_of(campaign)
-    found: list[View] = []
-    for place, run in zip(places_in_day(campaign.runs), campaign.runs, strict=True):
-        if pieces:
-            own = _pieces(run, campaign, rig, unknown_noise)
-        else:
-            own = [_view(prepare(run, campaign), rig, unknown_noise)]
-        found += [replace(view, day=place) for view in own]
+    lean = campaign.with_(runs=(), excluded=())
+    work = partial(_views, campaign=lean, rig=rig_of(lean), keep=unknown_noise, pieces=pieces)
+    names = [f"run {run.id}" for run in campaign.runs]
+    with opened(executor) as ready, threadpool_limits(1):
+        own = dict(each(work, campaign.runs, ready, names=names))
+    found = [
+        replace(view, day=day)
+        for place, day in enumerate(places_in_day(campaign.runs))
+        for view in own[place]
+    ]
     pooled = _pooled(found)
     return tuple(_with_noise(pooled, campaign) if unknown_noise else pooled)
+
+
+def _views(run: Run, campaign: Campaign, rig: Rig, keep: bool, pieces: bool) -> list[View]:
+    """The views of a run, without its samples."""
+    if pieces:
+        found = _pieces(run, campaign, rig, keep)
+    else:
+        found = [_view(prepare(run, campaign), rig, keep)]
+    return [replace(view, run=run.with_(settings=view.run.settings)) for view in found]
 
 
 def _pieces(run: Run, campaign: Campaign, rig: Rig, keep: bool) -> list[View]:

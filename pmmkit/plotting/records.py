@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 DEGREES: Final = 180.0 / math.pi
+TICK: Final = 10
+"""Letters in a line under a bar; one word may be longer."""
 
 
 def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[float]]) -> Figure:
@@ -75,7 +78,8 @@ def waterfall(steps: Sequence[str], errors: Mapping[tuple[str, str], Sequence[fl
 
 def _ticks(steps: Sequence[str]) -> list[str]:
     """The steps in short lines."""
-    words = [figure_text(step).replace("_", "\n") for step in steps]
+    lines = [textwrap.wrap(step.replace("_", " "), TICK) for step in steps]
+    words = ["\n".join(map(figure_text, own)) for own in lines]
     return [f"+ {word}" if number else word for number, word in enumerate(words)]
 
 

@@ -17,6 +17,7 @@ from pmmkit.checks import CheckFinding, examine, loudest_first, refuse
 from pmmkit.checks.untold import untold
 from pmmkit.conventions import CHANNELS, Convention
 from pmmkit.errors import CampaignError, ContradictionError, Problem
+from pmmkit.executors import Workers
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, excited_alone
 from pmmkit.observations.prepare import CycleChoice, RunResult
@@ -201,7 +202,7 @@ def reduce_campaign(
     check: bool = True,
     odd_runs: OddRuns = "tell",
     progress: Progress | None = None,
-    jobs: int | None = None,
+    executor: Workers = None,
     memory: float = 1000.0,
     resume: Path | None = None,
 ) -> Reduction:
@@ -244,10 +245,13 @@ def reduce_campaign(
         What becomes of a run at odds with the others: a warning, also less weight, or an error.
     progress : callable, optional
         Called with (runs done, runs in all, what is done).
-    jobs : int, optional
-        Processes that read runs, once reading takes long; the number of processors by default.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who reads the runs: so many processes of this machine, once reading takes long; by default
+        as many as there are processors; 1 for this process alone. An executor, or a cluster by the
+        address of its dask scheduler (``tcp://…``), reads all of them.
     memory : float
-        What they may take together [MB]; fewer read at a time where files are large.
+        What processes of this machine may take together [MB]; fewer read at a time where files are
+        large.
     resume : path, optional
         Folder in which the results of runs are kept once reading takes long. A call that was
         interrupted goes on from there; the result is the same. The caller removes the folder.
@@ -272,7 +276,7 @@ def reduce_campaign(
         U="carriage" if carriage_speed else "instantaneous",
     )
     tell = progress or _silent
-    means = Means(jobs=jobs, memory=memory, kept=resume)
+    means = Means(executor=executor, memory=memory, kept=resume)
     chosen = methods_of(method)
     asked = columns_of(wanted, campaign.runs, CHANNELS)
     over_time = any(item.over_time for item in chosen)

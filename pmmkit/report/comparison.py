@@ -61,4 +61,4 @@ def comparison_answers(found: Comparison, findings: Sequence[CheckFinding] = ())
         "told data": told_page(Place(after=[checked_section(findings)])),
         "told where": told_page(Place(folded=sections_of(found))),
     }
-    return with_runs(answers, worst_first(misfit), partial(run_page, found), 0)
+    return with_runs(answers, worst_first(misfit), partial(run_page, found), "run {} 0".format)

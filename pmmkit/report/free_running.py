@@ -22,7 +22,7 @@ from pmmkit.workbench.pages.sections import Place, told_page
 
 def write_free_diagnosis(
     found: Diagnosis,
-    session: Session,
+    session: Session[Diagnosis],
     path: str | Path,
     *,
     title: str = "",
@@ -34,7 +34,7 @@ def write_free_diagnosis(
     ----------
     found : Diagnosis
         What the session said.
-    session : Session
+    session : Session[Diagnosis]
         That was asked; what it worked out is used again.
     path : path
         File to write.
@@ -82,7 +82,7 @@ def write_free_diagnosis(
     return target
 
 
-def _sailed(evidence: FreeRecords, session: Session) -> Section:
+def _sailed(evidence: FreeRecords, session: Session[Diagnosis]) -> Section:
     """Records left out, measured and sailed before and after."""
     records = evidence.sailed(session.steps)
     return Section(

@@ -27,7 +27,7 @@ class Loop:
     ----------
     base : str
         The model in words.
-    session : Session
+    session : Session[Diagnosis]
         The base and its tests.
     diagnosis : Diagnosis
         Of the base.
@@ -38,18 +38,18 @@ class Loop:
     """
 
     base: str
-    session: Session
+    session: Session[Diagnosis]
     diagnosis: Diagnosis
     fall: Fall
     end: Diagnosis | None = None
 
 
-def loop_of(session: Session, base: str, *, rounds: int = 1) -> Loop:
+def loop_of(session: Session[Diagnosis], base: str, *, rounds: int = 1) -> Loop:
     """Diagnose a session, add what is named step by step, what explains most first, and go on.
 
     Parameters
     ----------
-    session : Session
+    session : Session[Diagnosis]
         A model and its tests.
     base : str
         The model in words.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
@@ -16,6 +18,7 @@ from pmmkit.equations.layouts import Status
 from pmmkit.equations.prepared import Numbers, Prepared, packed, stacked, values_at
 from pmmkit.equations.structure import Structure
 from pmmkit.errors import DataError
+from pmmkit.executors import Workers, each, opened
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -29,11 +32,16 @@ from pmmkit.simulation.plan import Plan
 from pmmkit.simulation.run import Gear, run_plan, run_ships, settings_for
 from pmmkit.simulation.simulate import ENVIRONMENT, RTOL, RudderLaw, check_request, gear_of
 from pmmkit.simulation.spread import CHUNK, spread_of
+from pmmkit.simulation.spread import Spread as Drawn
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
+Sailed = tuple[dict[str, Array], Array]
+"""Metrics (n,) by name, and the status (n,) of each ship."""
+SENT: Final = 2500
+"""Ships that are sent at a time, some 0.1 s of work."""
 SHOWN: Final = 3
 """Metrics that are drawn as distributions where none are named."""
 
@@ -218,23 +226,34 @@ class Batch:
         names: Sequence[str],
         values: Array,
         *,
-        jobs: int | None = None,
+        executor: Executor | int | None = None,
         advance: Callable[[int], object] | None = None,
-    ) -> tuple[dict[str, Array], Array]:
+    ) -> Sailed:
         """Metrics (n,) by name, and the status of each ship.
 
         For values (n, len(names)) at the approach; where derivatives follow the speed, for those
-        at all `known_speeds`, (n, speeds len(names)).
+        at all `known_speeds`, (n, speeds len(names)). A number of threads, or an executor as
+        `opened` gives it.
         """
+        if isinstance(executor, Executor):
+            pieces = [values[first : first + SENT] for first in range(0, len(values), SENT)]
+            called = [f"ships {SENT * i} to {SENT * i + len(x) - 1}" for i, x in enumerate(pieces)]
+            work = partial(Batch.run, self, names, executor=1)
+            done = dict(each(work, pieces, executor, names=called))
+            parts = [done[place] for place in range(len(pieces))]
+            joined = {x: np.concatenate([own[x] for own, _ in parts]) for x in parts[0][0]}
+            return joined, np.concatenate([status for _, status in parts])
         structure, k = self._packed(names, values)
         settings = settings_for(
             structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
         )
         results, status = run_ships(
-            structure, stacked(k, len(values)), self.plan, settings, jobs=jobs, advance=advance
+            structure, stacked(k, len(values)), self.plan, settings, jobs=executor, advance=advance
         )
         with np.errstate(all="ignore"):
-            metrics = {name: np.asarray(x) for name, x in self.plan.metrics_of(results).items()}
+            metrics = {
+                name: np.ascontiguousarray(x) for name, x in self.plan.metrics_of(results).items()
+            }
         return metrics, status
 
     def nominal_range(self) -> FroudeRange | None:
@@ -349,7 +368,7 @@ def monte_carlo(
     n: int = 10_000,
     spread: float | None = None,
     seed: int = 0,
-    jobs: int | None = None,
+    executor: Workers = None,
     progress: Progress | None = None,
     **settings: Any,
 ) -> Ensemble:
@@ -370,8 +389,10 @@ def monte_carlo(
         its place.
     seed : int
         Of the draws: the same seed gives the same ships, bit for bit.
-    jobs : int, optional
-        Threads; by default as many as there are processors. The results do not depend on it.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who sails the ships: so many threads of this process, by default as many as there are
+        processors; an executor, or a cluster by the address of its dask scheduler (``tcp://…``).
+        The results do not depend on it.
     progress : Progress, optional
         Is told how many ships are done.
     **settings
@@ -400,7 +421,7 @@ def monte_carlo(
     batch = batch_of(model, manoeuvre, speed=speed, **settings)
     loaded = batch.model
     drawn = spread_of(loaded, speed, spread, extrapolate=batch.extrapolate, fn=batch.fn)
-    nominal, _ = batch.run(drawn.names, drawn.mean[None], jobs=1)
+    nominal, _ = batch.run(drawn.names, drawn.mean[None], executor=1)
     found = {name: np.empty(n) for name in nominal}
     failed, done = 0, 0
 
@@ -410,14 +431,24 @@ def monte_carlo(
         if progress is not None:
             progress(done, n, f"{batch.plan.name}, {loaded.name}")
 
-    for first in range(0, n, CHUNK):
-        count = min(CHUNK, n - first)
-        metrics, status = batch.run(
-            drawn.names, drawn.draw(seed, first, count), jobs=jobs, advance=advance
-        )
-        failed += int(np.count_nonzero(status != Status.done))
-        for name, values in metrics.items():
-            found[name][first : first + count] = values
+    with opened(executor) as ready:
+        sent = isinstance(ready, Executor)
+        size = SENT if sent else CHUNK
+        pieces = [(first, min(size, n - first)) for first in range(0, n, size)]
+        sail = partial(_drawn, batch, drawn, seed)
+        for place, (metrics, status) in each(
+            partial(sail, executor=1),
+            pieces,
+            ready if sent else None,
+            names=[f"ships {first} to {first + count - 1}" for first, count in pieces],
+            here=partial(sail, executor=1 if sent else ready, advance=None if sent else advance),
+        ):
+            first, count = pieces[place]
+            failed += int(np.count_nonzero(status != Status.done))
+            for name, values in metrics.items():
+                found[name][first : first + count] = values
+            if sent:
+                advance(count)
     return Ensemble(
         metrics=MappingProxyType(found),
         nominal=MappingProxyType({name: float(x[0]) for name, x in nominal.items()}),
@@ -433,3 +464,8 @@ def monte_carlo(
         units=MappingProxyType({name: unit_of(name, batch.plan.metrics) for name in nominal}),
         tested=batch.nominal_range(),
     )
+
+
+def _drawn(batch: Batch, drawn: Drawn, seed: int, piece: tuple[int, int], **how: Any) -> Sailed:
+    """The ships from some number on, so many."""
+    return batch.run(drawn.names, drawn.draw(seed, *piece), **how)

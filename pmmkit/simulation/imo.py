@@ -22,6 +22,7 @@ from pmmkit.metrics import (
 )
 from pmmkit.models import Model, load_model
 from pmmkit.presentation import ABSENT, Described, Grid, Group, Section
+from pmmkit.simulation.manoeuvres.catalogue import manoeuvre_of
 from pmmkit.simulation.simulate import simulate, steering
 from pmmkit.simulation.track import Track
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 SOURCE: Final = cite("msc137")
 SHORTEST: Final = 100.0
 """Length from which on the standard applies [m]."""
+ASTERN: Final = (-0.6, -0.7, -0.8, -0.9, -1.0)
+"""Revolutions astern over those of the approach, of which the track reach is told."""
 LARGE: Final = "The administration may allow up to 20 L for ships of large displacement."
 
 
@@ -235,6 +238,7 @@ def imo_verdicts(
     n: int = 2000,
     spread: float | None = None,
     seed: int = 0,
+    astern: float | None = None,
     **settings: Any,
 ) -> list[Verdict]:
     """Every criterion of the standard, to both sides.
@@ -250,6 +254,10 @@ def imo_verdicts(
         is given; 0 for none.
     spread, seed
         As for `monte_carlo`.
+    astern : float, optional
+        Revolutions of the full astern stop over those of the approach, negative; by default those
+        of the manoeuvre `stopping`. The standard does not say them: what other ones give stands
+        beside the verdict.
     **settings
         Handed on to `simulate`: `fn`, `depth`, `rudder_rate_deg`, `compiled` …
 
@@ -289,7 +297,7 @@ def imo_verdicts(
                     verdict = replace(verdict, probability=probability)
                 found.append(verdict)
     alone = [(metric, item) for metric, item in criteria() if (metric, item) not in sided]
-    return [*found, *(_stopping(loaded, speed, settings, *pair) for pair in alone)]
+    return [*found, *(_stopping(loaded, speed, astern, settings, *pair) for pair in alone)]
 
 
 def _many(
@@ -313,7 +321,12 @@ def _many(
 
 
 def _stopping(
-    model: Model, speed: float, settings: Mapping[str, Any], metric: Metric, criterion: Criterion
+    model: Model,
+    speed: float,
+    astern: float | None,
+    settings: Mapping[str, Any],
+    metric: Metric,
+    criterion: Criterion,
 ) -> Verdict:
     """Track reach of a full astern stop, if the model knows what happens astern."""
     if not any(part.known.astern for part in model.parts.values()):
@@ -330,8 +343,25 @@ def _stopping(
                 f"{', '.join(x.name for x in catalogue().values() if x.astern)} do.",
             ),
         )
-    track = simulate(model, criterion.manoeuvre, speed=speed, **settings)
-    return _verdict(metric, criterion, track, (*_conditions(track), LARGE))
+    usual = {item.name: item.default for item in manoeuvre_of(criterion.manoeuvre).settings}
+    turns = astern if astern is not None else usual["turns"] or 0.0
+    if not turns < 0.0:
+        raise DataError(f"Revolutions of a stop are negative: astern is {turns:g}.")
+
+    def stopped(own: float) -> Track:
+        return simulate(model, criterion.manoeuvre, speed=speed, turns=own, **settings)
+
+    track = stopped(turns)
+    others = {own: _verdict(metric, criterion, stopped(own), ()) for own in ASTERN if own != turns}
+    said = ", ".join(
+        f"{own:g} {found.value:.3g} L{'' if found.passed else ' (not met)'}"
+        for own, found in others.items()
+    )
+    assumed = (
+        f"Full astern is {turns:g} of the approach's revolutions, at once and with all the torque "
+        f"that this needs; the standard does not say them. Track reach with others: {said}."
+    )
+    return _verdict(metric, criterion, track, (*_conditions(track), assumed, LARGE))
 
 
 def _verdict(

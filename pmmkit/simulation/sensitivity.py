@@ -13,6 +13,7 @@ import numpy as np
 from pmmkit.channels import did_you_mean
 from pmmkit.equations.prepared import values_at
 from pmmkit.errors import DataError, Problem, Remedy, UnknownNameError, setting
+from pmmkit.executors import Workers, opened
 from pmmkit.metrics import in_lengths, main_of, unit_of
 from pmmkit.models import Model
 from pmmkit.models.model import DERIVATIVE_PARTS
@@ -191,7 +192,7 @@ def sensitivities(
     speed: float,
     spread: float | None = None,
     names: Sequence[str] | None = None,
-    jobs: int | None = None,
+    executor: Workers = None,
     **settings: Any,
 ) -> Sensitivities:
     """Slopes of every metric over every derivative, and over what else is uncertain of a model.
@@ -203,8 +204,8 @@ def sensitivities(
     names : sequence of str, optional
         Derivatives, and values of other parts as ``rudder_mmg.aH``; by default those of the
         covariance and those with an uncertainty of their own, or all derivatives.
-    jobs : int, optional
-        Threads.
+    executor : int, str or concurrent.futures.Executor, optional
+        As for `monte_carlo`.
     **settings
         As for `monte_carlo`, with ``fn="approach"`` alone.
 
@@ -245,7 +246,8 @@ def sensitivities(
     values = np.tile(mean, (4 * count + 1, 1))
     for i in range(count):
         values[4 * i : 4 * i + 4, i] += offsets * STEP * sizes[i]
-    metrics, _ = batch.run(chosen, values, jobs=jobs)
+    with opened(executor) as ready:
+        metrics, _ = batch.run(chosen, values, executor=ready)
     slopes = {
         name: (column[:-1].reshape(count, 4) @ weights) / (STEP * sizes)
         for name, column in metrics.items()
@@ -358,7 +360,7 @@ def sobol(
     spread: float | None = None,
     n: int = 1024,
     seed: int = 0,
-    jobs: int | None = None,
+    executor: Workers = None,
     **settings: Any,
 ) -> SobolIndices:
     """Sobol indices of every metric.
@@ -372,8 +374,8 @@ def sobol(
         Base samples, a power of two; n (m + 2) ships are simulated.
     seed : int
         Of the scrambled Sobol sequence.
-    jobs : int, optional
-        Threads.
+    executor : int, str or concurrent.futures.Executor, optional
+        As for `monte_carlo`.
     **settings
         As for `monte_carlo`, with ``fn="approach"`` alone.
 
@@ -408,7 +410,8 @@ def sobol(
     for i in range(count):
         mixed[i, :, i] = b[:, i]
     values = np.concatenate([a, b, mixed.reshape(-1, count)])
-    metrics, _ = batch.run(drawn.names, values, jobs=jobs)
+    with opened(executor) as ready:
+        metrics, _ = batch.run(drawn.names, values, executor=ready)
     first, total = {}, {}
     for name, column in metrics.items():
         at_a, at_b, at_mixed = column[:n], column[n : 2 * n], column[2 * n :].reshape(count, n)

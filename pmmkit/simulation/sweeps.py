@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from pmmkit.errors import DataError, Problem, Remedy, Way
+from pmmkit.executors import Workers, each, opened
 from pmmkit.metrics import unit_of
 from pmmkit.models import Model, load_model
 from pmmkit.simulation.ensemble import monte_carlo
@@ -44,6 +47,7 @@ def froude_sweep(
     n: int = 0,
     spread: float | None = None,
     seed: int = 0,
+    executor: Workers = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Metrics of a manoeuvre over the approach speed, with intervals if asked for.
@@ -61,8 +65,8 @@ def froude_sweep(
         Froude numbers instead of `speeds`.
     n : int
         Ships drawn at each speed for 95 % intervals; 0 for none.
-    spread, seed
-        As for `monte_carlo`.
+    spread, seed, executor
+        As for `monte_carlo`; an executor is given the rows.
     **settings
         Handed on to `simulate`.
 
@@ -96,10 +100,8 @@ def froude_sweep(
             f"Model {loaded.name!r} has one set of values for all speeds: say which speeds."
         )
     sailed = manoeuvre_of(manoeuvre)
-    rows = [
-        _row(loaded, sailed, {"speed": float(speed), **settings}, n, spread, seed)
-        for speed in asked
-    ]
+    cases = [(loaded, {"speed": float(speed), **settings}) for speed in asked]
+    rows = _rows(cases, sailed, executor, n=n, spread=spread, seed=seed)
     numbers = [loaded.ship.froude(float(speed), loaded.water.g) for speed in asked]
     return xr.Dataset(
         _variables("Fn", rows, sailed),
@@ -125,6 +127,7 @@ def sweep(
     n: int = 0,
     spread: float | None = None,
     seed: int = 0,
+    executor: Workers = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Metrics of a manoeuvre over any of its settings, or over several models.
@@ -140,7 +143,7 @@ def sweep(
         Values of that setting.
     manoeuvre : str or Manoeuvre
         As for `simulate`.
-    n, spread, seed
+    n, spread, seed, executor
         As for `froude_sweep`.
     **settings
         Handed on to `simulate`.
@@ -179,10 +182,9 @@ def sweep(
             raise DataError(f"Give the values of {over}.")
         cases = [(float(x), model, {**settings, over: float(x)}) for x in values]
     sailed = manoeuvre_of(manoeuvre)
-    rows, loaded = [], []
-    for _, item, given in cases:
-        loaded.append(item if isinstance(item, Model) else load_model(item))
-        rows.append(_row(loaded[-1], sailed, given, n, spread, seed))
+    loaded = [item if isinstance(item, Model) else load_model(item) for _, item, _ in cases]
+    asked = [(item, given) for item, (_, _, given) in zip(loaded, cases, strict=True)]
+    rows = _rows(asked, sailed, executor, n=n, spread=spread, seed=seed)
     return xr.Dataset(
         _variables(over, rows, sailed),
         coords={over: (over, np.array([label for label, _, _ in cases]), _with_unit(over, sailed))},
@@ -194,19 +196,44 @@ def sweep(
     )
 
 
-def _row(
-    model: Model,
+def _rows(
+    cases: Sequence[tuple[Model, dict[str, Any]]],
     manoeuvre: Manoeuvre,
-    given: dict[str, Any],
+    executor: Workers,
+    **draws: Any,
+) -> list[dict[str, float]]:
+    """A row for each model with its settings."""
+    with opened(executor) as ready:
+        sent = isinstance(ready, Executor)
+        row = partial(_row, manoeuvre, **draws)
+        found = each(
+            partial(row, threads=1),
+            cases,
+            ready if sent else None,
+            names=[f"{model.name}, {given}" for model, given in cases],
+            here=partial(row, threads=None if sent else ready),
+        )
+        done = dict(found)
+    return [done[place] for place in range(len(cases))]
+
+
+def _row(
+    manoeuvre: Manoeuvre,
+    case: tuple[Model, dict[str, Any]],
+    *,
     n: int,
     spread: float | None,
     seed: int,
+    threads: int | None,
 ) -> dict[str, float]:
+    model, given = case
     track = simulate(model, manoeuvre, **given)
     row = dict(track.metrics)
     if n:
         plain = {name: x for name, x in given.items() if name not in ("compiled", "dt")}
-        many = monte_carlo(model, manoeuvre, n=n, spread=spread, seed=seed, **plain)
+        many = monte_carlo(
+            model, manoeuvre, n=n, spread=spread, seed=seed, executor=threads, **plain
+        )
         for name in tuple(row):
             row[f"{name}_low"], row[f"{name}_high"] = many.interval(name)
     if given.get("fn") == "instant":

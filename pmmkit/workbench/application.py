@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.errors import DataError, PmmkitError
 from pmmkit.json_text import plain
-from pmmkit.workbench.asked import given_text, revision_of
+from pmmkit.workbench.asked import (
+    count_of,
+    given_text,
+    given_texts,
+    place_in,
+    place_of,
+    revision_of,
+    text_of,
+)
 from pmmkit.workbench.data_routes import data_routes
 from pmmkit.workbench.desk import Desk, StaleRevision
 from pmmkit.workbench.frozen import frozen_page
@@ -74,11 +82,19 @@ def _routes(desk: Desk) -> Starlette:
         routes=[
             Route("/", lambda _: FileResponse(STATIC / "index.html"), methods=["GET"]),
             read("state", lambda _: desk.page()),
-            read("misfit", lambda request: desk.misfit(_count(request))),
-            read("run", lambda request: desk.history(_text(request, "run"), _count(request))),
-            read("checks", lambda _: desk.checks()),
-            read("runs", lambda request: desk.runs(_count(request, "first") or 0)),
-            read("derivatives", lambda _: desk.derivatives()),
+            read("misfit", lambda request: desk.misfit(count_of(request), place_of(request))),
+            read(
+                "run",
+                lambda request: desk.history(
+                    text_of(request, "run"), count_of(request), of=place_of(request)
+                ),
+            ),
+            read("checks", lambda request: desk.checks(place_of(request))),
+            read(
+                "runs",
+                lambda request: desk.runs(count_of(request, "first") or 0, place_of(request)),
+            ),
+            read("derivatives", lambda request: desk.derivatives(place_of(request))),
             read("missing", lambda _: desk.missing()),
             read("fall", lambda _: desk.fall()),
             read("turns", lambda _: desk.turns()),
@@ -90,15 +106,26 @@ def _routes(desk: Desk) -> Starlette:
                 "open",
                 lambda asked: desk.open(
                     State(
-                        campaign=given_text(asked, "campaign"), model=str(asked.get("model") or "")
+                        campaign=given_text(asked, "campaign"),
+                        also=given_texts(asked, "also"),
+                        model=str(asked.get("model") or ""),
                     )
+                ).to_dict(),
+            ),
+            write(
+                "beside",
+                lambda asked: desk.beside(
+                    revision_of(asked), given_text(asked, "campaign")
                 ).to_dict(),
             ),
             write("diagnose", lambda asked: desk.diagnose(revision_of(asked)).to_dict()),
             write(
                 "add",
                 lambda asked: desk.add(
-                    revision_of(asked), given_text(asked, "effect"), str(asked.get("why") or "")
+                    revision_of(asked),
+                    given_text(asked, "effect"),
+                    str(asked.get("why") or ""),
+                    str(asked.get("campaign") or ""),
                 ).to_dict(),
             ),
             write(
@@ -111,7 +138,12 @@ def _routes(desk: Desk) -> Starlette:
                     revision_of(asked), given_text(asked, "name"), given_text(asked, "text")
                 ).to_dict(),
             ),
-            write("reduce", lambda asked: desk.reduce(given_text(asked, "structure")).to_dict()),
+            write(
+                "reduce",
+                lambda asked: desk.reduce(
+                    given_text(asked, "structure"), place_in(asked)
+                ).to_dict(),
+            ),
             write("undo", lambda asked: desk.undo(revision_of(asked))),
             write("cancel", lambda _: desk.cancel().to_dict()),
             *data_routes(desk, read, write),
@@ -172,16 +204,3 @@ def _settings(asked: dict[str, Any]) -> dict[str, Any]:
 
 def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _text(request: Request, name: str) -> str:
-    return given_text(dict(request.query_params), name)
-
-
-def _count(request: Request, name: str = "count") -> int | None:
-    given = request.query_params.get(name)
-    if given is None:
-        return None
-    if not given.isascii() or not given.isdigit() or len(given) > 6:
-        raise DataError(f"{name} must be a whole number.")
-    return int(given)

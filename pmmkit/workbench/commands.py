@@ -30,7 +30,8 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     list of dict
         ``what`` (a word for the page), ``effect`` and ``line``.
     """
-    tests = shlex.quote(state.campaign)
+    tests = [shlex.quote(place) for place in state.campaigns]
+    fitted = " ".join(f"--fit {place}" for place in tests)
     more = f" --data {shlex.quote(state.data)}" if state.data else ""
     own = f" --own {_quoted(folder / OWN)}" if (folder / OWN).is_file() else ""
     told = own + "".join(f" --{name} {value:g}" for name, value in state.settings.items())
@@ -38,14 +39,14 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
     model = shlex.quote(state.model)
     if not state.model or state.model in structures():
         base = folder / "reduced"
-        line = f"reduce {tests} --structure {state.model or structure} --fn pooled"
+        line = f"reduce {tests[0]} --structure {state.model or structure} --fn pooled"
         found.append(_line("reduce", f"{line} --out {_quoted(base)}{more}"))
         model = _quoted(base / "model.toml")
-    found.append(_line("compare", f"compare {model} {tests}{more}"))
-    found.append(_line("diagnose", f"diagnose {model} {tests}{told}{more}"))
+    found += [_line("compare", f"compare {model} {place}{more}") for place in tests]
+    found.append(_line("diagnose", f"diagnose {model} {' '.join(tests)}{told}{more}"))
     for number, step in enumerate(state.steps, start=1):
         made = _quoted(model_file(folder, state.effects[:number]))
-        found.append(_added(step, model, tests, made, f"{told}{more}"))
+        found.append(_added(step, model, fitted, made, f"{told}{more}"))
         model = made
     if state.steps:
         first = found[0]["what"] == "reduce"
@@ -53,14 +54,15 @@ def command_lines(state: State, folder: Path, structure: str) -> list[dict[str, 
             _quoted(folder / "reduced" / "model.toml") if first else shlex.quote(state.model)
         )
         steps = _quoted(folder / STEPS)
-        line = f"add {base_model} --steps {steps} --fit {tests} -o replayed.toml{told}{more}"
+        line = f"add {base_model} --steps {steps} {fitted} -o replayed.toml{told}{more}"
         found.append(_line("replay", line))
     return found
 
 
-def _added(step: Step, model: str, tests: str, made: str, more: str) -> dict[str, str]:
+def _added(step: Step, model: str, fitted: str, made: str, more: str) -> dict[str, str]:
     why = f" --why {shlex.quote(step.note)}" if step.note else ""
-    line = f"add {model} {step.effect} --fit {tests} -o {made}{why}{more}"
+    effect = step.effect + (f"@{shlex.quote(step.campaign)}" if step.campaign else "")
+    line = f"add {model} {effect} {fitted} -o {made}{why}{more}"
     return _line("add", line, step.effect)
 
 

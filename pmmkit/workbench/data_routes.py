@@ -12,7 +12,14 @@ from pmmkit.files import write_text
 from pmmkit.inspection.drafts.choosing import Choice
 from pmmkit.json_text import plain
 from pmmkit.workbench import incoming
-from pmmkit.workbench.asked import given_number, given_text, revision_of
+from pmmkit.workbench.asked import (
+    given_number,
+    given_text,
+    place_in,
+    place_of,
+    revision_of,
+    text_of,
+)
 from pmmkit.workbench.desk import Desk
 from pmmkit.workbench.drafting import Asked, Drafted, basis_of, drafted, stamp_of
 from pmmkit.workbench.pages.files import files_page
@@ -44,7 +51,7 @@ def data_routes(
     from starlette.routing import Route
 
     return [
-        read("record", lambda request: desk.record(given_text(dict(request.query_params), "run"))),
+        read("record", lambda request: desk.record(text_of(request, "run"), place_of(request))),
         read("incoming", lambda _: incoming.sets(desk.folder)),
         write("look", lambda asked: files_page(_drafted(desk, _asked(desk, asked)))),
         write("campaign", partial(_campaign, desk)),
@@ -90,20 +97,22 @@ def _campaign(desk: Desk, asked: Mapping[str, Any]) -> dict[str, Any]:
 
 def _drafted(desk: Desk, said: Asked) -> Drafted:
     """What is proposed; the files are looked at once for all answers."""
-    basis = desk.aside(("basis", stamp_of(said)), lambda: basis_of(said))
+    basis = desk.known.aside(("basis", stamp_of(said)), lambda: basis_of(said))
     return drafted(said, basis)
 
 
 def _window(desk: Desk, asked: Mapping[str, Any]) -> None:
     start, end = (given_number(asked, name) for name in ("t_start", "t_end"))
-    place, data = desk.opened_at()
+    of = place_in(asked)
+    place, data = desk.opened_at(of)
     write = drawn(place, data, start, end, given_text(asked, "reason"))
-    desk.correct(revision_of(asked), given_text(asked, "run"), write)
+    desk.correct(revision_of(asked), given_text(asked, "run"), write, of)
 
 
 def _unwindow(desk: Desk, asked: Mapping[str, Any]) -> None:
-    place, data = desk.opened_at()
-    desk.correct(revision_of(asked), given_text(asked, "run"), taken_back(place, data))
+    of = place_in(asked)
+    place, data = desk.opened_at(of)
+    desk.correct(revision_of(asked), given_text(asked, "run"), taken_back(place, data), of)
 
 
 def _asked(desk: Desk, asked: Mapping[str, Any]) -> Asked:

@@ -8,10 +8,9 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from threading import Lock, RLock, Thread
+from threading import Lock, Thread
 from typing import Any, Final
 
-from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
 from pmmkit.effects.grammar import own_effect
 from pmmkit.equations.prepared import feels_depth
@@ -22,10 +21,10 @@ from pmmkit.metrics import HARD_OVER
 from pmmkit.models import Model, load_model
 from pmmkit.ship_library import ships
 from pmmkit.structures import structures
-from pmmkit.validation.captive import observed
-from pmmkit.validation.comparison import Comparison, compare
 from pmmkit.version import __version__
+from pmmkit.workbench.campaigns import OpenCampaigns
 from pmmkit.workbench.commands import command_lines
+from pmmkit.workbench.known import Known
 from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.numbers import BUCKETS
 from pmmkit.workbench.pages.one_run import run_page
@@ -39,10 +38,10 @@ from pmmkit.workbench.saved import (
     find_result,
     find_state,
     model_file,
+    of_campaign,
     own_of,
     save_own,
     save_state,
-    stamp_of,
     steps_of,
 )
 from pmmkit.workbench.tasks import STRUCTURE, tasks
@@ -50,8 +49,6 @@ from pmmkit.workbench.worker import Job, Worker
 
 DEMONSTRATION: Final = ("s175", "cubic", "s175-3dof")
 """Campaign, structure of the base, and ship that lends propeller and rudder."""
-KEPT: Final = 16
-"""What was worked out and is kept, the last that was asked for: undo and add go back and forth."""
 
 
 class StaleRevision(DataError):
@@ -73,9 +70,9 @@ class Desk:
         self.folder = folder
         self.roots = tuple(root.resolve() for root in roots)
         self._state = find_state(folder)
-        self._changing, self._working = Lock(), RLock()
-        self._known: dict[tuple[Any, ...], Any] = {}
-        self._stamp = (0, 0)
+        self._changing = Lock()
+        self.known = Known()
+        self._open = OpenCampaigns(folder, self.named, self.known)
         self._worker = Worker(tasks, self._finished)
 
     @property
@@ -134,10 +131,16 @@ class Desk:
             "opened": ready,
             "revision": state.revision,
             "campaign": state.campaign,
+            "also": list(state.also),
             "model": state.model or STRUCTURE,
             "folder": str(self.folder),
             "steps": [
-                {"effect": step.effect, "action": step.action, "note": step.note}
+                {
+                    "effect": step.effect,
+                    "campaign": step.campaign,
+                    "action": step.action,
+                    "note": step.note,
+                }
                 for step in state.steps
             ],
             "commands": command_lines(state, self.folder, STRUCTURE),
@@ -147,68 +150,80 @@ class Desk:
     def _about(self, state: State) -> dict[str, Any]:
         """Of the tests that are open; what is damaged is told beside what is not."""
         page: dict[str, Any] = {
-            "title": Path(state.campaign).name,
+            "title": ", ".join(Path(place).name for place in state.campaigns),
             "ship": "",
             "kind": "captive",
             "runs": 0,
+            "campaigns": [],
             **self._own(),
             "faults": [],
             "outdated": False,
             "asked": find_result(self.folder, "missing", state.effects) is not None,
         }
         try:
-            tests = self._campaign(state)
+            every = self._open.every(state)
+            ship = self._open.sailing(state)
             reduced = find_result(self.folder, OPENED, ())
+            made = [item.provenance.get("sha256") for item in every.values()]
             page |= {
-                "title": tests.title,
-                "ship": tests.ship.name,
-                "kind": tests.kind,
-                "runs": len(tests),
-                "outdated": reduced not in (None, tests.provenance.get("sha256")),
+                "title": ", ".join(every),
+                "ship": ship.ship.name,
+                "kind": ship.kind,
+                "runs": sum(map(len, every.values())),
+                "campaigns": [
+                    {"title": name, "kind": item.kind, "runs": len(item)}
+                    for name, item in every.items()
+                ],
+                "outdated": reduced not in (None, made),
             }
         except PmmkitError as error:
             page["faults"].append(str(error))
         return page
 
-    def misfit(self, count: int | None = None) -> dict[str, Any]:
-        """The map of runs, with the model after so many steps."""
-        effects = self._effects(count)
-        found: dict[str, Any] = self.once(
-            ("misfit", effects), lambda: misfit_page(self._comparison(effects))
+    def misfit(self, count: int | None = None, of: int = 0) -> dict[str, Any]:
+        """The map of runs of a campaign, with the model after so many steps."""
+        state, effects = self._opened(), self._effects(count)
+        found: dict[str, Any] = self.known.once(
+            ("misfit", effects, of), lambda: misfit_page(self._open.comparison(state, effects, of))
         )
         return found
 
-    def history(self, run: str, count: int | None = None, buckets: int = BUCKETS) -> dict[str, Any]:
-        """One run, measured and modelled."""
-        effects = self._effects(count)
+    def history(
+        self, run: str, count: int | None = None, buckets: int = BUCKETS, of: int = 0
+    ) -> dict[str, Any]:
+        """One run of a campaign, measured and modelled."""
+        state, effects = self._opened(), self._effects(count)
         try:
-            return run_page(self._comparison(effects), run, buckets)
+            return run_page(self._open.comparison(state, effects, of), run, buckets)
         except KeyError:
             raise DataError(f"No run {run!r} was compared.") from None
 
-    def checks(self) -> list[dict[str, Any]]:
+    def checks(self, of: int = 0) -> list[dict[str, Any]]:
         """What the checks say of the tests."""
-        return find_result(self.folder, "checks", ()) or []
+        found: list[dict[str, Any]] = find_result(self.folder, of_campaign("checks", of), ()) or []
+        return found
 
-    def runs(self, first: int) -> dict[str, Any]:
+    def runs(self, first: int, of: int = 0) -> dict[str, Any]:
         """Some of the runs as they were read."""
-        tests = self._campaign(self._opened())
-        page: dict[str, Any] = self.once(
-            ("runs", first), lambda: runs_page(tests, first, self.checks())
+        tests = self._open.campaign(self._opened(), of)
+        page: dict[str, Any] = self.known.once(
+            ("runs", first, of), lambda: runs_page(tests, first, self.checks(of))
         )
         return page
 
-    def record(self, run: str) -> dict[str, Any]:
+    def record(self, run: str, of: int = 0) -> dict[str, Any]:
         """One run as it was read, with what counts of it."""
-        tests = self._campaign(self._opened())
-        page: dict[str, Any] = self.aside(
-            ("record", run, self._stamp), lambda: record_page_of(tests, run, self.checks())
+        state = self._opened()
+        tests = self._open.campaign(state, of)
+        page: dict[str, Any] = self.known.aside(
+            ("record", run, of, self._open.stamp(state, of)),
+            lambda: record_page_of(tests, run, self.checks(of)),
         )
         return page
 
-    def derivatives(self) -> dict[str, Any] | None:
+    def derivatives(self, of: int = 0) -> dict[str, Any] | None:
         """The derivatives of the tests; None where they were not asked for."""
-        found: dict[str, Any] | None = find_result(self.folder, "derivatives", ())
+        found: dict[str, Any] | None = find_result(self.folder, of_campaign("derivatives", of), ())
         return found
 
     def missing(self) -> dict[str, Any] | None:
@@ -234,7 +249,8 @@ class Desk:
         state = self._opened()
         chosen = {"before": (), "after": state.effects} if state.steps else {"before": ()}
         return {
-            name: self.once(("turn", own), partial(self._turn, own)) for name, own in chosen.items()
+            name: self.known.once(("turn", own), partial(self._turn, own))
+            for name, own in chosen.items()
         }
 
     def sail(self, asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -250,14 +266,22 @@ class Desk:
 
     def trials(self) -> dict[str, list[dict[str, Any]]]:
         """Measured turns and zigzags of the tests, by manoeuvre; none of captive tests."""
-        effects = self._opened().effects
-        comparison = self._comparison(effects)
-        return trials_page(comparison.manoeuvres, self._model(effects).ship.L)
+        state = self._opened()
+        length = self._model(state.effects).ship.L
+        found: dict[str, list[dict[str, Any]]] = {}
+        for of, tests in enumerate(self._open.every(state).values()):
+            if tests.kind == "captive":
+                continue
+            comparison = self._open.comparison(state, state.effects, of)
+            for name, own in trials_page(comparison.manoeuvres, length).items():
+                found.setdefault(name, []).extend(own)
+        return found
 
     def range(self) -> dict[str, Any]:
         """What the sliders of the ship reach."""
         state = self._opened()
-        model, tests = self._model(state.effects), self._campaign(state)
+        model = self._model(state.effects)
+        tests = self._open.sailing(state)
         water = tests.water.g
         Fn = sorted({tests.ship.froude(run.settings.speed, water) for run in tests.runs})
         speeds = [model.ship.speed(x, model.water.g) for x in Fn]
@@ -275,13 +299,16 @@ class Desk:
     def open(self, asked: State) -> Job:
         """Open tests and a base; a base that is a structure, or none, is reduced from the tests."""
         with self._changing:
-            campaign, model, data = asked.campaign, asked.model, asked.data
-            place = self.named(campaign)
-            if not place.exists():
-                raise DataError(f"There is no {campaign}.")
+            model, data = asked.model, asked.data
+            places = [self.named(campaign) for campaign in asked.campaigns]
+            for campaign, place in zip(asked.campaigns, places, strict=True):
+                if not place.exists():
+                    raise DataError(f"There is no {campaign}.")
+            if len(set(places)) < len(places):
+                raise DataError("A campaign is named twice: name another one of the same ship.")
             if model and model not in structures() and model not in ships():
                 self.named(model)
-            if _lent(place) and not model:
+            if _lent(places[0]) and not model:
                 model = DEMONSTRATION[1]
             revision = -1 if self._state is None else self._state.revision
             state = replace(asked, model=model, revision=revision + 1, steps=())
@@ -289,18 +316,23 @@ class Desk:
                 "open",
                 {
                     "folder": str(self.folder),
-                    "campaign": str(place),
+                    "campaigns": [str(place) for place in places],
                     "model": model,
                     "data": data,
-                    "parts": _lent(place),
+                    "parts": _lent(places[0]),
                 },
             )
             self.folder.mkdir(parents=True, exist_ok=True)
-            for old in (model_file(self.folder, ()), *self.folder.glob("*_*.json")):
+            for old in (*self.folder.glob("model_0*.toml"), *self.folder.glob("*_*.json")):
                 old.unlink(missing_ok=True)
-            self._known.clear()
+            self.known.clear()
             self._change(state)
             return job
+
+    def beside(self, revision: int, campaign: str) -> Job:
+        """Open another campaign of the same ship beside those that are open; steps begin anew."""
+        state = self._current(revision)
+        return self.open(replace(state, also=(*state.also, campaign)))
 
     def diagnose(self, revision: int) -> Job:
         """Ask what is missing."""
@@ -317,7 +349,9 @@ class Desk:
             self._change(replace(state, revision=state.revision + 1))
             return job
 
-    def correct(self, revision: int, run: str, write: Callable[[Campaign, str], None]) -> None:
+    def correct(
+        self, revision: int, run: str, write: Callable[[Campaign, str], None], of: int = 0
+    ) -> None:
         """Change what the campaign file says of a run, by a function of campaign and run.
 
         Raises
@@ -328,8 +362,8 @@ class Desk:
         with self._changing:
             state = self._current(revision)
             self._idle()
-            write(self._campaign(state), run)
-            self._campaign(state)
+            write(self._open.campaign(state, of), run)
+            self._open.campaign(state, of)
             self._change(replace(state, revision=state.revision + 1))
 
     def check(self, name: str, text: str) -> dict[str, Any]:
@@ -358,21 +392,27 @@ class Desk:
             self._change(replace(state, revision=state.revision + 1))
             return self._worker.start("diagnose", self._asked(state))
 
-    def reduce(self, structure: str) -> Job:
-        """Derivatives of the tests by a structure."""
+    def reduce(self, structure: str, of: int = 0) -> Job:
+        """Derivatives of a campaign by a structure."""
         if structure not in structures():
             raise DataError(f"There is no structure {structure!r}.")
         with self._changing:
             state = self._opened()
-            asked = self._asked(state) | {"structure": structure}
+            self._open.place(state, of)
+            asked = self._asked(state) | {"structure": structure, "of": of}
             del asked["effects"], asked["settings"]
             return self._worker.start("reduce", asked)
 
-    def add(self, revision: int, effect: str, why: str = "") -> Job:
-        """Add an effect, or correct a fault."""
+    def add(self, revision: int, effect: str, why: str = "", campaign: str = "") -> Job:
+        """Add an effect, or correct a fault, of several campaigns the one that has it."""
         with self._changing:
             state = self._current(revision)
-            more = {"effect": effect, "why": why, "log_odds": self._log_odds(effect)}
+            more = {
+                "effect": effect,
+                "why": why,
+                "of": campaign,
+                "log_odds": self._log_odds(effect, campaign),
+            }
             return self._worker.start("add", self._asked(state) | more)
 
     def undo(self, revision: int) -> None:
@@ -387,10 +427,10 @@ class Desk:
             replace(saved, steps=left).save(self.folder / STEPS)
             self._change(state.with_steps(left))
 
-    def opened_at(self) -> tuple[Path, str]:
+    def opened_at(self, of: int = 0) -> tuple[Path, str]:
         """Where the tests lie that are open, and the folder of their measurements."""
         state = self._opened()
-        return self.named(state.campaign), state.data
+        return self._open.place(state, of), state.data
 
     @contextmanager
     def writing(self) -> Iterator[None]:
@@ -461,7 +501,7 @@ class Desk:
                 self._change(self._opened().with_steps(steps_of(self.folder, effects)))
         # After a step the page asks itself, the waterfall first.
         if job.name in ("open", "again"):
-            self._known.clear()
+            self.known.clear()
             self.warm()
 
     def _result(self, name: str) -> Any:
@@ -488,16 +528,17 @@ class Desk:
     def _asked(self, state: State) -> dict[str, Any]:
         return {
             "folder": str(self.folder),
-            "campaign": str(self.named(state.campaign)),
+            "campaigns": [str(self.named(place)) for place in state.campaigns],
             "data": state.data,
             "settings": state.settings,
             "effects": list(state.effects),
         }
 
-    def _log_odds(self, effect: str) -> float | None:
+    def _log_odds(self, effect: str, campaign: str) -> float | None:
         found = self.missing()
         for item in (found or {}).get("candidates", ()):
-            if item["effect"] == effect and item["named"]:
+            mine = (item["effect"], item.get("campaign", "")) == (effect, campaign)
+            if mine and item["named"]:
                 odds: float | None = item["log_odds"]
                 return odds
         return None
@@ -505,47 +546,6 @@ class Desk:
     def _effects(self, count: int | None) -> tuple[str, ...]:
         effects = self._opened().effects
         return effects if count is None else effects[: max(count, 0)]
-
-    def once(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
-        """What was worked out before, or is now: one at a time, so that nothing is done twice."""
-        with self._working:
-            found = self._known.pop(key) if key in self._known else work()
-            while len(self._known) >= KEPT:
-                del self._known[next(iter(self._known))]
-            self._known[key] = found
-            return found
-
-    def aside(self, key: tuple[Any, ...], work: Callable[[], Any]) -> Any:
-        """The same for what may take a minute: meanwhile everything else is answered."""
-        with self._working:
-            if key in self._known:
-                return self._known[key]
-        found = work()
-        return self.once(key, lambda: found)
-
-    def _comparison(self, effects: tuple[str, ...]) -> Comparison:
-        tests = self._campaign(self._opened())
-
-        def work() -> Comparison:
-            views = self.once(("views",), partial(observed, tests)) if captive else None
-            return compare(self._model(effects), tests, views=views)
-
-        captive = tests.kind == "captive"
-        found: Comparison = self.once(("comparison", effects), work)
-        return found
-
-    def _campaign(self, state: State) -> Campaign:
-        place = self.named(state.campaign)
-        stamp = stamp_of(place)
-        with self._working:
-            if stamp != self._stamp:
-                self._known.clear()
-                self._stamp = stamp
-            found: Campaign = self.once(
-                ("campaign", state.campaign, state.data),
-                lambda: open_campaign(place, data=state.data or None),
-            )
-        return found
 
     def _model(self, effects: tuple[str, ...]) -> Model:
         return load_model(model_file(self.folder, effects))

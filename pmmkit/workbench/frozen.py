@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from pmmkit.errors import PmmkitError
@@ -26,15 +27,17 @@ def answers(desk: Desk) -> Answers:
     state = desk.page()
     count = len(state.get("steps", ()))
     found: Answers = {"state": {**state, "job": {**state["job"], "stand": "idle"}}}
+    campaigns = range(len(state.get("campaigns", ())) or 1)
     for number in range(count + 1):
-        found[f"misfit {number}"] = desk.misfit(number)
+        for of in campaigns:
+            found[_of(f"misfit {number}", of)] = desk.misfit(number, of)
     asked: Mapping[str, Callable[[], Any]] = {
         "missing": desk.missing,
         "fall": desk.fall,
         "turns": desk.turns,
-        "checks": desk.checks,
-        "derivatives": desk.derivatives,
-        "runs 0": lambda: desk.runs(0),
+        **{_of("checks", of): partial(desk.checks, of) for of in campaigns},
+        **{_of("derivatives", of): partial(desk.derivatives, of) for of in campaigns},
+        **{_of("runs 0", of): partial(desk.runs, 0, of) for of in campaigns},
     }
     for name, give in asked.items():
         try:
@@ -42,9 +45,25 @@ def answers(desk: Desk) -> Answers:
         except PmmkitError:
             found[name] = None
     found = fitted(found)
-    return with_runs(
-        found,
-        worst_first(found[f"misfit {count}"]),
-        lambda run, buckets: desk.history(run, buckets=buckets),
-        count,
-    )
+    for of in campaigns:
+        found = with_runs(
+            found,
+            worst_first(found[_of(f"misfit {count}", of)]),
+            partial(_history, desk, of),
+            partial(_asks_run, count, of),
+            share=1.0 / (len(campaigns) - of),
+        )
+    return found
+
+
+def _history(desk: Desk, of: int, run: str, buckets: int) -> Any:
+    return desk.history(run, buckets=buckets, of=of)
+
+
+def _asks_run(count: int, of: int, run: str) -> str:
+    return _of(f"run {run} {count}", of)
+
+
+def _of(asked: str, of: int) -> str:
+    """The words by which a page asks of a campaign; of the first it asks as if there were one."""
+    return f"{asked} {of}" if of else asked

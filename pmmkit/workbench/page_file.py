@@ -122,7 +122,12 @@ def _data(held: Any) -> str:
 
 
 def with_runs(
-    answers: Answers, rows: Iterable[str], give: Callable[[str, int], Any], count: int
+    answers: Answers,
+    rows: Iterable[str],
+    give: Callable[[str, int], Any],
+    asked: Callable[[str], str],
+    *,
+    share: float = 1.0,
 ) -> Answers:
     """The answers with runs and their histories, as finely as there is room for.
 
@@ -134,11 +139,13 @@ def with_runs(
         Runs, the worst first.
     give : callable
         The page of a run, by its name and the pieces of its record.
-    count : int
-        Steps of the model that they are compared with.
+    asked : callable
+        The words by which the page asks for a run.
+    share : float
+        Of the room that is left.
     """
     runs = list(rows)
-    room = MOST - size_of(answers)
+    room = share * (MOST - size_of(answers))
     fits = (x for x in BUCKETS if runs and size_of(give(runs[0], x)) * len(runs) <= room)
     buckets = next(fits, BUCKETS[-1])
     kept: Answers = {}
@@ -147,7 +154,7 @@ def with_runs(
         room -= size_of(page)
         if room < 0:
             break
-        kept[f"run {name} {count}"] = page
+        kept[asked(name)] = page
     return {**answers, **kept}
 
 

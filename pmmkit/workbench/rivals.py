@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.together.result import Together
 from pmmkit.errors import ModelError
 from pmmkit.loop import Session
 from pmmkit.models import load_model, save_model
@@ -16,14 +17,14 @@ from pmmkit.workbench.saved import find_result, save_result
 RESULT: Final = "rivals"
 
 
-def save_rivals(folder: Path, session: Session, found: Diagnosis) -> None:
+def save_rivals(folder: Path, session: Session[Any], found: Diagnosis | Together) -> None:
     """Keep the sets that a diagnosis named and that can be sailed, each with its odds and ship."""
     effects = tuple(step.effect for step in session.steps)
     kept: list[dict[str, Any]] = []
     for names, odds in found.group:
         file = folder / f"rival_{len(effects)}_{len(kept)}.toml"
         with suppress(ModelError):
-            save_model(session.evidence.rival(session.given, names), file)
+            save_model(session.evidence.rival(session.steps, names), file)
             kept.append({"effects": names, "odds": odds, "file": file.name})
     save_result(folder, RESULT, effects, kept)
 

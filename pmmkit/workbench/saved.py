@@ -36,6 +36,8 @@ class State:
     campaign, model, data : str
         What was opened: path of a campaign, of a model file or name of a library ship, and folder
         of the measurements or nothing.
+    also : tuple of str
+        Paths of other campaigns of the same ship.
     noise, floor : float, optional
         As for `begin`.
     revision : int
@@ -47,10 +49,16 @@ class State:
     campaign: str
     model: str
     data: str = ""
+    also: tuple[str, ...] = ()
     noise: float | None = None
     floor: float | None = None
     revision: int = 0
     steps: tuple[Step, ...] = ()
+
+    @property
+    def campaigns(self) -> tuple[str, ...]:
+        """All that were opened."""
+        return (self.campaign, *self.also)
 
     @property
     def settings(self) -> dict[str, float]:
@@ -60,7 +68,8 @@ class State:
 
     def is_about(self, other: State) -> bool:
         """Whether the same was opened; a model that the other does not name is the same."""
-        same = Path(self.campaign).resolve() == Path(other.campaign).resolve()
+        mine, theirs = ([Path(x).resolve() for x in own.campaigns] for own in (self, other))
+        same = mine == theirs
         alike = (self.data, self.settings) == (other.data, other.settings)
         return same and alike and other.model in ("", self.model)
 
@@ -95,9 +104,10 @@ def find_state(folder: Path) -> State | None:
     try:
         kept = json.loads(path.read_text("utf-8"))
         texts = {name: kept[name] for name in ("campaign", "model", "data")}
+        also = tuple(kept.get("also", ()))
         revision, count = kept["revision"], kept["count"]
         numbers = {name: kept.get(name) for name in ("noise", "floor")}
-        whole = all(isinstance(x, str) for x in texts.values())
+        whole = all(isinstance(x, str) for x in (*texts.values(), *also))
         whole = whole and all(x is None or isinstance(x, float) for x in numbers.values())
         if not (whole and isinstance(revision, int) and isinstance(count, int)):
             raise DataError(f"{path} is damaged.")
@@ -106,7 +116,7 @@ def find_state(folder: Path) -> State | None:
         raise DataError(
             f"{path} is damaged ({error}). Delete the folder {folder} to begin anew."
         ) from error
-    return State(**texts, **numbers, revision=revision, steps=steps)
+    return State(**texts, **numbers, also=also, revision=revision, steps=steps)
 
 
 def steps_of(folder: Path, effects: Sequence[str]) -> tuple[Step, ...]:
@@ -152,9 +162,14 @@ def stamp_of(campaign: Path) -> tuple[int, int]:
     return found.st_mtime_ns, found.st_size
 
 
-def model_file(folder: Path, effects: tuple[str, ...]) -> Path:
-    """The model after some steps."""
-    return folder / f"model_{len(effects)}.toml"
+def model_file(folder: Path, effects: tuple[str, ...], of: int | None = None) -> Path:
+    """The model after some steps; of several campaigns also as each of them has it."""
+    return folder / f"model_{len(effects)}{'' if of is None else f'_of_{of}'}.toml"
+
+
+def of_campaign(name: str, of: int) -> str:
+    """The name of a result that is of one campaign: of the first it has no number."""
+    return f"{name}-{of}" if of else name
 
 
 def save_result(folder: Path, name: str, effects: tuple[str, ...], content: Any) -> None:

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from pmmkit.campaigns.file.campaign_file import open_campaign
 from pmmkit.campaigns.run import Campaign
-from pmmkit.checks import examine, refuse
+from pmmkit.campaigns.several import by_title
+from pmmkit.checks import CheckFinding, examine, refuse
+from pmmkit.diagnosis.together.base import carried
+from pmmkit.diagnosis.together.result import Together
 from pmmkit.errors import DataError
 from pmmkit.loop import Session, begin
+from pmmkit.loop.several import SeveralCampaigns
 from pmmkit.models import Model, load_model, save_model
 from pmmkit.structures import structures
 from pmmkit.workbench.pages.fall import fall_page
+from pmmkit.workbench.pages.joint import joint_page
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.rivals import save_rivals
 from pmmkit.workbench.saved import (
@@ -23,6 +27,7 @@ from pmmkit.workbench.saved import (
     STEPS,
     find_result,
     model_file,
+    of_campaign,
     own_of,
     save_result,
     steps_of,
@@ -59,26 +64,32 @@ class Tasks:
 
     def __init__(self) -> None:
         self._campaigns: dict[tuple[str, str], Campaign] = {}
-        self._sessions: dict[tuple[str, str, str, tuple[str, ...]], Session] = {}
+        self._sessions: dict[tuple[Any, ...], Session[Any]] = {}
 
     def open(
-        self, folder: str, campaign: str, model: str, data: str, parts: str | None, *, tell: Tell
+        self,
+        folder: str,
+        campaigns: Sequence[str],
+        model: str,
+        data: str,
+        parts: str | None,
+        *,
+        tell: Tell,
     ) -> None:
         """Check the tests, and make the base where a structure or nothing is named."""
         tell(0, 3, "reading the tests")
-        tests = self._campaign(campaign, data)
-        findings = examine(tests)
-        refuse(findings)
-        tell(1, 3, "the base")
+        tests = self._tests(campaigns, data)
         place = Path(folder)
-        save_model(self._base(tests, model, parts), model_file(place, ()))
-        save_result(place, "checks", (), [item.to_dict() for item in findings])
-        save_result(place, OPENED, (), tests.provenance.get("sha256"))
+        checked = _checked(tests)
+        tell(1, 3, "the base")
+        _save_base(place, tests, self._base(tests, model, parts))
+        _save_checks(place, checked)
+        save_result(place, OPENED, (), _stamps(tests))
 
     def again(
         self,
         folder: str,
-        campaign: str,
+        campaigns: Sequence[str],
         data: str,
         settings: Mapping[str, float],
         effects: Sequence[str],
@@ -87,42 +98,44 @@ class Tasks:
         *,
         tell: Tell,
     ) -> None:
-        """Base, steps and derivatives from a campaign file that was changed meanwhile."""
+        """Base, steps and derivatives from campaign files that were changed meanwhile."""
         place = Path(folder)
-        known = find_result(place, "derivatives", ())
+        known = {
+            of: found["structure"]
+            for of in range(len(campaigns))
+            if (found := find_result(place, of_campaign("derivatives", of), ()))
+        }
         steps = steps_of(place, effects)
         total = len(steps) + 2
         tell(0, total, "reading the tests")
-        tests = open_campaign(campaign, data=data or None)
-        findings = examine(tests)
-        refuse(findings)
+        self._campaigns, self._sessions = {}, {}
+        tests = self._tests(campaigns, data)
+        checked = _checked(tests)
         tell(1, total, "the base")
         base = self._base(tests, model, parts)
-        self._campaigns = {(campaign, data): tests}
-        self._sessions = {}
         for old in place.glob("*_*.json"):
             old.unlink(missing_ok=True)
         save_result(place, OPENED, (), "")
-        save_model(base, model_file(place, ()))
-        session = self._session(folder, campaign, data, settings, (), tell) if steps else None
+        _save_base(place, tests, base)
+        session = self._session(folder, campaigns, data, settings, (), tell) if steps else None
         for number, step in enumerate(steps, start=1):
             tell(number + 1, total, f"fitting with {step.effect}")
             assert session is not None
             session = session.add(step, step.note)
             now = tuple(item.effect for item in session.steps)
-            save_model(session.model(), model_file(place, now))
+            _save_models(place, now, session)
             save_result(place, "fall", now, fall_page(session.fall()))
         if session is not None:
             session.save(place / STEPS)
-        save_result(place, "checks", (), [item.to_dict() for item in findings])
-        if known:
-            self.reduce(folder, campaign, data, known["structure"], tell=tell)
-        save_result(place, OPENED, (), tests.provenance.get("sha256"))
+        _save_checks(place, checked)
+        for of, structure in known.items():
+            self.reduce(folder, campaigns, data, structure, of, tell=tell)
+        save_result(place, OPENED, (), _stamps(tests))
 
     def diagnose(
         self,
         folder: str,
-        campaign: str,
+        campaigns: Sequence[str],
         data: str,
         settings: Mapping[str, float],
         effects: Sequence[str],
@@ -130,7 +143,7 @@ class Tasks:
         tell: Tell,
     ) -> None:
         """What the base with these steps still lacks."""
-        session = self._session(folder, campaign, data, settings, effects, tell)
+        session = self._session(folder, campaigns, data, settings, effects, tell)
         tell(PARTS[0], WHOLE, "weighing the effects of the catalogue")
         found = session.diagnose()
 
@@ -138,85 +151,105 @@ class Tasks:
             done = PARTS[1] + round((WHOLE - PARTS[1]) * share)
             tell(done, WHOLE, f"what {effect} alone would do")
 
-        page = missing_page(session, found, heard)
+        several = isinstance(found, Together)
+        page = joint_page(session, found) if several else missing_page(session, found, heard)
         save_rivals(Path(folder), session, found)
         save_result(Path(folder), "missing", tuple(effects), page)
 
     def add(
         self,
         folder: str,
-        campaign: str,
+        campaigns: Sequence[str],
         data: str,
         settings: Mapping[str, float],
         effects: Sequence[str],
         effect: str,
         why: str,
+        of: str,
         log_odds: float | None,
         *,
         tell: Tell,
     ) -> None:
         """One effect more: the model, its errors and the steps, written to the folder."""
-        session = self._session(folder, campaign, data, settings, effects, tell)
+        session = self._session(folder, campaigns, data, settings, effects, tell)
         tell(PARTS[0], WHOLE, f"fitting with {effect}")
-        session = session.add(effect, why)
-        if log_odds is not None:
-            last = replace(session.steps[-1], log_odds=log_odds)
-            session = replace(session, steps=(*session.steps[:-1], last))
+        session = session.add(effect, why, campaign=of, log_odds=log_odds)
         place, now = Path(folder), tuple(step.effect for step in session.steps)
-        save_model(session.model(), model_file(place, now))
+        if of:
+            # What is kept is told by the names of the steps: another campaign had this fault.
+            for old in place.glob(f"*_{len(now)}.json"):
+                old.unlink(missing_ok=True)
+        _save_models(place, now, session)
         tell(PARTS[1], WHOLE, "errors of what is left out")
         save_result(place, "fall", now, fall_page(session.fall()))
         session.save(place / STEPS)
 
-    def reduce(self, folder: str, campaign: str, data: str, structure: str, *, tell: Tell) -> None:
-        """Derivatives of the tests, a set per Froude number, and what determines them."""
+    def reduce(
+        self,
+        folder: str,
+        campaigns: Sequence[str],
+        data: str,
+        structure: str,
+        of: int,
+        *,
+        tell: Tell,
+    ) -> None:
+        """Derivatives of a campaign, a set per Froude number, and what determines them."""
         from pmmkit.reduction import reduce_campaign
         from pmmkit.workbench.pages.derivatives import derivatives_page
 
-        tests = self._campaign(campaign, data)
-        reduction = reduce_campaign(tests, structure=structure, progress=tell, jobs=1)
-        save_result(Path(folder), "derivatives", (), derivatives_page(reduction))
+        tests = self._campaign(campaigns[of], data)
+        reduction = reduce_campaign(tests, structure=structure, progress=tell, executor=1)
+        name = of_campaign("derivatives", of)
+        save_result(Path(folder), name, (), derivatives_page(reduction))
 
     def _campaign(self, path: str, data: str) -> Campaign:
         if (path, data) not in self._campaigns:
             self._campaigns[path, data] = open_campaign(path, data=data or None)
         return self._campaigns[path, data]
 
-    def _base(self, tests: Campaign, model: str, parts: str | None) -> Model:
+    def _tests(self, paths: Sequence[str], data: str) -> dict[str, Campaign]:
+        """The campaigns by their titles."""
+        return by_title([self._campaign(path, data) for path in paths])
+
+    def _base(self, tests: Mapping[str, Campaign], model: str, parts: str | None) -> Model:
         if model and model not in structures():
             return load_model(model)
-        if tests.kind != "captive":
+        captive = [item for item in tests.values() if item.kind == "captive"]
+        if not captive:
             raise DataError("Records that run free need a model: a library ship or a model file.")
         from pmmkit.api import model_of
         from pmmkit.reduction import reduce_campaign
 
-        reduction = reduce_campaign(tests, structure=model or STRUCTURE, fn="pooled")
+        reduction = reduce_campaign(captive[0], structure=model or STRUCTURE, fn="pooled")
         return model_of(reduction, parts)
 
     def _session(
         self,
         folder: str,
-        campaign: str,
+        campaigns: Sequence[str],
         data: str,
         settings: Mapping[str, float],
         effects: Sequence[str],
         tell: Tell,
-    ) -> Session:
+    ) -> Session[Any]:
         """The session of these steps; the tests are looked at once."""
         base = model_file(Path(folder), ())
         own = own_of(Path(folder))
         texts = [(item.name, item.text) for item in own]
         stamp = f"{base}:{base.stat().st_mtime_ns}:{sorted(settings.items())}:{texts}"
-        key = (campaign, data, stamp, tuple(effects))
+        paths = tuple(campaigns)
+        key = (paths, data, stamp, tuple(effects))
         if key not in self._sessions:
-            first = (campaign, data, stamp, ())
+            first = (paths, data, stamp, ())
             if first not in self._sessions:
                 tell(0, WHOLE, "reading the tests")
-                tests = self._campaign(campaign, data)
-                free = tests.kind == "free-running"
-                heard = {"progress": partial(_heard, tell)} if free else {}
+                tests = self._tests(campaigns, data)
+                free = any(item.kind == "free-running" for item in tests.values())
+                heard = {"progress": partial(_heard, tell)} if free or len(tests) > 1 else {}
                 given: dict[str, Any] = {**settings, **heard}
-                self._sessions[first] = begin(load_model(base), tests, own=own, **given)
+                asked = tests if len(tests) > 1 else next(iter(tests.values()))
+                self._sessions[first] = begin(load_model(base), asked, own=own, **given)
             session = self._sessions[first]
             for step in steps_of(Path(folder), effects):
                 session = session.add(step, step.note)
@@ -226,3 +259,53 @@ class Tasks:
 
 def _heard(tell: Tell, text: str) -> None:
     tell(0, 0, text)
+
+
+def _checked(tests: Mapping[str, Campaign]) -> list[tuple[CheckFinding, ...]]:
+    """What the checks say of each campaign.
+
+    Raises
+    ------
+    ContradictionError
+        If one contradicts itself.
+    """
+    found = [examine(item) for item in tests.values()]
+    for own in found:
+        refuse(own)
+    return found
+
+
+def _save_checks(place: Path, checked: Sequence[Sequence[CheckFinding]]) -> None:
+    for of, own in enumerate(checked):
+        save_result(place, of_campaign("checks", of), (), [item.to_dict() for item in own])
+
+
+def _save_base(place: Path, tests: Mapping[str, Campaign], base: Model) -> None:
+    """Keep the base, of several campaigns at the length that each has tested; the ship is that of
+    the first that sails free."""
+    if len(tests) == 1:
+        save_model(base, model_file(place, ()))
+        return
+    free = {name: x for name, x in tests.items() if x.kind == "free-running"}
+    made = {name: carried(base, name, item).model for name, item in free.items()}
+    ship = next(iter(made.values()), base)
+    save_model(ship, model_file(place, ()))
+    for of, name in enumerate(tests):
+        save_model(made.get(name, ship), model_file(place, (), of))
+
+
+def _save_models(place: Path, effects: tuple[str, ...], session: Session[Any]) -> None:
+    """Keep the ship with all steps, and as each of several campaigns has it."""
+    evidence = session.evidence
+    if not isinstance(evidence, SeveralCampaigns):
+        save_model(session.model(), model_file(place, effects))
+        return
+    models = evidence.models(session.steps)
+    save_model(models[evidence.ship], model_file(place, effects))
+    for of, model in enumerate(models.values()):
+        save_model(model, model_file(place, effects, of))
+
+
+def _stamps(tests: Mapping[str, Campaign]) -> list[Any]:
+    """By which campaign files these are known again."""
+    return [item.provenance.get("sha256") for item in tests.values()]

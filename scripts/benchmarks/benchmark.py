@@ -96,7 +96,7 @@ def main() -> None:
                 run.data for run in pk.open_campaign(folder)
             ],
             "pmmkit, to the derivative table, 1 thread": lambda: reduce_campaign(
-                pk.open_campaign(folder), structure="cubic", jobs=1
+                pk.open_campaign(folder), structure="cubic", executor=1
             ),
             "pmmkit, to the derivative table": lambda: reduce_campaign(
                 pk.open_campaign(folder), structure="cubic"

@@ -273,12 +273,12 @@ import resource, sys, time
 import pmmkit as pk
 model = pk.load_model("{ship}")
 settings = dict(rudder_deg=35, speed={speed}, rtol={rtol}, spread=.05)
-pk.monte_carlo(model, "turning", n=4, jobs=1, **settings)
+pk.monte_carlo(model, "turning", n=4, executor=1, **settings)
 idle = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 times = []
 for _ in range({rounds}):
     start = time.perf_counter()
-    pk.monte_carlo(model, "turning", n={n}, jobs={jobs}, **settings)
+    pk.monte_carlo(model, "turning", n={n}, executor={jobs}, **settings)
     times.append(time.perf_counter() - start)
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(sorted(times)[len(times) // 2], (peak - idle) / 1024)

@@ -21,8 +21,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = ROOT / "pyproject.toml"
-NOT_FOR_USERS = ("mypy", "ruff", "import-linter", "pandas-stubs")
-"""Tools of the group ``dev`` that no test needs."""
+NOT_FOR_USERS = ("mypy", "ruff", "import-linter", "pandas-stubs", "fmpy")
+"""Tools of the group ``dev`` that no test needs, or that ask for newer packages than we do."""
 
 
 def lowest(options: Sequence[str], tools: Path) -> int:

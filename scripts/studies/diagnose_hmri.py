@@ -17,6 +17,7 @@ import os
 from pathlib import Path
 
 import pmmkit as pk
+from pmmkit.diagnosis.findings import Diagnosis
 from pmmkit.figures import save
 from pmmkit.loop.session import Session, begin
 from pmmkit.presentation import WIDE
@@ -26,7 +27,7 @@ MOST = 6
 """Rounds of naming and adding at most."""
 
 
-def followed(session: Session) -> tuple[Session, list[str]]:
+def followed(session: Session[Diagnosis]) -> tuple[Session[Diagnosis], list[str]]:
     """Add what is named until nothing is; the verdicts on the way."""
     said = []
     for _ in range(MOST):

@@ -27,6 +27,7 @@ from pmmkit.identification.prior import prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from scripts.studies.bulk_carrier import TRIAL, bulk_carrier
+from tests.support.recorded import recorded
 
 SENSORS = {"x": 1.0, "y": 1.0, "psi": math.radians(0.1), "r": math.radians(0.02), "u": 0.05}
 NAMES = {
@@ -78,18 +79,7 @@ def record(model: Model, speed: float, number: int, rng: np.random.Generator) ->
     """One sampled manoeuvre."""
     manoeuvre, settings = MANOEUVRES[number]
     track = pk.simulate(model, manoeuvre, speed=speed, dt=1.0, **settings)
-    measured = {
-        name: getattr(track, name) + std * rng.normal(size=len(track))
-        for name, std in SENSORS.items()
-    }
-    return FreeRecord(
-        name=f"{manoeuvre} {number}",
-        t=track.t,
-        delta=track.delta,
-        turns=track.n,
-        measured=measured,
-        speed=speed,
-    )
+    return recorded(track, SENSORS, rng, name=f"{manoeuvre} {number}", speed=speed)
 
 
 def replicate(asked: tuple[str, str, int]) -> dict[str, object]:

@@ -32,7 +32,7 @@ def one(seed: int, biased: bool) -> tuple[tuple[str, ...], np.ndarray, np.ndarra
     made = campaign(truth, seed, biased=biased)
     if not biased:
         made = made.with_(uncertainty=())
-    table = reduce_campaign(made, check=False, jobs=1).table
+    table = reduce_campaign(made, check=False, executor=1).table
     speeds = sorted({run.settings.speed for run in made})
     rows = [truth.at(SHIP.froude(speed, WATER.g)) for speed in speeds]
     right = np.array([[row[name] for name in table.names] for row in rows])

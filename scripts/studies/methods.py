@@ -55,7 +55,7 @@ def replicate(seed: int) -> dict[str, dict[tuple[str, int], tuple[bool, float]]]
     standard deviations; of sparse regression the share of each term as well."""
     truth = load_truth()
     made = campaign(truth, seed, biased=True)
-    reduced = reduce_campaign(made, method="all", check=False, jobs=1)
+    reduced = reduce_campaign(made, method="all", check=False, executor=1)
     speeds = sorted({run.settings.speed for run in made})
     right = [truth.at(SHIP.froude(speed, WATER.g)) for speed in speeds]
     found: dict[str, dict[tuple[str, int], tuple[bool, float]]] = {}
@@ -142,7 +142,7 @@ def main() -> None:
     for title, folder, data, structure in cases:
         opened = open_campaign(folder, data=data)
         start = time.perf_counter()
-        found = reduce_campaign(opened, structure=structure, method="all", jobs=1)
+        found = reduce_campaign(opened, structure=structure, method="all", executor=1)
         print("\n".join(side_by_side(title, found, time.perf_counter() - start)), flush=True)
     if options.replicates:
         print("\n".join(replicates(options.replicates)))

@@ -42,12 +42,14 @@ def truth() -> np.ndarray:
 
 def one(seed: int, ships: int) -> np.ndarray:
     """Low and high end of the intervals, (speeds, metrics, 2)."""
-    table = pk.reduce_campaign(campaign(load_truth(), seed, biased=True), check=False, jobs=1).table
+    table = pk.reduce_campaign(
+        campaign(load_truth(), seed, biased=True), check=False, executor=1
+    ).table
     model = pk.to_model(table, "s175-3dof")
     rows = []
     for speed in SPEEDS:
         many = pk.monte_carlo(
-            model, "turning", rudder_deg=35, speed=speed, n=ships, seed=seed, jobs=1
+            model, "turning", rudder_deg=35, speed=speed, n=ships, seed=seed, executor=1
         )
         rows.append([many.interval(name) for name in METRICS])
     return np.array(rows)

@@ -196,7 +196,7 @@ def one(seed: int, tank: str, programme: str, case: Case, turn: float) -> Answer
 
 
 def _reduced(tank: Tank, campaign: Campaign) -> Reduction:
-    return reduce_campaign(campaign, structure=tank.structure, fn=tank.fn, check=False, jobs=1)
+    return reduce_campaign(campaign, structure=tank.structure, fn=tank.fn, check=False, executor=1)
 
 
 def judged(tank: Tank, table: DerivativeTable) -> tuple[tuple[str, ...], np.ndarray, float, bool]:
@@ -230,7 +230,7 @@ def turned(tank: Tank, table: DerivativeTable, truth: float, seed: int) -> bool 
     except pk.PmmkitError:
         return None
     many = pk.monte_carlo(
-        model, "turning", rudder_deg=35, speed=tank.speed, n=SHIPS, seed=seed, jobs=1
+        model, "turning", rudder_deg=35, speed=tank.speed, n=SHIPS, seed=seed, executor=1
     )
     low, high = many.interval("tactical_diameter_L")
     return bool(low <= truth <= high)

@@ -33,6 +33,7 @@ from pmmkit.identification.parameters import places, with_parameters
 from pmmkit.identification.prior import Prior, prior_of
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model, Part
+from tests.support.recorded import recorded
 
 METHODS = ("ekf", "trajectory", "regression")
 SPREAD = 0.2
@@ -123,10 +124,7 @@ def record(case: Case, number: int, seed: int) -> FreeRecord:
         case.truth, kind, speed=speed, rudder_deg=angle, dt=case.dt, **settings, **case.wind
     )
     rng = np.random.default_rng([seed, number])
-    measured = {
-        name: getattr(track, name) + std * rng.normal(size=len(track))
-        for name, std in case.sensors.items()
-    }
+    record = recorded(track, case.sensors, rng, name=f"{kind} {number}", speed=speed)
     inputs: dict[str, Any] = {}
     if case.truth.rolls:
         seen = track.phi + HEEL * rng.normal(size=len(track))
@@ -137,15 +135,7 @@ def record(case: Case, number: int, seed: int) -> FreeRecord:
         inputs["wind_speed"] = np.full(len(track), case.wind["wind_speed"])
         angle_of_wind = math.radians(case.wind["wind_direction_deg"])
         inputs["wind_direction"] = np.full(len(track), angle_of_wind)
-    return FreeRecord(
-        name=f"{kind} {number}",
-        t=track.t,
-        delta=track.delta,
-        turns=track.n,
-        measured=measured,
-        speed=speed,
-        **inputs,
-    )
+    return replace(record, **inputs)
 
 
 def extended(

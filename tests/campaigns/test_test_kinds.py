@@ -206,7 +206,7 @@ def test_a_kind_of_another_package_holds_the_contract(installed) -> None:
 @pytest.mark.slow
 def test_a_kind_of_another_package_is_reduced_compared_and_planned(folder, installed) -> None:
     campaign = pk.open_campaign(folder)
-    found = reduce_campaign(campaign, jobs=1)
+    found = reduce_campaign(campaign, executor=1)
     assert not [item for item in found.findings if item.severity == "error"]
     own = found.families["double sway"].at(2.0 / math.sqrt(9.81 * small_campaign.L))
     assert own["Yv"] == pytest.approx(small_campaign.TRUTH["Yv"], rel=0.05)

@@ -20,6 +20,7 @@ def test_heel_noise_of_the_fixes_and_a_current_are_no_faults(case, shared_data):
         assert "velocities through the water" in found[0].message
 
 
+@pytest.mark.slow
 def test_manoeuvres_agree_with_the_ship_they_were_made_from(shared_data):
     """The truth is the library's S175 with another steering gear, simulated by another program.
 

@@ -62,7 +62,7 @@ def test_reduce_finds_the_derivatives_that_made_the_forces(reduced):
 
 @pytest.mark.slow
 def test_a_model_that_cannot_turn_is_no_reason_to_lose_the_table(
-    campaign, tmp_path, monkeypatch, capsys
+    campaign, tmp_path, monkeypatch, capsys, undrawn
 ):
     def diverges(*_, **__):
         raise SimulationError("it grows without bound")
@@ -94,7 +94,7 @@ def test_every_way_to_a_derivative_is_listed(reduced):
 
 
 @pytest.mark.slow
-def test_a_pooled_table_has_no_froude_number(campaign, tmp_path):
+def test_a_pooled_table_has_no_froude_number(campaign, tmp_path, undrawn):
     assert main(["reduce", str(campaign), "--fn", "pooled", "--out", str(tmp_path / "p")]) == 0
     rows = rows_of(tmp_path / "p" / "derivatives.csv")
     assert {row["Fn"] for row in rows} == {""}
@@ -425,7 +425,9 @@ def test_the_installed_command_hands_its_status_on():
         pytest.param("SIGTERM", marks=pytest.mark.skipif(os.name == "nt", reason="no SIGTERM")),
     ],
 )
-def test_a_stopped_command_leaves_nothing_behind(stop, campaign, tmp_path, monkeypatch, capsys):
+def test_a_stopped_command_leaves_nothing_behind(
+    stop, campaign, tmp_path, monkeypatch, capsys, undrawn
+):
     def interrupted(*_, **__):
         if stop is KeyboardInterrupt:
             raise KeyboardInterrupt

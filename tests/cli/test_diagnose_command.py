@@ -365,3 +365,27 @@ def test_a_structure_cannot_be_asked_by_several_campaigns(folder, capsys):
     status, _, error = run(capsys, "diagnose", "cubic", *2 * [folder / "quiet.h5"])
     assert status != 0
     assert "Give a model file" in error
+
+
+@pytest.mark.slow
+def test_an_effect_is_fitted_to_several_campaigns(folder, tmp_path, capsys):
+    """Both are called the same: the second has a number. The fault is that of the first."""
+    both = ("--fit", folder / "hidden.h5", "--fit", folder / "quiet.h5")
+    asked = ("add", folder / "model.toml", "yaw_sway_coupling")
+    fault = "fault_misalignment"
+    status, _, err = run(capsys, *asked, fault, *both, "-o", tmp_path / "m.toml")
+    assert status == 1
+    assert "say of which (hidden effects, middle, hidden effects, middle (2))" in err
+    status, out, _ = run(
+        capsys, *asked, f"{fault}@hidden effects, middle", *both,
+        "-o", tmp_path / "m.toml", "--out", tmp_path / "added", "--no-figures", "--json",
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads(out)
+    steps = {(x["campaign"], x["step"]) for x in found["errors"]}
+    assert ("hidden effects, middle", fault) in steps
+    assert ("hidden effects, middle (2)", fault) not in steps
+    made = load_model(tmp_path / "m.toml").parts["hull_polynomial"].values
+    assert made["Nvvr"] == pytest.approx(
+        load_model("s175-3dof").parts["hull_polynomial"].values["Nvvr"], rel=0.1
+    )

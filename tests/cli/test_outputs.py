@@ -40,6 +40,7 @@ def test_a_named_folder_is_taken_and_what_stands_there_is_told(at_home, capsys):
     assert [folder.name for folder in at_home.iterdir()] == ["mine"]
 
 
+@pytest.mark.slow
 def test_diagnose_thrice_leaves_three_folders_and_hints_at_new_files(at_home, capsys):
     campaign = write_campaign(at_home / "small")
     (at_home / "model2.toml").touch()

@@ -53,7 +53,7 @@ def test_the_tests_of_hmri_alone_turn_the_kvlcc2(shared_data, datasets, tmp_path
 
 @pytest.mark.slow
 def test_one_laboratorys_tests_against_anothers_zigzags_by_five_commands(
-    shared_data, datasets, tmp_path, capsys, monkeypatch
+    shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
 ):
     """HMRI's captive tests, HSVA's thirteen zigzags; nothing is tuned to them. A script with the
     published rudder differs by 1.8°, 3.4°, 3.2° rms in the overshoots (docs/kvlcc2_zigzags.md)."""

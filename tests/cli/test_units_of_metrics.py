@@ -45,6 +45,7 @@ def test_a_simulation_prints_a_unit_with_every_metric(manoeuvre, tmp_path, capsy
     assert len(rows) >= 3
 
 
+@pytest.mark.slow
 def test_what_decides_a_metric_is_said_with_its_unit(tmp_path, capsys):
     order = ["uncertainty", "kvlcc2", "--speed", "8", "--spread", "0.05", "--ships", "5"]
     for metric, unit in (("advance_L", " L"), ("time_90", " s"), ("speed_ratio", "")):

@@ -58,6 +58,7 @@ def test_every_option_that_an_error_names_is_one_of_a_command():
     assert named <= known
 
 
+@pytest.mark.slow
 def test_no_text_but_a_way_names_an_argument_of_python():
     """Docstrings apart: what reaches the console must not tell of Python."""
     told = []

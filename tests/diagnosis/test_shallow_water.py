@@ -17,6 +17,7 @@ from pmmkit.identification.predict import predict, reference
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
 from tests.support.free_tank.campaigns import Setup, write
+from tests.support.recorded import recorded
 
 SPEED = 7.0
 SENSORS = {"x": 1.0, "y": 1.0, "psi": math.radians(0.1), "r": math.radians(0.01), "u": 0.03}
@@ -42,19 +43,7 @@ def sailed(model: Model, depth: float | None, *, stated: float | None) -> list[F
     found = []
     for number, (kind, asked) in enumerate(RUNS):
         track = pk.simulate(model, kind, speed=SPEED, dt=2.0, depth=depth, **asked)
-        measured = {
-            name: getattr(track, name) + std * rng.normal(size=len(track))
-            for name, std in SENSORS.items()
-        }
-        record = FreeRecord(
-            name=f"run {number}",
-            t=track.t,
-            delta=track.delta,
-            turns=track.n,
-            measured=measured,
-            speed=SPEED,
-            depth=stated,
-        )
+        record = recorded(track, SENSORS, rng, name=f"run {number}", speed=SPEED, depth=stated)
         found.append(record.cut(0.0, 1000.0))
     return found
 

@@ -281,11 +281,12 @@ def test_the_next_laboratory_is_what_another_finds():
     assert math.sqrt(found.covariance[0, 0]) == pytest.approx(told.std[0], rel=0.01)
 
 
+@pytest.mark.slow
 def test_many_values_tell_by_what_laboratories_differ():
-    """Two that know 200 values exactly, drawn 0.1 apart: the scatter is found, and the next one is
+    """Two that know 100 values exactly, drawn 0.1 apart: the scatter is found, and the next one is
     √(1 + ½) of it off their mean."""
     rng = np.random.default_rng(7)
-    n, tau = 200, 0.1
+    n, tau = 100, 0.1
     one, other = rng.normal(0.0, tau, (2, n))
     exact = np.full(n, 1e-8)
     found = next_laboratory(

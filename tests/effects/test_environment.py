@@ -219,6 +219,7 @@ def adrift(direction, wind=5.0, **air):
         rudder_deg=1e-9,
         revolutions=1e-9,
         duration=2e4 / wind,
+        compiled=False,
         wind_speed=wind,
         wind_direction_deg=direction,
     )
@@ -458,7 +459,11 @@ def test_jets_stop_a_ship_by_their_bucket():
     """Pumps that run on stop it sooner, and sooner with a bucket that turns more of the jet."""
     reach = [
         simulate(
-            jet_ship().with_values("waterjet", reverse=x), "stopping", speed=9.0, turns=1.0
+            jet_ship().with_values("waterjet", reverse=x),
+            "stopping",
+            speed=9.0,
+            turns=1.0,
+            compiled=False,
         ).metrics["track_reach"]
         for x in (0.3, 0.6)
     ]

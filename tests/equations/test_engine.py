@@ -158,7 +158,7 @@ def test_one_ship_alone_is_the_same_ship_in_a_batch_bit_for_bit():
     batch = batch_of(TANKER, "turning", speed=SPEED, rudder_deg=35.0)
     drawn = spread_of(TANKER, SPEED, 0.05)
     values = drawn.draw(3, 0, 40)
-    metrics, status = batch.run(drawn.names, values, jobs=1)
+    metrics, status = batch.run(drawn.names, values, executor=1)
     assert not status.any()
     for ship in (0, 17, 39):
         alone = TANKER
@@ -173,7 +173,7 @@ def test_one_ship_alone_is_the_same_ship_in_a_batch_bit_for_bit():
 @pytest.mark.slow
 def test_threads_change_no_bit():
     one, four = (
-        monte_carlo(TANKER, "zigzag", speed=SPEED, n=1200, spread=0.05, jobs=jobs)
+        monte_carlo(TANKER, "zigzag", speed=SPEED, n=1200, spread=0.05, executor=jobs)
         for jobs in (1, 4)
     )
     for name, values in one.metrics.items():

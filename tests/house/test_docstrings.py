@@ -21,9 +21,13 @@ MODULES = sorted(
 
 
 def public_functions(path: Path):
-    """Public functions and methods of a module, with the name of their class."""
+    """Public functions and methods of a module, with the name of their class; what a function takes
+    and gives in one of its forms alone is said by the function."""
     for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+        form = isinstance(node, ast.FunctionDef) and "overload" in map(
+            ast.unparse, node.decorator_list
+        )
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_") and not form:
             yield "", node
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             for part in node.body:

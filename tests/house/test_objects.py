@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import pmmkit as pk
 import pmmkit.diagnosis
 from pmmkit.effects.catalogue import effect_of
-from pmmkit.loop import RecordError, RecordFall
+from pmmkit.loop import JointFall, RecordError, RecordFall
 from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
@@ -177,6 +177,21 @@ def record_fall():
     return RecordFall(errors=rows)
 
 
+def joint_fall():
+    """Of captive tests and of records, a fault of the records among the steps."""
+    steps = (
+        Step(action="effect_added", effect="asymmetry"),
+        Step(action="fault_corrected", effect="current", campaign="sea <2>"),
+    )
+    errors = record_fall().errors
+    sea = replace(record_fall(), errors=(*errors, replace(errors[-1], step="current")))
+    return JointFall(
+        added=steps,
+        taken={"tank <1>": (True, False), "sea <2>": (True, True)},
+        falls={"tank <1>": added().fall(), "sea <2>": sea},
+    )
+
+
 MADE = {
     "Effect": lambda: effect_of("crossflow_drag"),
     "Trial": trial,
@@ -193,6 +208,7 @@ MADE = {
     "Session": added,
     "ErrorFall": cache(lambda: added().fall()),
     "RecordFall": record_fall,
+    "JointFall": joint_fall,
     "Diagnosis": diagnosis,
     "Together": cache(
         lambda: pmmkit.diagnosis.together(
@@ -216,7 +232,9 @@ MADE = {
     "AddedResistance": lambda: pk.added_resistance(waved()),
     "MotionInWaves": swaying,
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
-    "FroudeRange": cache(lambda: pk.simulate(model(), speed=9.0, fn="instant").tested),
+    "FroudeRange": cache(
+        lambda: pk.simulate(model(), speed=9.0, fn="instant", compiled=False).tested
+    ),
 }
 LONG = ("Comparison", "MethodComparison", "Identified", "SobolIndices")
 EACH = [pytest.param(name, marks=pytest.mark.slow) if name in LONG else name for name in MADE]
@@ -235,6 +253,7 @@ SAID = {
     "Identified": ("prior", "ekf", "±", "passes"),
     "Session": ("<tank>", "Steps", "evidence", "it is large", "0.5 %"),
     "RecordFall": ("base", "+ ", "heading [deg]", "yaw rate [deg/s]", "-50 %"),
+    "JointFall": ("tank <1>: force [%]", "sea <2>: heading [deg]", "+ current (sea <2>)"),
     "ErrorFall": ("base", "+ ", "static drift [%]", "N [N m]", "better in"),
     "Together": ("Verdict: ", "tank <1>", "price off", "ln 2K"),
     "Diagnosis": ("Verdict: An effect is missing.", "±", "usual size", "could not show", "hide"),
@@ -265,6 +284,7 @@ DRAWN = (
     "DerivativeTable",
     "ErrorFall",
     "RecordFall",
+    "JointFall",
     "Diagnosis",
     "Track",
     "Ensemble",

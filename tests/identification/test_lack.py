@@ -75,6 +75,7 @@ def test_a_complete_model_keeps_the_intervals_of_its_noise(method):
     assert np.median(found.std / found.prior.std) < 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["ekf", "trajectory"])
 def test_a_rudder_that_stalls_unknown_widens_the_intervals_and_leads_to_diagnose(method):
     held = []

@@ -18,7 +18,7 @@ def tanker():
 
 
 def reduced(made, structure="auto"):
-    return reduce_campaign(made, structure=structure, check=False, jobs=1)
+    return reduce_campaign(made, structure=structure, check=False, executor=1)
 
 
 def only(made, *tests):

@@ -129,7 +129,7 @@ def test_a_hull_that_changes_with_speed_is_not_a_zero_of_the_gauge():
 
 
 @pytest.mark.slow
-def test_the_console_mentions_both(resting, tmp_path, capsys):
+def test_the_console_mentions_both(resting, tmp_path, capsys, undrawn):
     from pmmkit.cli import main
 
     assert main(["reduce", str(resting), "--fn", "pooled", "--out", str(tmp_path / "out")]) == 0

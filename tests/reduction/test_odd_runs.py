@@ -31,7 +31,7 @@ def dead(data):
 
 
 def reduced(made, **options):
-    return reduce_campaign(made, structure=ASKED, check=False, jobs=1, **options)
+    return reduce_campaign(made, structure=ASKED, check=False, executor=1, **options)
 
 
 @pytest.fixture(scope="module")

@@ -137,8 +137,8 @@ def test_like_noise_levels_borrow_strength_and_unlike_ones_do_not():
 @pytest.mark.slow
 def test_same_input_same_output_whatever_the_threads():
     made = captive(noise=autocorrelated)
-    one = reduce_campaign(made, check=False, jobs=1).table
-    many = reduce_campaign(made, check=False, jobs=4).table
+    one = reduce_campaign(made, check=False, executor=1).table
+    many = reduce_campaign(made, check=False, executor=4).table
     assert np.array_equal(one.value, many.value)
     assert np.array_equal(one.covariance, many.covariance)
 

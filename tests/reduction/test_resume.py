@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 import tracemalloc
 from pathlib import Path
@@ -21,8 +20,7 @@ from pmmkit.readers.base import Options, Request
 from pmmkit.readers.text import csv as csv_reader
 from pmmkit.readers.text import splitting as text
 from pmmkit.reduction import reduce_campaign
-from pmmkit.reduction.reading import all_runs, resume
-from pmmkit.reduction.reading import pool as workers
+from pmmkit.reduction.reading import all_runs, memory, resume
 from scripts.datasets.make_large import make
 from scripts.studies.kill_test import SAVE, content, examine
 
@@ -38,7 +36,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def undisturbed(folder):
-    return everything(reduced(folder, jobs=1))
+    return everything(reduced(folder, executor=1))
 
 
 @pytest.fixture
@@ -71,31 +69,18 @@ def stopped_after(folder, kept, runs):
             raise Stop
 
     with pytest.raises(Stop):
-        reduced(folder, jobs=1, resume=kept, progress=progress)
+        reduced(folder, executor=1, resume=kept, progress=progress)
 
 
 @pytest.mark.slow
 def test_several_processes_give_the_same_to_the_bit(folder, undisturbed, at_once, monkeypatch):
-    asked = []
-    read = workers.WorkerPool.read
+    read = []
+    read_run = all_runs.read_run
     monkeypatch.setattr(
-        workers.WorkerPool, "read", lambda pool, run: asked.append(run) or read(pool, run)
+        all_runs, "_result", lambda run, settings: read.append(run) or read_run(run, settings)
     )
-    assert everything(reduced(folder, jobs=2)) == undisturbed
-    assert len(asked) == RUNS - 1
-
-
-@pytest.mark.slow
-def test_a_process_that_dies_takes_no_run_with_it(folder, undisturbed, at_once, monkeypatch):
-    started = workers._started
-
-    def one_dies_soon(settings, count):
-        processes = started(settings, count)
-        threading.Timer(1.5, processes[0].kill).start()
-        return processes
-
-    monkeypatch.setattr(workers, "_started", one_dies_soon)
-    assert everything(reduced(folder, jobs=2)) == undisturbed
+    assert everything(reduced(folder, executor=2)) == undisturbed
+    assert len(read) == 1
 
 
 @pytest.mark.slow
@@ -105,13 +90,13 @@ def test_problems_of_all_runs_come_back_from_the_processes(folder, tmp_path, at_
         file = next((place / "runs").glob(f"*_{number:04d}.csv"))
         file.write_bytes(file.read_bytes()[:-300] + b"1,2,x,4,5,6,7,8,9\n")
     with pytest.raises(CampaignError) as caught:
-        reduced(place, jobs=2)
+        reduced(place, executor=2)
     found = [problem.run for problem in caught.value.problems]
     assert found == ["static_drift_0002", "pure_sway_0007"]
 
 
 @pytest.mark.slow
-def test_runs_that_live_in_memory_only_are_read_in_this_process(folder, undisturbed, at_once):
+def test_runs_that_live_in_memory_only_are_read_as_well(folder, undisturbed, at_once):
     campaign = pk.open_campaign(folder)
     runs = tuple(run.with_(loader=lambda data=run.data: data) for run in campaign.runs)
     assert (
@@ -130,11 +115,11 @@ def test_an_interrupted_reduction_goes_on(folder, undisturbed, at_once, tmp_path
     monkeypatch.setattr(
         all_runs, "read_run", lambda run, settings: read.append(run) or read_run(run, settings)
     )
-    found = reduced(folder, jobs=1, resume=kept, progress=lambda *said: told.append(said))
+    found = reduced(folder, executor=1, resume=kept, progress=lambda *said: told.append(said))
     assert told[0] == (10, RUNS, "resumed: 10 of 16 runs were read before")
     assert len(read) == RUNS - 10
     assert everything(found) == undisturbed
-    assert everything(reduced(folder, jobs=1, resume=kept)) == undisturbed
+    assert everything(reduced(folder, executor=1, resume=kept)) == undisturbed
 
 
 @pytest.mark.slow
@@ -155,11 +140,11 @@ def test_damaged_results_and_those_of_other_content_are_read_anew(
     raw = changed.read_bytes()
     changed.write_bytes(raw[: len(raw) // 2].rsplit(b"\n", 1)[0] + b"\n")
     told = []
-    found = reduced(place, jobs=1, resume=kept, progress=lambda *said: told.append(said))
+    found = reduced(place, executor=1, resume=kept, progress=lambda *said: told.append(said))
     assert told[0][0] == 8 - 5
-    assert found.runs[0].samples != reduced(folder, jobs=1).runs[0].samples
+    assert found.runs[0].samples != reduced(folder, executor=1).runs[0].samples
     changed.write_bytes(raw)
-    assert everything(reduced(place, jobs=1, resume=kept)) == undisturbed
+    assert everything(reduced(place, executor=1, resume=kept)) == undisturbed
 
 
 @pytest.mark.slow
@@ -168,7 +153,7 @@ def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
     told = []
     reduced(
         folder,
-        jobs=1,
+        executor=1,
         resume=tmp_path / "kept",
         carriage_speed=True,
         progress=lambda *said: told.append(said),
@@ -179,33 +164,34 @@ def test_another_request_takes_nothing_up(folder, at_once, tmp_path):
 @pytest.mark.slow
 def test_a_small_campaign_leaves_nothing_and_starts_nothing(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(all_runs, "PATIENCE", 60.0)
-    monkeypatch.setattr(workers, "_started", None)
+    monkeypatch.setattr("pmmkit.executors.sending.processes", None)
     reduced(folder, resume=tmp_path / "kept")
     assert not (tmp_path / "kept").exists()
 
 
 SLOWLY = """
+import os
 import sys
 from pathlib import Path
 
 import pmmkit as pk
+from pmmkit.executors import places
 from pmmkit.reduction import reduce_campaign
 from pmmkit.reduction.reading import all_runs
-from pmmkit.reduction.reading import pool as workers
 
 all_runs.PATIENCE = all_runs.PAYS = 0.0
-started = workers._started
+starts = places.starts
 
 
-def tell(settings, count):
-    found = started(settings, count)
-    print(*(process.pid for process in found), flush=True)
-    return found
+def tell(made):
+    begun = starts(made)
+    print(*made._processes, flush=True)
+    return begun
 
 
-workers._started = tell
+places.starts = tell
 kept = Path(sys.argv[2])
-reduce_campaign(pk.open_campaign(sys.argv[1]), structure="cubic", jobs=2, resume=kept)
+reduce_campaign(pk.open_campaign(sys.argv[1]), structure="cubic", executor=2, resume=kept)
 """
 """Reads with two processes and tells which they are."""
 
@@ -220,7 +206,7 @@ def test_a_killed_command_leaves_no_process_and_goes_on(folder, tmp_path, undist
         until(lambda: len(list(kept.glob("*.json"))) > 3)
         process.kill()
     until(lambda: not any(_lives(pid) for pid in pids))
-    assert everything(reduced(folder, jobs=1, resume=kept)) == undisturbed
+    assert everything(reduced(folder, executor=1, resume=kept)) == undisturbed
 
 
 def _lives(pid):
@@ -277,7 +263,7 @@ def test_the_command_keeps_beside_its_output_and_clears_away(
         return []
 
     monkeypatch.setattr("pmmkit.report.results.write_reduction", write)
-    reduced(folder, jobs=1, resume=kept)
+    reduced(folder, executor=1, resume=kept)
     arguments = ["reduce", str(folder), "--structure", "cubic", "--out", str(out), "--jobs", "1"]
     assert main(arguments) == 0
     assert f"resumed: {RUNS} of {RUNS} runs were read before" in capsys.readouterr().err
@@ -339,45 +325,23 @@ def test_a_large_file_is_never_in_memory_whole(tmp_path):
     assert peak < 6 * text.BLOCK < path.stat().st_size
 
 
-def test_memory_is_shared_out_in_turn():
-    room, most, held = workers.Room(100.0), [0.0], [0.0]
-    lock = threading.Lock()
-
-    def take(need):
-        with room.taken(need):
-            with lock:
-                held[0] += min(need, 100.0)
-                most[0] = max(most[0], held[0])
-            time.sleep(0.002)
-            with lock:
-                held[0] -= min(need, 100.0)
-
-    threads = [threading.Thread(target=take, args=(need,)) for need in [60, 30, 500, 45, 10] * 8]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(20)
-    assert not any(thread.is_alive() for thread in threads)
-    assert most[0] <= 100.0
-
-
 def test_files_side_by_side_need_no_more_than_one(folder, tmp_path):
     make(tmp_path / "flat", runs=1, mb=2.0, form="foam-flat")
     make(tmp_path / "single", runs=1, mb=1.0, width=9)
     flat = pk.open_campaign(tmp_path / "flat").runs[0]
-    assert workers.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
-    alone = workers.memory_of(pk.open_campaign(folder).runs[0])
+    assert memory.size_of(flat) == pytest.approx(1.0e6, rel=0.4)
+    alone = memory.memory_of(pk.open_campaign(folder).runs[0])
     assert 0.1 < alone < 2.0
-    assert workers.memory_of(flat) < 12.0
+    assert memory.memory_of(flat) < 12.0
 
 
 @pytest.mark.slow
 def test_histories_are_kept_as_well(folder, at_once, tmp_path):
     kept = tmp_path / "kept"
-    first = reduced(folder, jobs=1, resume=kept, method="ekf")
+    first = reduced(folder, executor=1, resume=kept, method="ekf")
     told = []
     second = reduced(
-        folder, jobs=1, resume=kept, method="ekf", progress=lambda *said: told.append(said)
+        folder, executor=1, resume=kept, method="ekf", progress=lambda *said: told.append(said)
     )
     assert told[0] == (RUNS, RUNS, f"resumed: {RUNS} of {RUNS} runs were read before")
     assert everything(first) == everything(second)

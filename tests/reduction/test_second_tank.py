@@ -13,7 +13,7 @@ def reduced(seed, gain, offset):
     made = second_tank.campaign(
         "small", seed, gain, offset, lambda rng: float(rng.standard_normal())
     )
-    return reduce_campaign(made, structure=list(second_tank.CENTRAL), jobs=1)
+    return reduce_campaign(made, structure=list(second_tank.CENTRAL), executor=1)
 
 
 @pytest.mark.slow

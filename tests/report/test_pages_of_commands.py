@@ -100,7 +100,9 @@ def test_many_runs_lose_the_largest_picture_first_and_it_is_said():
 
 
 def test_very_many_runs_keep_those_with_the_largest_errors():
-    answers = with_runs(big(20_000), ["r19999"], lambda name, buckets: {"run": name}, 0)
+    answers = with_runs(
+        big(20_000), ["r19999"], lambda name, buckets: {"run": name}, "run {} 0".format
+    )
     page = page_file(answers)
     assert len(page.encode()) < 3_000_000
     misfit = answers_in(page)["misfit 0"]
@@ -117,7 +119,7 @@ def test_histories_are_as_fine_as_there_is_room_for():
         return {"x": "9" * 100 * buckets}
 
     names = [f"r{i}" for i in range(300)]
-    held = with_runs({}, names, give, 0)
+    held = with_runs({}, names, give, "run {} 0".format)
     assert asked[-1] == 50
     assert [key for key in held if key.startswith("run")] == [f"run {name} 0" for name in names]
 

@@ -212,6 +212,19 @@ def test_the_stop_of_the_tanker_is_judged():
     assert stop.passed is True
 
 
+def test_the_revolutions_astern_are_said_with_what_others_give():
+    """Of this tanker the verdict hangs on them: 0.6 fails where 0.7 passes."""
+    usual, less = (imo_verdicts("esso190k", 8.0, astern=x)[-1] for x in (None, -0.6))
+    assert (usual.passed, less.passed) == (True, False)
+    (said,) = (text for text in usual.conditions if "astern" in text)
+    assert "Full astern is -0.7 of the approach's revolutions" in said
+    assert f"-0.6 {less.value:.3g} L (not met)" in said
+    track = simulate("esso190k", "stopping", speed=8.0, turns=-1.0)
+    assert f"-1 {track.metrics['track_reach_L']:.3g} L." in said
+    with pytest.raises(DataError, match="negative"):
+        imo_verdicts("esso190k", 8.0, astern=0.6)
+
+
 def test_turning_criteria_are_for_turning_circles():
     with pytest.raises(DataError, match="zigzag"):
         imo_turning(simulate("s175-3dof", "zigzag", speed=9.0))

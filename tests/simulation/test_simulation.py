@@ -201,6 +201,7 @@ def test_coriolis_terms_inside_or_apart_are_the_same_physics():
             ),
             speed=9.0,
             duration=600.0,
+            compiled=False,
         )
         for name, given, where in (
             ("apart", values, "separate"),

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 import pmmkit as pk
-from pmmkit.identification.record import FreeRecord
+from tests.support.recorded import recorded
 
 SPEED = 1.179
 SHIP = pk.load_model("kvlcc2-l7")
@@ -25,17 +25,6 @@ def sailed(model, seed, *, zero=0.0, runs=RUNS):
         track = pk.simulate(
             model, "zigzag", rudder_deg=rudder, switch_deg=switch, speed=SPEED, dt=0.5
         )
-        measured = {
-            name: getattr(track, name) + std * rng.normal(size=len(track))
-            for name, std in SENSORS.items()
-        }
-        record = FreeRecord(
-            name=f"zigzag {number}",
-            t=track.t,
-            delta=track.delta - zero,
-            turns=track.n,
-            measured=measured,
-            speed=SPEED,
-        )
+        record = recorded(track, SENSORS, rng, name=f"zigzag {number}", speed=SPEED, zero=zero)
         found.append(record.cut(0.0, 75.0))
     return found

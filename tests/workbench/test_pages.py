@@ -31,6 +31,11 @@ def esso_osaka(datasets, shared_data):
 
 
 @pytest.fixture(scope="module")
+def sailed(esso_osaka):
+    return compare(load_model("esso-osaka-3m"), esso_osaka)
+
+
+@pytest.fixture(scope="module")
 def bare():
     return uncoupled()
 
@@ -98,8 +103,8 @@ def test_a_sentence_leads_to_the_runs_that_stand_out(comparison):
 
 
 @pytest.mark.slow
-def test_a_sentence_on_a_measure_leads_to_the_records_that_it_joins(esso_osaka):
-    page = misfit_page(compare(load_model("esso-osaka-3m"), esso_osaka))
+def test_a_sentence_on_a_measure_leads_to_the_records_that_it_joins(sailed):
+    page = misfit_page(sailed)
     shown = {row["run"] for group in page["groups"] for row in group["rows"]}
     assert page["sentences"]
     for sentence in page["sentences"]:
@@ -188,13 +193,12 @@ def test_a_turn_is_that_of_the_simulator_in_ship_lengths():
 
 
 @pytest.mark.slow
-def test_measured_tracks_are_those_of_the_trials_at_the_scale_of_the_ship(esso_osaka):
+def test_measured_tracks_are_those_of_the_trials_at_the_scale_of_the_ship(sailed, esso_osaka):
     """Froude's law: four times the length, twice the time; paths in lengths stay."""
-    comparison = compare(load_model("esso-osaka-3m"), esso_osaka)
     length = esso_osaka.ship.L
-    page = trials_page(comparison.manoeuvres, 4.0 * length)
+    page = trials_page(sailed.manoeuvres, 4.0 * length)
     assert {name: len(found) for name, found in page.items()} == {"turning": 4, "zigzag": 6}
-    for item in comparison.manoeuvres:
+    for item in sailed.manoeuvres:
         trial = item.trial
         drawn = next(x for x in page[trial.test] if x["run"] == trial.run)
         assert drawn["t"][0] >= 0.0

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit.campaigns.run import Run
+from pmmkit.campaigns.settings import Settings
 from pmmkit.identification.prior import prior_of
 from pmmkit.simulation.bands import bands_of
 from pmmkit.workbench.pages.missing import missing_page
+from pmmkit.workbench.pages.records import record_cells, record_page
 from tests.support.zigzags import ASYMMETRY, KNOWN, SENSORS, SHIP, SPEED, sailed
 
 pytestmark = pytest.mark.slow
@@ -101,3 +105,24 @@ def test_the_ships_that_records_accept_are_the_sets_that_were_named(session, fou
     there = pk.simulate(ship, rudder_deg=35, speed=SPEED, compiled=False)
     low, high = band.measures["tactical_diameter_L"]
     assert low < there.metrics["tactical_diameter_L"] < high
+
+
+def test_a_motion_that_grows_without_bound_is_drawn_as_far_as_it_is_one():
+    """A doubling a second from 1 m/s on: 5 times the greatest measured speed is passed at 2.3 s."""
+    t = np.arange(0.0, 2000.0, 0.1)
+    still = {name: np.zeros_like(t) for name in ("x", "y", "psi", "v", "r")}
+    with np.errstate(over="ignore"):
+        fast = np.exp2(t)
+    record = SimpleNamespace(
+        name="lost", run=Run(id="lost", test="turning", settings=Settings(speed=1.0),
+                             kind="history", loader=None),
+        t=t, delta=still["y"], measured={**still, "u": np.ones_like(t)},
+        predicted={**still, "u": fast}, std={**still, "u": np.ones_like(t)},
+    )  # fmt: skip
+    shown = record_page(record, 1.0)["motion"]
+    for name, own in shown.items():
+        told = [x for x in own["predicted"] if x is not None]
+        assert len(told) == 1, f"{name}: samples are 4 s apart"
+        assert None not in own["measured"]
+    assert record_cells(record)["u"]["error"] is None
+    assert not record_cells(record)["u"]["within"]

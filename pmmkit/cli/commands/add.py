@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaign
-from pmmkit.cli.output import Outcome, say
+from pmmkit.cli.options import Data, DrawFigures, Floor, Noise, Own, sound_campaigns
+from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Force, Out, results_file, results_folder
 from pmmkit.cli.records import (
     WINDOW,
@@ -26,12 +26,11 @@ from pmmkit.cli.records import (
     Window,
     errors_table,
 )
+from pmmkit.cli.sessions import session_about
 from pmmkit.presentation import aligned
 
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign
-    from pmmkit.effects.effect import Effect
-    from pmmkit.loop import Session
     from pmmkit.loop.evidence import Fall
     from pmmkit.models import Model
 
@@ -45,12 +44,18 @@ def add(
         list[str] | None,
         typer.Argument(
             help="Effects to add, one after another; roll: a roll of its own, by the heel of "
-            "free-running records and GM and Ix of their campaign file."
+            "free-running records and GM and Ix of their campaign file. A fault of one of several "
+            "campaigns is named with it: current@'my trials'."
         ),
     ] = None,
     *,
     fit: Annotated[
-        Path, typer.Option("--fit", help="Campaign to which the model is fitted with them.")
+        list[Path],
+        typer.Option(
+            "--fit",
+            help="Campaign to which the model is fitted with them; several of one ship by several "
+            "--fit.",
+        ),
     ],
     target: Annotated[
         Path | None, typer.Option("-o", "--output", help="Model file to write.")
@@ -84,6 +89,7 @@ def add(
     force: Force = False,
 ) -> Outcome:
     """Add effects to a model, fit them together with it, and show how the error falls."""
+    from pmmkit.campaigns.several import sailing
     from pmmkit.effects.grammar import own_effects
     from pmmkit.effects.roll import ROLL_PART
     from pmmkit.files import write_results
@@ -115,11 +121,12 @@ def add(
     taken = ""
     if undo:
         before, taken = undone(before, effects_of_user)
-    opened, _ = sound_campaign(fit, data)
+    opened = {name: one for name, (one, _) in sound_campaigns(fit, data).items()}
+    sailed = opened[sailing(opened)]
     base = before
     rest = [step.effect for step in kept.steps] if kept else list(effects or ())
     if ROLL_PART in rest:
-        base = _rolling(before, opened, asked)
+        base = _rolling(before, sailed, asked)
         rest.remove(ROLL_PART)
     rolled = [str(step) for step in base.history[len(before.history) :]]
     fall: Fall | None = None
@@ -127,14 +134,15 @@ def add(
     after = base
     if rest or undo:
         least = kept.floor if kept else floor
-        session = _begun(base, opened, rest, asked, least, noise, effects_of_user)
+        session = session_about(base, opened, rest, asked, least, noise, effects_of_user)
         for step in kept.steps if kept else ():
             session = session.add(step, step.note)
         for effect in () if kept else rest:
-            session = session.add(effect, why)
+            name, _, campaign = effect.partition("@")
+            session = session.add(name, why, campaign=campaign)
         after, fall, held_out = session.model(), session.fall(), session.held_out_errors()
     save_model(after, written)
-    turns = _turns(before, after, opened)
+    turns = _turns(before, after, sailed)
     content = {
         "model": str(written),
         "added": rest if kept else effects or [],
@@ -175,36 +183,6 @@ def _rolling(model: Model, campaign: Campaign, asked: Asked) -> Model:
         GM=campaign.ship.GM if ship.GM is None else ship.GM,
         Ixx=campaign.ship.Ixx if ship.Ixx is None else ship.Ixx,
         sensors=sensors_of(asked.sensors),
-    )
-
-
-def _begun(
-    model: Model,
-    campaign: Campaign,
-    effects: Sequence[str],
-    asked: Asked,
-    floor: float | None,
-    noise: float | None,
-    own: Sequence[Effect],
-) -> Session:
-    """A session in which free-running records are asked for nothing but the effects."""
-    from pmmkit.errors import DataError
-    from pmmkit.loop.session import begin
-
-    if campaign.kind != "free-running":
-        if asked.typed():
-            raise DataError("Options of free-running records are of no use for captive tests.")
-        return begin(model, campaign, floor=floor, noise=noise, own=own)
-    used, kept = asked.chosen(campaign, model)
-    return begin(
-        model,
-        used.records,
-        floor=floor,
-        noise=noise,
-        own=own,
-        candidates=effects,
-        progress=say,
-        **asked.settings(kept),
     )
 
 

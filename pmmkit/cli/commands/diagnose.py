@@ -18,9 +18,12 @@ from pmmkit.cli.options import (
     Given,
     Noise,
     Own,
+    Scheduler,
+    WorkerCount,
     sound_campaign,
     stated,
     stem,
+    where,
     words,
 )
 from pmmkit.cli.output import Outcome, say, warned
@@ -45,6 +48,7 @@ if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Tests
     from pmmkit.checks.finding import CheckFinding
     from pmmkit.diagnosis.findings import Diagnosis
+    from pmmkit.executors import Workers
 
 EXAMPLE: Final = "pmmkit diagnose cubic my-campaign"
 Base = Annotated[
@@ -79,6 +83,8 @@ def diagnose(
     window: Window = WINDOW,
     figures: DrawFigures = True,
     data: Data = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     out: Out = None,
     force: Force = False,
 ) -> Outcome:
@@ -98,13 +104,15 @@ def diagnose(
         judged=judged,
         window=window,
     )
+    executor = where(workers, scheduler)
     campaign = campaigns[0]
     name = "-".join(map(stem, campaigns))
     folder = results_folder(out, f"{name}-diagnosed", read=[model], force=force)
     if len(campaigns) > 1:
-        if words(given) or own is not None or test_runs or window != WINDOW:
+        if words(given) or own is not None or test_runs or window != WINDOW or executor:
             raise DataError(
-                "--given, --own, --test-runs and --window belong to the diagnosis of one campaign."
+                "--given, --own, --test-runs, --window, --workers and --scheduler belong to the "
+                "diagnosis of one campaign."
             )
         from pmmkit.cli.together import together_outcome
 
@@ -117,13 +125,13 @@ def diagnose(
             free=asked.together(),
             drawn=figures,
         )
-    opened, checked = sound_campaign(campaign, data)
+    opened, checked = sound_campaign(campaign, data, executor)
     if opened.kind == "free-running":
         if words(given) or noise is not None or own is not None:
             raise DataError(
                 "--given, --noise and --own belong to captive tests; these runs run free."
             )
-        answer = _of_records(model, opened, checked, asked, floor=floor, drawn=figures)
+        answer = _of_records(model, opened, checked, asked, executor, floor=floor, drawn=figures)
     elif asked.typed():
         raise DataError("Options of free-running records are of no use for captive tests.")
     else:
@@ -131,6 +139,7 @@ def diagnose(
             model,
             opened,
             checked,
+            executor,
             floor=floor,
             noise=noise,
             own=own,
@@ -173,6 +182,7 @@ def _of_captive_tests(
     model: str,
     campaign: Tests,
     checked: Sequence[CheckFinding],
+    executor: Workers,
     *,
     floor: float | None,
     noise: float | None,
@@ -184,7 +194,14 @@ def _of_captive_tests(
     from pmmkit.loop.session import begin
     from pmmkit.report.loop import loop_of, write_diagnosis
 
-    session = begin(model, campaign, floor=floor, noise=noise, own=own_effects(own) if own else ())
+    session = begin(
+        model,
+        campaign,
+        floor=floor,
+        noise=noise,
+        own=own_effects(own) if own else (),
+        executor=executor,
+    )
     for effect in given:
         session = session.add(effect, "known to be there")
     loop = loop_of(session, model)
@@ -206,6 +223,7 @@ def _of_records(
     campaign: Tests,
     checked: Sequence[CheckFinding],
     asked: Asked,
+    executor: Workers,
     *,
     floor: float | None,
     drawn: bool,
@@ -221,6 +239,7 @@ def _of_records(
         used.records,
         candidates=asked.names,
         progress=say,
+        executor=executor,
         **stated(floor=floor),
         **asked.settings(kept),
     )

@@ -16,11 +16,19 @@ from pmmkit.cli.speeds import WAYS, TypedSpeed, typed
 EXAMPLE: Final = "pmmkit export kvlcc2 --to mss --speed 8"
 
 
+class Interface(StrEnum):
+    """Versions of the Functional Mock-up Interface."""
+
+    three = "3"
+    two = "2"
+
+
 class Format(StrEnum):
     """What other programs read."""
 
     mss = "mss"
     shipmmg = "shipmmg"
+    fmu = "fmu"
     csv = "csv"
     excel = "excel"
     latex = "latex"
@@ -51,11 +59,18 @@ def export(
         ),
     ] = None,
     data: Data = None,
+    fmi: Annotated[
+        Interface | None,
+        typer.Option(help="For fmu: version of the interface; 3 if absent, older programs read 2."),
+    ] = None,
+    compile: Annotated[
+        bool, typer.Option("--compile", help="For fmu: put a library for this machine into it.")
+    ] = False,
 ) -> Outcome:
-    """Write a model, table, campaign or track for MATLAB, shipmmg, Excel, LaTeX and others."""
+    """Write a model, table, campaign or track for MATLAB, Simulink, shipmmg, Excel and others."""
     from pmmkit import exports
     from pmmkit.exports.subject import read_subject
-    from pmmkit.exports.write import file_name
+    from pmmkit.exports.write import ENDINGS, file_name
     from pmmkit.models import Model
 
     default: str | Path = ""
@@ -71,8 +86,31 @@ def export(
         subject = read_subject(what, data=data)
         known = isinstance(subject, Model)
         pace = speed.of(subject.ship, subject.water) if known else speed.without_ship()
-    files = exports.export(what, target, to.value if to else None, speed=pace, data=data)
-    return Outcome(
-        content={"files": [str(file) for file in files]},
-        lines=[f"{target}: {len(files)} files." if target.is_dir() else f"Written: {target}"],
+    files = exports.export(
+        what,
+        target,
+        to.value if to else None,
+        speed=pace,
+        data=data,
+        fmi=None if fmi is None else 2 if fmi is Interface.two else 3,
+        compile=compile,
     )
+    lines = [f"{target}: {len(files)} files." if target.is_dir() else f"Written: {target}"]
+    if target.suffix == ENDINGS[Format.fmu.value]:
+        lines += _of_fmu(what, pace, compile=compile)
+    return Outcome(content={"files": [str(file) for file in files]}, lines=lines)
+
+
+def _of_fmu(what: str, speed: float | None, *, compile: bool) -> list[str]:
+    """What a user of an FMU asks next: how the ship begins, and whether there is a library."""
+    from pmmkit.exports.fmu.unit import approach_of
+    from pmmkit.models import load_model
+
+    model = load_model(what)
+    at = approach_of(model, speed)
+    froude = model.ship.froude(at, model.water.g)
+    begins = f"The ship begins at {at:.4g} m/s (Fn {froude:.2g})"
+    lines = [f"{begins}." if speed is not None else f"{begins}; --speed chooses another speed."]
+    if not compile:
+        lines.append("It holds C sources; --compile puts a library for this machine into it.")
+    return lines

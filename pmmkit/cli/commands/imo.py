@@ -21,6 +21,14 @@ def imo(
     speed: Speed = None,
     ships: Annotated[int, typer.Option(help="Ships drawn for the probability of passing.")] = 2000,
     spread: Spread = None,
+    astern: Annotated[
+        float | None,
+        typer.Option(
+            max=-0.01,
+            help="Revolutions of the full astern stop over those of the approach, such as -0.6; "
+            "the standard does not say them. -0.7 if absent.",
+        ),
+    ] = None,
     fn: Follow = "approach",
     depth: Depth = None,
     extrapolate: Extrapolate = False,
@@ -37,7 +45,14 @@ def imo(
     loaded = load_model(model)
     pace = approach(speed, loaded)
     found = imo_verdicts(
-        loaded, pace, n=ships, spread=spread, fn=fn, depth=depth, extrapolate=extrapolate
+        loaded,
+        pace,
+        n=ships,
+        spread=spread,
+        astern=astern,
+        fn=fn,
+        depth=depth,
+        extrapolate=extrapolate,
     )
     rows = [asdict(item) for item in found]
     table = pd.DataFrame([{**row, "conditions": " ".join(row["conditions"])} for row in rows])

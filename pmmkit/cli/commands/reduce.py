@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, stem
+from pmmkit.cli.options import Campaign, Data, Scheduler, WorkerCount, stem, where
 from pmmkit.cli.output import Outcome, say, words_of
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned, counted, table_lines
 
 if TYPE_CHECKING:
+    from pmmkit.executors import Workers
     from pmmkit.models import Model
     from pmmkit.models.build import Missing as Gaps
     from pmmkit.observations.prepare import CycleChoice
@@ -130,12 +131,13 @@ def reduce(
         ),
     ] = OddRuns.tell,
     data: Data = None,
-    jobs: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes that read runs; the number of processors if absent."),
-    ] = None,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     memory: Annotated[
-        float, typer.Option(min=1, help="Memory that they may take together in MB.")
+        float,
+        typer.Option(
+            min=1, help="Memory that the workers of this machine may take together in MB."
+        ),
     ] = 1000.0,
     out: Out = None,
     force: Force = False,
@@ -158,7 +160,7 @@ def reduce(
         missing=missing.value,
         reference=reference,
         odd_runs=odd_runs.value,
-        jobs=jobs,
+        executor=where(workers, scheduler),
         memory=memory,
     )
 
@@ -190,7 +192,7 @@ def reduced(
     reference_name: str = "",
     asked: str | None = None,
     odd_runs: Literal["tell", "weigh", "refuse"] = "tell",
-    jobs: int | None = None,
+    executor: Workers = None,
     memory: float = 1000.0,
     title: str = "",
 ) -> Outcome:
@@ -217,7 +219,7 @@ def reduced(
         Its name in the report.
     asked : str, optional
         A simpler structure: the report ends with what it lacks.
-    odd_runs, jobs, memory
+    odd_runs, executor, memory
         As for `reduce_campaign`.
     title : str
         Of the results; that of the campaign if empty.
@@ -255,7 +257,7 @@ def reduced(
             library=library,
             fourier=fourier,
             progress=progress,
-            jobs=jobs,
+            executor=executor,
             memory=memory,
             resume=kept,
         )

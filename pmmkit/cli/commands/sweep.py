@@ -16,12 +16,15 @@ from pmmkit.cli.options import (
     Model,
     More,
     RudderDeg,
+    Scheduler,
     Spread,
     SwitchDeg,
+    WorkerCount,
     numbers,
     settings_of,
     stated,
     stem,
+    where,
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
@@ -59,6 +62,8 @@ def sweep(
     ships: Annotated[int, typer.Option(help="Ships drawn per value for 95 % intervals.")] = 0,
     spread: Spread = None,
     extrapolate: Extrapolate = False,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     out: Out = None,
 ) -> Outcome:
     """Metrics of a manoeuvre over the approach speed, or over --over."""
@@ -76,6 +81,7 @@ def sweep(
         "fn": fn,
         "extrapolate": extrapolate,
         "compiled": ships > 0,
+        "executor": where(workers, scheduler),
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
         **settings_of(more),
     }

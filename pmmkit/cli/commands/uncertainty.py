@@ -16,11 +16,14 @@ from pmmkit.cli.options import (
     Model,
     More,
     RudderDeg,
+    Scheduler,
     Spread,
     SwitchDeg,
+    WorkerCount,
     settings_of,
     stated,
     stem,
+    where,
 )
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
@@ -45,6 +48,8 @@ def uncertainty(
     spread: Spread = None,
     seed: Annotated[int, typer.Option(help="Of the draws.")] = 0,
     extrapolate: Extrapolate = False,
+    workers: WorkerCount = None,
+    scheduler: Scheduler = None,
     out: Out = None,
 ) -> Outcome:
     """How sure a manoeuvre is, and which derivatives decide it."""
@@ -69,7 +74,15 @@ def uncertainty(
         **settings_of(more),
     }
     with shown() as progress:
-        many = monte_carlo(loaded, manoeuvre, n=ships, seed=seed, progress=progress, **settings)
+        many = monte_carlo(
+            loaded,
+            manoeuvre,
+            n=ships,
+            seed=seed,
+            progress=progress,
+            executor=where(workers, scheduler),
+            **settings,
+        )
     chosen = metric or main_of(many.metrics)
     if chosen not in many.metrics:
         raise UnknownNameError(

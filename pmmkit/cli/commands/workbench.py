@@ -29,6 +29,13 @@ def workbench(
             "abkowitz3 if absent."
         ),
     ] = None,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--with",
+            help="Another campaign of the same ship, captive or free running; may be repeated.",
+        ),
+    ] = None,
     folder: Annotated[
         list[Path] | None,
         typer.Option(
@@ -62,13 +69,17 @@ def workbench(
 
     target = out or Path("pmmkit-workbench" if campaign is None else f"{stem(campaign)}-workbench")
     check_folder(target)
-    own = [path for path in (campaign, Path(model) if model else None) if path]
+    if beside and campaign is None:
+        raise typer.BadParameter("--with names another campaign: name the first one too.")
+    also = beside or []
+    own = [path for path in (campaign, *also, Path(model) if model else None) if path]
     named = [*(folder or ([] if campaign else [Path()])), *(own if campaign else [])]
     desk = Desk(target, named)
     asked = State(
         campaign=str(campaign or ""),
         model=model or "",
         data=str(data or ""),
+        also=tuple(map(str, also)),
         noise=noise,
         floor=floor,
     )

@@ -25,6 +25,7 @@ from pmmkit.effects.catalogue import effect_of
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.hull import HULL
 from pmmkit.errors import DataError, Problem
+from pmmkit.executors import Workers
 from pmmkit.models import Model, load_model
 from pmmkit.observations.views import View, scale_of, views_of
 from pmmkit.observations.whitening import FLOOR
@@ -87,6 +88,7 @@ def diagnose_captive(
     noise: float | None = None,
     own: Sequence[Effect] = (),
     seed: int = 0,
+    executor: Workers = None,
 ) -> Diagnosis:
     """Name the physical effect, or the fault of the measurement, that captive tests show.
 
@@ -112,6 +114,9 @@ def diagnose_captive(
         Effects beside the catalogue, on equal terms.
     seed : int
         Of the draws that calibrate chance.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who reads the runs, as for `reduce_campaign`; by default this process alone. The answer does
+        not depend on it.
 
     Returns
     -------
@@ -134,7 +139,13 @@ def diagnose_captive(
     so much evidence in less than 1 % of campaigns without any effect.
     """
     system = captive_system(
-        campaign, structure, floor=floor, candidates=candidates, noise=noise, own=own
+        campaign,
+        structure,
+        floor=floor,
+        candidates=candidates,
+        noise=noise,
+        own=own,
+        executor=executor,
     )
     known = system.taking_part(given)
     return answer(system.whole(known), known, floor=system.floor, seed=seed)
@@ -148,12 +159,13 @@ def captive_system(
     candidates: Sequence[Candidate | Effect] | None = None,
     noise: float | None = None,
     own: Sequence[Effect] = (),
+    executor: Workers = None,
 ) -> System:
     """Runs, base and candidates, ready to be asked more than once.
 
     Parameters
     ----------
-    campaign, structure, floor, candidates, noise, own
+    campaign, structure, floor, candidates, noise, own, executor
         As for `diagnose_captive`.
 
     Returns
@@ -165,7 +177,7 @@ def captive_system(
     DataError
         If the campaign is free-running, or holds no run with a known noise.
     """
-    usable = _usable(views_of(campaign, unknown_noise=True), noise)
+    usable = _usable(views_of(campaign, unknown_noise=True, executor=executor), noise)
     channels = tuple(dict.fromkeys(name for view in usable for name in view.force))
     names = columns_of(structure_of(structure), campaign.runs, channels).required
     if "X" in names and any(np.any(view.motion.thrust) for view in usable):

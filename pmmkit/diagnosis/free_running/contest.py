@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 from typing import Final
+
+from threadpoolctl import threadpool_limits
 
 from pmmkit.diagnosis.evidence import Entry
 from pmmkit.diagnosis.free_running.candidates import FreeCandidate
@@ -17,6 +21,7 @@ from pmmkit.diagnosis.free_running.information import Forces
 from pmmkit.diagnosis.free_running.left_out import judged, left_out_error
 from pmmkit.diagnosis.free_running.question import Question
 from pmmkit.errors import ModelError
+from pmmkit.executors import Workers, crew_of, each
 from pmmkit.models import Model
 from pmmkit.presentation import counted
 
@@ -131,6 +136,7 @@ def contest_of(
     *,
     most: int,
     tell: Callable[[str], None],
+    executor: Workers = None,
 ) -> Contest:
     """All sets of effects against none.
 
@@ -148,6 +154,8 @@ def contest_of(
         Effects in a set.
     tell : callable
         Is told what is being done.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who fits the sets.
     """
     names = [item.name for item in every]
     price = price_of(zero.question)
@@ -155,30 +163,30 @@ def contest_of(
     refused: list[Refused] = []
     ahead = Named(names=(), gain=0.0, fit=null)
     place, first = null.place, null.weighed()
-    for count in range(min(most, len(names))):
-        tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
-        found: list[Named] = []
-        barred: list[Refused] = []
-        for chosen, forces in _front(_larger(ahead.names, names), place, ahead.fit):
-            tell(f"Fit with {' and '.join(chosen)}")
-            fit = fitted(place, chosen, forces)
-            item = _named(fit, null, price)
-            # The linear problem may promise what the equations, far from there, do not keep.
-            why = why_not(model, every, fit, speed)
-            if why:
-                barred.append(Refused(names=chosen, gain=item.gain, why=why))
-                continue
-            # A base that moves by much may predict as well as an effect: where no error matters
-            # the evidence alone decides.
-            if item.error <= ahead.error or item.predicts:
-                found.append(item)
-        settled += found
-        best = _next(found, ahead)
-        refused += [item for item in barred if item.gain > (best or ahead).gain]
-        if best is None:
-            break
-        ahead = best
-        place = place_at(best.fit.place.question, best.fit.z)
+    with crew_of(executor) as crew:
+        for count in range(min(most, len(names))):
+            tell(f"Sets of {counted(count + 1, 'effect')} out of {len(names)}")
+            found: list[Named] = []
+            barred: list[Refused] = []
+            front = _front(_larger(ahead.names, names), place, ahead.fit)
+            for (chosen, _), fit in zip(front, _fits(place, front, crew, tell), strict=True):
+                item = _named(fit, null, price)
+                # The linear problem may promise what the equations, far from there, do not keep.
+                why = why_not(model, every, fit, speed)
+                if why:
+                    barred.append(Refused(names=chosen, gain=item.gain, why=why))
+                    continue
+                # A base that moves by much may predict as well as an effect: where no error matters
+                # the evidence alone decides.
+                if item.error <= ahead.error or item.predicts:
+                    found.append(item)
+            settled += found
+            best = _next(found, ahead)
+            refused += [item for item in barred if item.gain > (best or ahead).gain]
+            if best is None:
+                break
+            ahead = best
+            place = place_at(best.fit.place.question, best.fit.z)
     order = _by_gain([item for item in settled if item.error < ahead.error + FALL])
 
     def can_be(item: Named) -> bool:
@@ -198,6 +206,28 @@ def contest_of(
         entries=tuple(Entry(names=n, log_evidence=gain, values=()) for n, gain in entries),
         refused=tuple(sorted(refused, key=lambda item: -item.gain)),
     )
+
+
+def _fits(
+    place: Place,
+    sets: Sequence[tuple[Names, Forces]],
+    crew: Executor | None,
+    tell: Callable[[str], None],
+) -> list[Fit]:
+    """Sets fitted from a place, in their order."""
+    names = [f"Fit with {' and '.join(chosen)}" for chosen, _ in sets]
+
+    def here(asked: tuple[Names, Forces]) -> Fit:
+        tell(f"Fit with {' and '.join(asked[0])}")
+        return _fit(place, asked)
+
+    with threadpool_limits(1):
+        found = dict(each(partial(_fit, place), sets, crew, names=names, here=here))
+    return [found[number] for number in range(len(sets))]
+
+
+def _fit(place: Place, asked: tuple[Names, Forces]) -> Fit:
+    return fitted(place, *asked)
 
 
 def _named(fit: Fit, null: Fit, price: float) -> Named:

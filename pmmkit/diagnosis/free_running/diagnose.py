@@ -50,6 +50,7 @@ from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.diagnosis.free_running.windows import WINDOW
 from pmmkit.effects.effect import Effect
 from pmmkit.effects.seen import OUTSIDE
+from pmmkit.executors import Workers
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.identification.seas import sea_notes
@@ -82,6 +83,7 @@ def diagnose_free(
     extrapolate: bool = False,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
+    executor: Workers = None,
 ) -> Diagnosis:
     """Name what a model lacks that free-running records show.
 
@@ -122,6 +124,9 @@ def diagnose_free(
         Of the draws that calibrate chance.
     progress : callable, optional
         Is told what is being done.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who fits the sets of effects, by default this process alone. The answer does
+        not depend on it.
 
     Returns
     -------
@@ -168,6 +173,7 @@ def diagnose_free(
         sensors=sensors,
         extrapolate=extrapolate,
         progress=progress,
+        executor=executor,
     )
     return answer(
         system,
@@ -204,7 +210,7 @@ def answer(
         Of `contest_about`, where it has been made.
     """
     records, speed = system.records, system.speed
-    model, every = _having(system, given)
+    model, every = with_given(system, given)
     if contest is None:
         contest = contest_about(system, given, most=most)
     question = contest.zero.question
@@ -280,14 +286,23 @@ def contest_about(system: FreeSystem, given: Sequence[str] = (), *, most: int = 
     system, given, most
         As for `answer`.
     """
-    model, every = _having(system, given)
+    model, every = with_given(system, given)
     if given:
         system.tell("The base alone")
     zero, null = base_alone(having(system.place, given)) if given else system.alone
-    return contest_of(zero, null, model, every, system.speed, most=most, tell=system.tell)
+    return contest_of(
+        zero,
+        null,
+        model,
+        every,
+        system.speed,
+        most=most,
+        tell=system.tell,
+        executor=system.executor,
+    )
 
 
-def _having(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[FreeCandidate, ...]]:
+def with_given(system: FreeSystem, given: Sequence[str]) -> tuple[Model, tuple[FreeCandidate, ...]]:
     """The model with some of the candidates, and the others."""
     model = system.model
     for item in system.every:

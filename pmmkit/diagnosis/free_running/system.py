@@ -22,6 +22,7 @@ from pmmkit.diagnosis.free_running.left_out import each, pooled, predicted
 from pmmkit.diagnosis.free_running.question import Question, question_of, records_of
 from pmmkit.diagnosis.free_running.unknown import FLOOR
 from pmmkit.effects.effect import Effect
+from pmmkit.executors import Workers
 from pmmkit.identification.prior import Prior
 from pmmkit.identification.record import FreeRecord
 from pmmkit.models import Model
@@ -46,6 +47,8 @@ class FreeSystem:
         As for `diagnose_free`.
     tell : callable
         Is told what is being done.
+    executor : int, str or concurrent.futures.Executor, optional
+        Who fits the sets.
     """
 
     model: Model
@@ -57,6 +60,7 @@ class FreeSystem:
     sensors: Mapping[str, float] | None
     extrapolate: bool
     tell: Callable[[str], None]
+    executor: Workers = None
 
     @property
     def speed(self) -> float:
@@ -134,6 +138,7 @@ def free_system(
     extrapolate: bool = False,
     progress: Callable[[str], None] | None = None,
     also: Sequence[str] = (),
+    executor: Workers = None,
 ) -> FreeSystem:
     """What records are asked about a model; nothing of it is worked out before it is needed.
 
@@ -147,6 +152,8 @@ def free_system(
         As for `diagnose_free`.
     also : sequence of str
         Names that take part beside the candidates, as far as such records can be asked for them.
+    executor : int, str or concurrent.futures.Executor, optional
+        As for `diagnose_free`.
 
     Raises
     ------
@@ -187,4 +194,5 @@ def free_system(
         sensors=sensors,
         extrapolate=extrapolate,
         tell=progress or (lambda _: None),
+        executor=executor,
     )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from types import ModuleType
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,6 +87,11 @@ class Stretch:
     spacing: Array
     pace: float
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For another process, which compiles the equations or has them."""
+        given = {x.name: getattr(self, x.name) for x in fields(self) if x.name != "functions"}
+        return _compiled_anew, (given,)
+
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states."""
@@ -110,6 +115,10 @@ class Stretch:
     def free(self) -> Stretch:
         """The same without unknown forces."""
         return replace(self, forces=np.zeros_like(self.forces))
+
+
+def _compiled_anew(given: Mapping[str, Any]) -> Stretch:
+    return Stretch(functions=compiled(given["binding"].structure, ESTIMATING), **given)
 
 
 def stretches_of(

@@ -28,6 +28,7 @@ from pmmkit.diagnosis.together.vote import (
     fault_sets,
     faults_beside,
 )
+from pmmkit.effects.effect import Effect
 from pmmkit.errors import ModelError, TableError
 from pmmkit.models import Model
 from pmmkit.numerics import Array
@@ -85,6 +86,8 @@ class CaptiveVote:
         Its sets of effects.
     faults : list of tuple of str
         None, and the best sets of faults.
+    own : tuple of Effect
+        Effects of the user.
     """
 
     name: str
@@ -95,6 +98,7 @@ class CaptiveVote:
     known: Given
     sets: Sets
     faults: list[Names]
+    own: tuple[Effect, ...] = ()
 
     @property
     def kind(self) -> Kind:
@@ -204,7 +208,8 @@ class CaptiveVote:
         """The model with a set, all fitted together; None if these tests excite too little."""
         blocks, fit = self._fitted(names, faults)
         try:
-            return refitted(self.model, fit, blocks, self.system.base, self.campaign).model
+            base = self.system.base
+            return refitted(self.model, fit, blocks, base, self.campaign, self.own).model
         except (TableError, ModelError):
             return None
 
@@ -253,8 +258,33 @@ def captive_vote(
     base = derivatives_of(model)
     system = captive_system(campaign, base.structure, floor=floor, noise=noise)
     given = system.taking_part(base.effects)
-    system = system.whole(given)
-    diagnosis = answer(system, given, floor=system.floor, seed=seed)
+    return vote_of_tests(name, model, campaign, system.whole(given), given, seed=seed)
+
+
+def vote_of_tests(
+    name: str,
+    model: Model,
+    campaign: Campaign,
+    system: System,
+    given: Sequence[str] = (),
+    *,
+    own: Sequence[Effect] = (),
+    seed: int = 0,
+) -> CaptiveVote:
+    """Diagnose a system of captive tests and keep what more sets need.
+
+    Parameters
+    ----------
+    name, model, campaign, seed
+        As for `captive_vote`.
+    system : System
+        Of these tests, with all terms of what the model has.
+    given : sequence of str
+        Candidates that the base has already.
+    own : sequence of Effect
+        Effects of the user.
+    """
+    diagnosis = answer(system, tuple(given), floor=system.floor, seed=seed)
     known = taken_as_given(system, given)
     return CaptiveVote(
         name=name,
@@ -265,4 +295,5 @@ def captive_vote(
         known=known,
         sets=sets_of(known.system),
         faults=[(), *fault_sets(diagnosis.entries, FAULTS)],
+        own=tuple(own),
     )

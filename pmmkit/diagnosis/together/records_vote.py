@@ -10,8 +10,9 @@ from typing import Any, Final
 import numpy as np
 
 from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.free_running.candidates import FreeCandidate
 from pmmkit.diagnosis.free_running.contest import Contest, steady, why_not
-from pmmkit.diagnosis.free_running.diagnose import answer, contest_about
+from pmmkit.diagnosis.free_running.diagnose import answer, contest_about, with_given
 from pmmkit.diagnosis.free_running.findings import model_of
 from pmmkit.diagnosis.free_running.fits import Fit, fitted, place_at
 from pmmkit.diagnosis.free_running.hypotheses import WIDER
@@ -45,12 +46,15 @@ class RecordsVote:
         Of these records alone.
     contest : Contest
         That led to it.
+    given : tuple of str
+        Candidates that the base has already.
     """
 
     name: str
     system: FreeSystem
     diagnosis: Diagnosis
     contest: Contest
+    given: Names = ()
 
     @property
     def kind(self) -> Kind:
@@ -166,6 +170,11 @@ class RecordsVote:
         return found
 
     @cached_property
+    def fits_into(self) -> tuple[Model, tuple[FreeCandidate, ...]]:
+        """The model with what is given, and the other candidates: what a fit gives values to."""
+        return with_given(self.system, self.given)
+
+    @cached_property
     def known(self) -> Stated:
         """How well the model knows its values."""
         return stated_values(self.model, self.system.base)
@@ -173,7 +182,7 @@ class RecordsVote:
     def model_with(self, names: Names, faults: Names) -> Model | None:
         """The model with a set, all values fitted to these records."""
         fit = self.steady(frozenset((*self._asked(names), *faults)))
-        return None if fit is None else self._model(fit)
+        return None if fit is None else self.model_of(fit)
 
     @cached_property
     def fit(self) -> Callable[[frozenset[str]], Fit | None]:
@@ -186,7 +195,8 @@ class RecordsVote:
         def made(names: frozenset[str]) -> Fit | None:
             if names in known:
                 return known[names]
-            order = tuple(item.name for item in self.system.every if item.name in names)
+            model, every = self.fits_into
+            order = tuple(item.name for item in every if item.name in names)
             # From the most probable part of it: far from all of them a motion is easily lost.
             near = max(
                 (fit for own, fit in known.items() if own < names), key=lambda x: x.log_probability
@@ -197,7 +207,7 @@ class RecordsVote:
                 found = fitted(place, order, near.forces)
             except (ModelError, SimulationError):
                 return None
-            barred = why_not(self.model, self.system.every, found, self.system.speed)
+            barred = why_not(model, every, found, self.system.speed)
             return found if not barred and left_out_error(found) <= missed else None
 
         return cache(made)
@@ -240,8 +250,9 @@ class RecordsVote:
     def _entries(self) -> Mapping[frozenset[str], float]:
         return {frozenset(item.names): item.log_evidence for item in self.diagnosis.entries}
 
-    def _model(self, fit: Fit) -> Model:
-        return model_of(self.model, self.system.every, fit, self.system.speed)
+    def model_of(self, fit: Fit) -> Model:
+        """The model with the values of a fit."""
+        return model_of(*self.fits_into, fit, self.system.speed)
 
     def _asked(self, names: Names) -> Names:
         return tuple(name for name in names if name in self.asked)

@@ -199,6 +199,8 @@ class Together(Described):
     others : tuple of Another
         For a laboratory that has not tested yet, by the scale of what laboratories differ by; the
         first is the one to use. None without free-running records.
+    given : tuple of str
+        Candidates that the base had already.
     """
 
     verdict: Verdict
@@ -213,6 +215,7 @@ class Together(Described):
     notes: tuple[str, ...]
     model: Model | None = None
     others: tuple[Another, ...] = ()
+    given: Names = ()
 
     @property
     def best(self) -> Names:
@@ -259,6 +262,7 @@ class Together(Described):
         """As plain data: what ``pmmkit diagnose --json`` prints for several campaigns."""
         return {
             "verdict": self.verdict,
+            "given": list(self.given),
             "group": [{"effects": list(names), "odds": odd} for names, odd in self.group],
             "evidence": [
                 {

@@ -9,25 +9,24 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.run import Campaign
-from pmmkit.conventions import parse_derivative
+from pmmkit.campaigns.several import by_title
 from pmmkit.diagnosis.captive.adequacy import LEAST
 from pmmkit.diagnosis.captive.verdict import CHANCE, RIVALS
 from pmmkit.diagnosis.findings import Verdict
 from pmmkit.diagnosis.together.another import others
+from pmmkit.diagnosis.together.base import Fitted, carried, known_from
 from pmmkit.diagnosis.together.belongings import belongings
 from pmmkit.diagnosis.together.captive_vote import CaptiveVote, captive_vote
 from pmmkit.diagnosis.together.records_vote import RecordsVote, records_vote
-from pmmkit.diagnosis.together.result import Belonging, JointEntry, Together
-from pmmkit.diagnosis.together.vote import Ballot, Names, Vote
+from pmmkit.diagnosis.together.result import Another, Belonging, JointEntry, Together
+from pmmkit.diagnosis.together.vote import Ballot, Names, Vote, of_ship
 from pmmkit.diagnosis.together.weighing import weigh
 from pmmkit.errors import DataError
 from pmmkit.identification.chosen import chosen_records
 from pmmkit.identification.record import FreeRecord
-from pmmkit.models import Model, scaled
+from pmmkit.models import Model
 
-SAME: Final = 1e-3
-"""Share by which two lengths of one ship may differ without carrying the model over."""
-CHOSEN: Final = ("runs", "channels", "shortest")
+CHOSEN: Final = ("runs", "test_runs", "channels", "shortest")
 """Settings of `chosen_records`."""
 Tests = Campaign | Sequence[FreeRecord]
 
@@ -90,87 +89,89 @@ def together(
     without any effect: by Markov's inequality that is less than one over the odds.
     """
     tell = progress or (lambda _: None)
-    named = campaigns if isinstance(campaigns, Mapping) else _by_title(campaigns)
+    named = campaigns if isinstance(campaigns, Mapping) else by_title(campaigns)
     if not named:
         raise DataError("There is no campaign: give captive tests or free-running records.")
     notes: list[str] = []
     tests = {
         name: x for name, x in named.items() if isinstance(x, Campaign) and x.kind != "free-running"
     }
-    votes: list[Vote] = []
+    captives: list[CaptiveVote] = []
     for name, tested in tests.items():
         tell(f"{name}: captive tests")
-        votes.append(captive_vote(name, model, tested, **captive))
-    known = _known_from(model, votes, notes)
+        captives.append(captive_vote(name, model, tested, **captive))
+    known = known_from(
+        model,
+        [
+            Fitted(name=x.name, system=x.system, model=partial(x.model_with, (), ()))
+            for x in captives
+        ],
+    )
+    notes += known.notes
+    votes: list[Vote] = list(captives)
     for name, item in named.items():
         if name in tests:
             continue
-        own = _carried(known, name, item, notes)
+        own = carried(known.model, name, item) if isinstance(item, Campaign) else known
+        notes += own.notes if own is not known else ()
         said = partial(_tell, tell, name)
-        records = _records(item, own, free)
+        records, _ = records_among(item, own.model, free)
         settings = {key: x for key, x in free.items() if key not in CHOSEN}
-        votes.append(records_vote(name, own, records, progress=said, **settings))
-    return _answered(sorted(votes, key=lambda x: list(named).index(x.name)), notes, tell)
+        votes.append(records_vote(name, own.model, records, progress=said, **settings))
+    return answered(
+        sorted(votes, key=lambda x: list(named).index(x.name)), notes=notes, progress=tell
+    )
 
 
 def _tell(tell: Callable[[str], None], name: str, word: str) -> None:
     tell(f"{name}: {word}")
 
 
-def _by_title(campaigns: Sequence[Campaign]) -> dict[str, Campaign]:
-    """Campaigns by their titles, numbered where two have the same."""
-    found: dict[str, Campaign] = {}
-    for number, item in enumerate(campaigns, 1):
-        name = item.title or item.ship.name
-        found[f"{name} ({number})" if name in found else name] = item
-    return found
+def records_among(
+    item: Tests, model: Model, chosen: Mapping[str, Any]
+) -> tuple[Sequence[FreeRecord], Sequence[FreeRecord]]:
+    """Records as they are given, or those of a campaign that are chosen, and those held out.
 
-
-def _records(item: Tests, model: Model, chosen: Mapping[str, Any]) -> Sequence[FreeRecord]:
-    """Records as they are given, or those of a campaign that are chosen."""
+    Parameters
+    ----------
+    item : Campaign or sequence of FreeRecord
+        Free-running tests.
+    model : Model
+        At the length of the ship that made them.
+    chosen : mapping of str to object
+        ``runs``, ``test_runs``, ``channels`` and ``shortest`` as for `chosen_records`; all if
+        absent.
+    """
     if not isinstance(item, Campaign):
-        return item
+        return item, ()
     wanted = {name: chosen.get(name) for name in CHOSEN}
-    used, _ = chosen_records(item, model, test_runs=None, rudder="auto", wind=True, **wanted)
-    return used.records
+    used, kept = chosen_records(item, model, rudder="auto", wind=True, **wanted)
+    return used.records, kept.records if kept else ()
 
 
-def _carried(model: Model, name: str, item: Tests, notes: list[str]) -> Model:
-    """The model at the length of the ship that was tested."""
-    if not isinstance(item, Campaign) or abs(item.ship.L / model.ship.L - 1.0) < SAME:
-        return model
-    notes.append(
-        f"{name}: the model is carried from L = {model.ship.L:g} m to {item.ship.L:g} m by "
-        f"Froude's law, without correction of friction or wake; its propulsion point stays"
-    )
-    return scaled(model, item.ship.L)
+def answered(
+    votes: Sequence[Vote],
+    *,
+    given: Sequence[str] = (),
+    notes: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Together:
+    """What campaigns that were diagnosed one by one say together.
 
-
-def _known_from(model: Model, votes: Sequence[Vote], notes: list[str]) -> Model:
-    """The model with what captive tests know of its base."""
-    tests = [item for item in votes if isinstance(item, CaptiveVote)]
-    if model.covariance is not None:
-        notes.append("the base is known as the covariance of the model says")
-        return model
-    for item in tests:
-        if _is_bare(item) and (fitted := item.model_with((), ())) is not None:
-            notes.append(f"the base is known as {item.name} tells it: its derivatives are fitted")
-            return fitted
-    if tests:
-        notes.append(
-            "the base stays as the model has it: in the captive tests rudder or propeller took "
-            "part, or too little is excited; reduce them for a model with covariance"
-        )
-    return model
-
-
-def _is_bare(vote: CaptiveVote) -> bool:
-    """Whether tests show the forces of the hull alone."""
-    names = [name for own in vote.system.base.names.values() for name in own]
-    return "XT" not in names and not any(parse_derivative(name).count("d") for name in names)
-
-
-def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], None]) -> Together:
+    Parameters
+    ----------
+    votes : sequence of Vote
+        The campaigns, each against a base that has what is given.
+    given : sequence of str
+        Candidates that the base has already. With any of them nothing is said of another
+        laboratory: what it would make of these was not asked.
+    notes : sequence of str
+        Of the bases.
+    progress : callable, optional
+        Is told what is being done.
+    """
+    tell = progress or (lambda _: None)
+    said = list(notes)
     every = sorted(set().union(*(item.asked for item in votes)))
     price = math.log(2.0 * max(len(every), 1))
     weighed = weigh(votes, every, price, tell)
@@ -188,18 +189,20 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
             added[name] = best.log_evidence - known.get(rest, 0.0)
         belongs = belongings(votes, best)
         made = _model(votes, best)
-    tell("Another laboratory")
-    more = others(
-        votes,
-        best.names if told and best is not None else (),
-        best.ballots if told and best is not None else {},
-        belongs,
-    )
-    if not more and any(isinstance(item, RecordsVote) for item in votes):
-        notes.append(
-            "there is no model of another laboratory: what the campaigns say together is beyond "
-            "what a value can be"
+    more: tuple[Another, ...] = ()
+    if not given:
+        tell("Another laboratory")
+        more = others(
+            votes,
+            best.names if told and best is not None else (),
+            best.ballots if told and best is not None else {},
+            belongs,
         )
+        if not more and any(isinstance(item, RecordsVote) for item in votes):
+            said.append(
+                "there is no model of another laboratory: what the campaigns say together is "
+                "beyond what a value can be"
+            )
     verdict: Verdict = "missing_effect" if told else _unnamed(votes)
     return Together(
         verdict=verdict,
@@ -212,7 +215,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
         price=price,
         flags=_flags(votes),
         notes=(
-            *notes,
+            *said,
             f"each effect pays ln 2K = {price:.2f} once, K = {len(every)}",
             *(
                 f"{vote.name}: own faults {' and '.join(faults)}"
@@ -222,6 +225,7 @@ def _answered(votes: Sequence[Vote], notes: list[str], tell: Callable[[str], Non
         ),
         model=made,
         others=more,
+        given=tuple(given),
     )
 
 
@@ -229,11 +233,17 @@ _NONE: Final = Ballot(log_evidence=0.0)
 
 
 def _unnamed(votes: Sequence[Vote]) -> Verdict:
-    """The verdict where nothing is named: what the campaigns alone say."""
-    said = {item.diagnosis.verdict for item in votes}
+    """The verdict where nothing is named: what the campaigns alone say, their own faults apart."""
+    said = {item.diagnosis.verdict for item in votes if not _own_faults(item)}
     if said & {"unexplained", "missing_effect"}:
         return "unexplained"
     return "suspected" if "suspected" in said else "noise"
+
+
+def _own_faults(vote: Vote) -> Names:
+    """Faults that a campaign alone names, where it names nothing else."""
+    found: Names = vote.diagnosis.best
+    return () if of_ship(found) else found
 
 
 def _flags(votes: Sequence[Vote]) -> tuple[str, ...]:
@@ -242,6 +252,8 @@ def _flags(votes: Sequence[Vote]) -> tuple[str, ...]:
     for item in votes:
         if item.diagnosis.verdict == "unexplained":
             found.append(f"{item.name} alone holds something that nothing explains.")
+        elif faults := _own_faults(item):
+            found.append(f"{item.name} has {' and '.join(faults)} of its own.")
         elif item.diagnosis.flags:
             found.append(f"{item.name} alone: what it names is not the whole story.")
     return tuple(found)

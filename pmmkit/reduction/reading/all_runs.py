@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import importlib
+import math
 import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 from threadpoolctl import threadpool_limits
 
 from pmmkit.campaigns.run import Run
-from pmmkit.errors import CampaignError, DataError, Problem
-from pmmkit.reduction.reading.pool import PROCESS_MB, how_many, size_of, worker_pool
+from pmmkit.errors import CampaignError, DataError
+from pmmkit.executors import Workers, each, opened
+from pmmkit.reduction.reading.memory import memory_of, shared_out, size_of
 from pmmkit.reduction.reading.resume import Kept
 from pmmkit.reduction.reading.run import Reading, ReductionSettings, read_run
 
@@ -23,8 +26,6 @@ PATIENCE: Final = 2.0
 """Seconds of reading after which results are kept and processes started."""
 PAYS: Final = 3.0
 """Seconds of further reading from which processes are worth their start."""
-OWN_MB: Final = 160.0
-"""Memory of this process, and of the results of some thousand runs in it."""
 SMALL: Final = 50_000
 """Bytes of a file that take as long as the rest of a run's reduction."""
 
@@ -38,15 +39,15 @@ class Means:
 
     Parameters
     ----------
-    jobs : int or None
-        Processes; None for the number of processors.
+    executor : Executor, int or str, optional
+        Who reads: processes of this machine where a number, or nothing, is given.
     memory : float
-        Memory of all of them [MB].
+        Memory of these [MB]; that of a given executor is its own affair.
     kept : Path or None
         Folder for the results of runs.
     """
 
-    jobs: int | None = None
+    executor: Workers = None
     memory: float = 1000.0
     kept: Path | None = None
 
@@ -76,15 +77,26 @@ def read_all(settings: ReductionSettings, tell: Progress, means: Means) -> list[
     left = [place for place in range(len(runs)) if place not in found]
     importlib.import_module("xarray")  # takes a second or two, once, and says nothing of the pace
     pace = _Pace(weights=[size_of(runs[place]) + SMALL for place in left])
-    problems: list[Problem] = []
-    with closing(_each([runs[place] for place in left], settings, means, kept, pace)) as results:
-        for done, (place, result) in enumerate(zip(left, results, strict=True), start=1):
-            tell(len(runs) - len(left) + done, len(runs), f"reading {runs[place].id}{pace(done)}")
+    wrong: dict[int, DataError] = {}
+    with (
+        threadpool_limits(1),
+        closing(_each([runs[place] for place in left], settings, means, pace)) as results,
+    ):
+        for done, (number, result) in enumerate(results, start=1):
+            place = left[number]
+            run = runs[place]
             if isinstance(result, DataError):
-                own = runs[place].id
-                problems += [replace(item, run=item.run or own) for item in result.problems]
+                wrong[place] = result
             else:
                 found[place] = result
+                if kept is not None and pace.seconds > PATIENCE:
+                    kept.save(run, result)
+            tell(len(runs) - len(left) + done, len(runs), f"reading {run.id}{pace(done)}")
+    problems = [
+        replace(item, run=item.run or runs[place].id)
+        for place, error in sorted(wrong.items())
+        for item in error.problems
+    ]
     if problems:
         raise CampaignError(
             problems, title=f"Campaign {settings.campaign.title!r} cannot be reduced"
@@ -135,43 +147,50 @@ class _Pace:
 
 
 def _each(
-    runs: Sequence[Run], settings: ReductionSettings, means: Means, kept: Kept | None, pace: _Pace
-) -> Generator[Result, None, None]:
-    """The result of each run: the first seconds in this process, the rest by several."""
-    done = 0
-    with threadpool_limits(1):
-        for done, run in enumerate(runs, start=1):
-            yield _result(run, lambda run: read_run(run, settings), kept, pace)
-            if means.jobs != 1 and pace.seconds > PATIENCE and pace.remaining(done) > PAYS:
-                break
-    if done < len(runs):
-        yield from _by_workers(runs[done:], settings, means, kept, pace)
+    runs: Sequence[Run], settings: ReductionSettings, means: Means, pace: _Pace
+) -> Generator[tuple[int, Result], None, None]:
+    """The result of each run with its number, in the order in which they are read.
+
+    Processes of this machine are started when that pays; an executor that is given reads all.
+    """
+    done, here = 0, partial(_result, settings=settings)
+    with opened(means.executor) as executor:
+        room = math.inf
+        if executor is None or isinstance(executor, int):
+            for done, run in enumerate(runs, start=1):
+                yield done - 1, here(run)
+                if executor != 1 and pace.seconds > PATIENCE and pace.remaining(done) > PAYS:
+                    break
+            executor, room = shared_out(means.memory, executor)
+        rest = runs[done:]
+        lean = replace(settings, campaign=settings.campaign.with_(runs=(), excluded=()))
+        for number, result in each(
+            partial(read_run, settings=lean),
+            rest,
+            executor,
+            names=[f"run {run.id}" for run in rest],
+            here=here,
+            needs=[memory_of(run) for run in rest] if math.isfinite(room) else None,
+            room=room,
+        ):
+            yield done + number, _with_own_loader(result, rest[number])
 
 
-def _by_workers(
-    runs: Sequence[Run], settings: ReductionSettings, means: Means, kept: Kept | None, pace: _Pace
-) -> Generator[Result, None, None]:
-    count = min(how_many(means.jobs, means.memory, OWN_MB), len(runs))
-    room = max(means.memory - OWN_MB - count * PROCESS_MB, 0.0)
-    with threadpool_limits(1), worker_pool(settings, runs[0], count, room) as found:
-        if found is None:
-            yield from (
-                _result(run, lambda run: read_run(run, settings), kept, pace) for run in runs
-            )
-            return
-        pool = ThreadPoolExecutor(found.size)
-        try:
-            yield from pool.map(lambda run: _result(run, found.read, kept, pace), runs)
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _result(run: Run, read: Callable[[Run], Reading], kept: Kept | None, pace: _Pace) -> Result:
-    """What a run gives, kept on disk if the reading takes long."""
+def _result(run: Run, settings: ReductionSettings) -> Result:
     try:
-        reading = read(run)
+        return read_run(run, settings)
     except DataError as error:
         return error
-    if kept is not None and pace.seconds > PATIENCE:
-        kept.save(run, reading)
-    return reading
+
+
+def _with_own_loader(result: Result, run: Run) -> Result:
+    """The result with the run of this process instead of the copy that came back."""
+    if isinstance(result, DataError):
+        return result
+    own = result.rows.result
+    kept = run.with_(settings=own.run.settings)
+    return replace(
+        result,
+        rows=replace(result.rows, result=replace(own, run=kept)),
+        summary=replace(result.summary, run=run),
+    )

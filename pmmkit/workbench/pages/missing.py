@@ -15,13 +15,13 @@ from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stac
 from pmmkit.diagnosis.captive.system import Block, System
 from pmmkit.diagnosis.captive.verdict import taken_as_given
 from pmmkit.diagnosis.evidence import Entry, Visible
-from pmmkit.diagnosis.findings import Diagnosis
+from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
 from pmmkit.loop.captive import CaptiveTests
 from pmmkit.loop.records import FreeRecords
-from pmmkit.models.step import odds
 from pmmkit.numerics import Array
+from pmmkit.workbench.pages.candidate import candidate_page, coefficients_page
 from pmmkit.workbench.pages.numbers import short
 from pmmkit.workbench.pages.record_overlays import record_effects
 
@@ -33,7 +33,7 @@ Overlay = dict[str, dict[str, list[float]]]
 
 
 def missing_page(
-    session: Session,
+    session: Session[Diagnosis],
     found: Diagnosis,
     heard: Callable[[float, str], None] = lambda _done, _: None,
     *,
@@ -43,7 +43,7 @@ def missing_page(
 
     Parameters
     ----------
-    session : Session
+    session : Session[Diagnosis]
         The tests and what was added.
     found : Diagnosis
         Of this session.
@@ -80,22 +80,21 @@ def missing_page(
         finding, seen = findings.get(name), visible.get(name)
         effect = entries.get(name)
         candidates.append(
-            {
-                "effect": name,
-                "family": seen.family if seen else "",
-                "kind": "fault" if is_fault(name) else "physics",
-                "summary": (effect.summary or effect.text) if effect else "",
-                "log_odds": short(finding.log_odds if finding else entry.log_evidence),
-                "evidence": odds(finding.log_odds if finding else entry.log_evidence),
-                "share": shares.get(name),
-                "lost": name not in shares,
-                "named": finding is not None,
-                "rivals": list(finding.rivals) if finding else _mimics(seen),
-                "test": finding.separating_test if finding else (effect.check if effect else ""),
-                "coefficients": _coefficients(finding),
-                "shown": seen.shown if seen else True,
-                "why": seen.why if seen else "",
-            }
+            candidate_page(
+                name,
+                effect,
+                log_odds=finding.log_odds if finding else entry.log_evidence,
+                named=finding is not None,
+                kind="fault" if is_fault(name) else "physics",
+                family=seen.family if seen else "",
+                share=shares.get(name),
+                lost=name not in shares,
+                rivals=list(finding.rivals) if finding else _mimics(seen),
+                test=finding.separating_test if finding else (effect.check if effect else ""),
+                coefficients=_coefficients(finding),
+                shown=seen.shown if seen else True,
+                why=seen.why if seen else "",
+            )
         )
     candidates.sort(key=lambda x: (not x["named"], x["effect"] not in fitted, -x["log_odds"]))
     return {
@@ -127,7 +126,7 @@ def _hidden(seen: Visible) -> float:
     return seen.hides if np.isfinite(seen.hides) else np.inf
 
 
-def _unasked(session: Session, visible: Mapping[str, Visible]) -> list[dict[str, str]]:
+def _unasked(session: Session[Diagnosis], visible: Mapping[str, Visible]) -> list[dict[str, str]]:
     """Effects of one's own that take no part, and why."""
     evidence = session.evidence
     absent = [item for item in evidence.own if item.name not in evidence.kinds]
@@ -136,7 +135,7 @@ def _unasked(session: Session, visible: Mapping[str, Visible]) -> list[dict[str,
     return [{"effect": x.name, "why": visible[x.name].why} for x in absent]
 
 
-def _fitted(session: Session) -> set[str]:
+def _fitted(session: Session[Diagnosis]) -> set[str]:
     """Effects that a contest of records has fitted through the equations: they stand before those
     of which the linear problem promises more, which the equations may not keep."""
     evidence = session.evidence
@@ -153,22 +152,21 @@ def _mimics(seen: Any) -> list[str]:
     return [] if seen is None else list(seen.mimics)
 
 
-def _coefficients(finding: Any) -> list[dict[str, Any]]:
+def _coefficients(finding: Finding | None) -> list[dict[str, Any]]:
     if finding is None:
         return []
-    return [
-        {
-            "name": name,
-            "value": short(value),
-            "std": short(finding.std[name]),
-            "typical": short(finding.typical[name]),
-        }
-        for name, value in finding.coefficients.items()
-    ]
+    names = list(finding.coefficients)
+    return coefficients_page(
+        names,
+        *(
+            [told[name] for name in names]
+            for told in (finding.coefficients, finding.std, finding.typical)
+        ),
+    )
 
 
 def _effects_of(
-    session: Session,
+    session: Session[Diagnosis],
     chosen: Sequence[Entry],
     heard: Callable[[float, str], None],
     *,

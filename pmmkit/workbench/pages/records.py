@@ -24,6 +24,8 @@ MOTIONS: Final = {
     "r": ("deg/s", DEGREES),
 }
 """Columns of the map with their units on the screen, and what SI values are told times."""
+WILD: Final = 5.0
+"""Times the greatest measured speed from which a motion has left what a model describes."""
 SAMPLES: Final = 500
 """Of a record on the screen."""
 
@@ -60,8 +62,10 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
     -------
     dict
         ``kind`` is ``free``; ``t`` [s], ``delta`` [deg], and by motion unit, ``measured``,
-        ``predicted`` and expanded ``uncertainty``, x and y in ship lengths.
+        ``predicted`` and expanded ``uncertainty``, x and y in ship lengths; what is predicted ends
+        where it leaves what a model describes.
     """
+    sailed = np.where(_describes(record), 1.0, np.nan)
     kept = np.unique(np.linspace(0, len(record.t) - 1, SAMPLES).round().astype(int))
 
     def told(values: Array, name: str) -> list[float]:
@@ -82,9 +86,17 @@ def record_page(record: FreeRun, length: float) -> dict[str, Any]:
             name: {
                 "unit": "L" if name in ("x", "y") else unit,
                 "measured": told(record.measured[name], name),
-                "predicted": told(record.predicted[name], name),
+                "predicted": told(sailed * record.predicted[name], name),
                 "uncertainty": told(COVERAGE * record.std[name], name),
             }
             for name, (unit, _) in MOTIONS.items()
         },
     }
+
+
+def _describes(record: FreeRun) -> Array:
+    """Whether each sample comes before a motion that grows without bound."""
+    most = WILD * np.nanmax(np.hypot(record.measured["u"], record.measured["v"]))
+    u, v = record.predicted["u"], record.predicted["v"]
+    calm: Array = np.logical_and.accumulate((np.abs(u) < most) & (np.abs(v) < most))
+    return calm

@@ -18,9 +18,24 @@ export async function showData(root, app, shown) {
     el("section", { class: "panel", "aria-label": t("tests") },
       el("div", { class: "head" }, el("h2", {}, t("tests")), el("span", { class: "soft small" }, t("window_about"))),
       cards, more),
+    frozen ? null : beside(app),
     frozen ? null : files(app));
   shown();
   await append(cards, more, app, 0);
+}
+
+// Campaigns of one ship that are asked together; another one begins anew.
+function beside(app) {
+  const where = el("input", { type: "text", name: "beside", "aria-label": t("beside"), placeholder: t("folder_any"), spellcheck: "false" });
+  const take = (event) => {
+    event.preventDefault();
+    if (where.value.trim()) app.act("beside", { campaign: where.value.trim() });
+  };
+  return el("section", { class: "panel", "aria-label": t("campaigns") },
+    el("h2", {}, t("campaigns")),
+    el("ul", { class: "plain-list" }, app.state.campaigns.map((own) => el("li", {}, el("b", {}, own.title), ` · ${t(`kind_${own.kind}`)} · ${t("about_tests", { runs: own.runs })}`))),
+    el("form", { class: "line", on: { submit: take } }, where, el("button", { disabled: app.busy() }, t("beside"))),
+    el("p", { class: "soft small" }, t("beside_about")));
 }
 
 function files(app) {

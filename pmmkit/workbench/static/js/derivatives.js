@@ -11,7 +11,7 @@ const CHANNELS = ["X", "Y", "N", "K"];
 export async function showDerivatives(root, app, shown) {
   const found = await app.derivatives();
   shown();
-  if (app.state.kind !== "captive") return void refill(root, el("p", { class: "panel soft" }, t("captive_alone")));
+  if (app.tests().kind !== "captive") return void refill(root, el("p", { class: "panel soft" }, t("captive_alone")));
   if (!found) return void refill(root, question(app));
   const detail = el("section", { class: "panel", "aria-live": "polite", "aria-label": t("derivative") });
   const table = el("section", { class: "panel" });
@@ -36,7 +36,7 @@ function question(app) {
 
 function chooser(app) {
   const choice = el("select", { "aria-label": t("structure") }, app.state.structures.map((name) => el("option", { value: name, selected: name === "abkowitz3" }, name)));
-  return el("p", { class: "head" }, choice, el("button", { class: "primary", disabled: app.busy(), on: { click: () => app.act("reduce", { structure: choice.value }) } }, t("reduce")));
+  return el("p", { class: "head" }, choice, el("button", { class: "primary", disabled: app.busy(), on: { click: () => app.act("reduce", { structure: choice.value, ...app.mine() }) } }, t("reduce")));
 }
 
 function told(item, factor) {

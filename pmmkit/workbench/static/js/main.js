@@ -27,6 +27,7 @@ const app = {
   intake: null,
   draft: null,
   count: null,
+  of: 0,
   known: new Map(),
   problem: "",
   now: () => app.count ?? app.state.steps.length,
@@ -39,16 +40,19 @@ const app = {
     }
     return app.known.get(key);
   },
-  misfit: () => app.once(`misfit ${app.now()}`, () => get("misfit", { count: app.now() })),
-  history: (run) => app.once(`run ${app.now()} ${run}`, () => get("run", { run, count: app.now() })),
+  // Of several campaigns the one that is looked at; of the first is asked as if there were one.
+  tests: () => app.state.campaigns?.[app.of] ?? app.state,
+  mine: () => (app.of ? { of: app.of } : {}),
+  misfit: () => app.once(`misfit ${app.of} ${app.now()}`, () => get("misfit", { count: app.now(), ...app.mine() })),
+  history: (run) => app.once(`run ${app.of} ${app.now()} ${run}`, () => get("run", { run, count: app.now(), ...app.mine() })),
   missing: () => app.once("missing", () => get("missing")),
   fall: () => app.once("fall", () => get("fall")),
   turns: () => app.once("turns", () => get("turns")),
   trials: () => app.once("trials", () => get("trials")),
   range: () => app.once("range", () => get("range")),
-  checks: () => app.once("checks", () => get("checks")),
-  runs: (first) => app.once(`runs ${first}`, () => get("runs", { first })),
-  derivatives: () => app.once("derivatives", () => get("derivatives")),
+  checks: () => app.once(`checks ${app.of}`, () => get("checks", app.mine())),
+  runs: (first) => app.once(`runs ${app.of} ${first}`, () => get("runs", { first, ...app.mine() })),
+  derivatives: () => app.once(`derivatives ${app.of}`, () => get("derivatives", app.mine())),
   places: () => Object.keys(app.state.places ?? PLACES),
   about: () => t(app.state.model ? "about" : "about_tests", { runs: app.state.runs, model: app.state.model }),
   told: (name) => (frozen ? get(`told ${name}`) : null),
@@ -77,6 +81,7 @@ async function refresh() {
   if (changed) {
     app.known.clear();
     app.count = null;
+    if (app.of >= (app.state.campaigns?.length ?? 1)) app.of = 0;
   }
   if (job.stand === "failed" && before?.job.stand === "running") app.problem = job.text;
   drawFrame();
@@ -102,6 +107,7 @@ function drawFrame() {
     el("span", { class: "brand" }, "pmmkit"),
     el("h1", {}, state.opened ? state.title : t("workbench")),
     state.opened ? el("span", { class: "about" }, app.about()) : null,
+    state.opened && state.campaigns?.length > 1 ? campaignChoice(state.campaigns) : null,
     el("div", { class: "tools" }, languageChoice(), themeChoice(),
       frozen || !state.opened ? null : el("a", { class: "button", href: "api/frozen", download: "workbench.html" }, t("save_file"))));
   refill(parts.nav, state.opened ? el("ul", {}, app.places().map((name, i) =>
@@ -117,7 +123,7 @@ function drawRail(state) {
   refill(parts.rail,
     el("ol", { "aria-label": t("steps"), tabindex: 0 },
       el("li", { class: steps.length ? "" : "last" }, t("base")),
-      steps.map((step, i) => el("li", { class: i === steps.length - 1 ? "last" : "", title: step.note }, plainWord(step.effect)))),
+      steps.map((step, i) => el("li", { class: i === steps.length - 1 ? "last" : "", title: step.note }, step.campaign ? t("fault_of", { effect: plainWord(step.effect), campaign: step.campaign }) : plainWord(step.effect)))),
     steps.length && !frozen ? el("button", { disabled: app.busy(), on: { click: () => app.act("undo") } }, t("undo")) : null,
     state.commands?.length ? el("button", { on: { click: showCommands } }, t("commands")) : null,
     jobBar(state.job));
@@ -189,6 +195,14 @@ function kept(key, value) {
     // A page opened from disk may have no storage: the choice lasts until it is closed.
   }
   return null;
+}
+
+function campaignChoice(campaigns) {
+  const choice = el("select", {
+    class: "campaign", "aria-label": t("looked_at"), title: t("looked_at"),
+    on: { change: () => { app.of = Number(choice.value); app.selected = null; app.marked = null; drawPlace(); } },
+  }, campaigns.map((own, i) => el("option", { value: i, selected: i === app.of }, own.title)));
+  return choice;
 }
 
 function themeChoice() {

@@ -24,7 +24,7 @@ export async function showMissing(root, app, shown) {
   refill(left, fresh ? null : question(app, found), found?.candidates.length ? answer(found, app, view) : null, found ? rivals(found) : null, found ? hidden(found) : null, ownPanel(app, found));
   const turns = el("section", { class: "panel", "aria-label": t("turn") });
   const run = el("section", { class: "panel", "aria-label": t("selected_run") }, el("p", { class: "soft" }, t("computing")));
-  refill(right, fall ? waterfall(fall) : null, run, turns, coveragePanel(found?.covered));
+  refill(right, fall ? (fall.campaigns ?? [fall]).map(waterfall) : null, run, turns, coveragePanel(found?.covered));
   shown();
   view.show = await runView(run, app, fresh ? found : null);
   view.show(view.asked);
@@ -61,12 +61,14 @@ function candidate(item, app, view, drawn) {
   return el("li", { on: { mouseenter: preview, mouseleave: leave } },
     el("span", { class: "name" }, name,
       item.named ? el("span", { class: "tag named" }, t("named")) : null,
-      item.kind === "fault" ? el("span", { class: "tag fault" }, t("fault")) : null),
-    frozen ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect }) } },
+      item.kind === "fault" ? el("span", { class: "tag fault" }, item.campaign ? t("of_campaign", { campaign: item.campaign }) : t("fault")) : null),
+    frozen ? null : el("button", { class: item.named ? "primary" : "", disabled: app.busy(), "aria-label": t(item.kind === "fault" ? "correct_effect" : "add_effect", { effect: plainWord(item.effect) }), on: { click: () => app.act("add", { effect: item.effect, campaign: item.campaign ?? "" }) } },
       item.kind === "fault" ? t("correct") : t("add")),
     el("p", { class: "summary" }, item.summary, item.kind === "fault" ? ` ${t("fault_about")}` : ""),
     item.share ? meter("share", t("takes_away"), item.share.all, percent(item.share.all)) : null,
-    meter("evidence", t("evidence"), item.log_odds / STRONG, item.evidence),
+    meter("evidence", t(item.votes?.length > 1 ? "all_together" : "evidence"), item.log_odds / STRONG, item.evidence),
+    item.votes?.length > 1 ? item.votes.map((vote) => meter("evidence", vote.campaign, vote.log_odds / STRONG, vote.evidence)) : null,
+    item.said ? el("p", { class: "summary" }, item.said) : null,
     item.share ? el("p", { class: "summary number" }, Object.entries(item.share.channels).map(([channel, share]) => `${t(`channel_${channel}`)} ${percent(share)}`).join(" · ")) : null,
     item.lost ? el("p", { class: "summary" }, t("lost_motion")) : null,
     item.rivals.length ? el("p", { class: "summary" }, t("resembles", { names: item.rivals.map(plainWord).join(", ") })) : null,
@@ -187,7 +189,7 @@ function waterfall(fall) {
   }
   const channels = Object.keys(steps[0].channels);
   return el("section", { class: "panel", "aria-label": t("fall") },
-    el("div", { class: "head" }, el("h2", {}, t("fall")), el("span", { class: "soft small" }, t(`fall_about_${fall.of}`))),
+    el("div", { class: "head" }, el("h2", {}, fall.title ? `${t("fall")} · ${fall.title}` : t("fall")), el("span", { class: "soft small" }, t(`fall_about_${fall.of}`))),
     el("div", { class: "plot" }, root),
     el("details", {}, el("summary", {}, t("by_channel")),
       el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": t("by_channel") }, el("table", { class: "plain" },

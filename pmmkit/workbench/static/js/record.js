@@ -16,7 +16,7 @@ export function openRecord(app, run) {
   dialog.addEventListener("close", () => dialog.remove());
   document.body.append(dialog);
   dialog.showModal();
-  get("record", { run }).then(
+  get("record", { run, ...app.mine() }).then(
     (page) => draw(inside, dialog, app, page),
     (problem) => refill(inside, el("p", { class: "message", role: "alert" }, problem.message)),
   );
@@ -119,7 +119,7 @@ function draw(root, dialog, app, page) {
     refill(wrong);
     save.disabled = true;
     try {
-      await post(what, { revision: app.state.revision, run: page.run, ...more });
+      await post(what, { revision: app.state.revision, run: page.run, ...app.mine(), ...more });
       dialog.close();
       await app.refresh();
     } catch (problem) {

@@ -1,0 +1,79 @@
+"""Sessions of commands: a model and the campaigns that were named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from pmmkit.cli.output import say
+
+if TYPE_CHECKING:
+    from pmmkit.campaigns.run import Campaign
+    from pmmkit.cli.records import Asked
+    from pmmkit.effects.effect import Effect
+    from pmmkit.loop import Session
+    from pmmkit.models import Model
+
+
+def session_about(
+    model: Model,
+    campaigns: Mapping[str, Campaign],
+    effects: Sequence[str],
+    asked: Asked,
+    floor: float | None,
+    noise: float | None,
+    own: Sequence[Effect],
+) -> Session[Any]:
+    """A session in which free-running records are asked for nothing but the effects.
+
+    Parameters
+    ----------
+    model : Model
+        The base.
+    campaigns : mapping of str to Campaign
+        By name, at least one.
+    effects : sequence of str
+        What is to be added, a fault with its campaign behind ``@``.
+    asked : Asked
+        Options of free-running records.
+    floor, noise, own
+        As for `begin`.
+
+    Raises
+    ------
+    DataError
+        If options of records are given with captive tests alone, or the other way round.
+    """
+    from pmmkit.campaigns.several import sailing
+    from pmmkit.errors import DataError
+    from pmmkit.loop.session import begin
+
+    one = campaigns[sailing(campaigns)]
+    names = [name.partition("@")[0] for name in effects]
+    if one.kind != "free-running":
+        if asked.typed():
+            raise DataError("Options of free-running records are of no use for captive tests.")
+        tests = campaigns if len(campaigns) > 1 else one
+        return begin(model, tests, floor=floor, noise=noise, own=own)
+    if len(campaigns) > 1:
+        return begin(
+            model,
+            campaigns,
+            floor=floor,
+            noise=noise,
+            own=own,
+            candidates=names,
+            progress=say,
+            **asked.several(),
+        )
+    used, kept = asked.chosen(one, model)
+    return begin(
+        model,
+        used.records,
+        floor=floor,
+        noise=noise,
+        own=own,
+        candidates=names,
+        progress=say,
+        **asked.settings(kept),
+    )

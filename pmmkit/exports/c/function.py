@@ -1,0 +1,264 @@
+"""The body of one function as lines of C."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from pmmkit.exports.c.expression import Expression, Writer
+from pmmkit.exports.c.kinds import (
+    BOOL,
+    DOUBLE,
+    INT,
+    LIST,
+    NOTHING,
+    Kind,
+    Library,
+    Unwritable,
+    identifier,
+    joined,
+)
+
+_OPERATORS: Final = {ast.Add: "+=", ast.Sub: "-=", ast.Mult: "*=", ast.Div: "/="}
+
+
+class Body:
+    """Lines of a function, and the kind of what it returns.
+
+    A first pass finds the kinds of all names, for a name may stand for a whole number at first and
+    for a fraction later; the second writes.
+
+    Parameters
+    ----------
+    program : Library
+        That holds the functions that this one calls.
+    tree : FunctionDef
+        The function.
+    arguments : mapping of str to Kind
+        Its arguments in their order.
+    outside : mapping
+        Names of its module.
+    """
+
+    def __init__(
+        self,
+        program: Library,
+        tree: ast.FunctionDef,
+        arguments: Mapping[str, Kind],
+        outside: Mapping[str, Any],
+    ) -> None:
+        self.returned = NOTHING
+        self._read = {
+            node.id
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)
+        } | {
+            node.target.id
+            for node in ast.walk(tree)
+            if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name)
+        }
+        self._arguments = dict(arguments)
+        self._kinds = dict(arguments)
+        self._vectors: dict[str, int] = {}
+        self._program = program
+        before: dict[str, Kind] | None = None
+        while before != self._kinds:
+            before = dict(self._kinds)
+            self._expressions = Writer(program, self._kinds, outside)
+            self._count = 0
+            written = self._block(tree.body)
+        own = [name for name in self._kinds if name not in arguments]
+        self.lines = [*self._declared(own), *written]
+
+    def _declared(self, names: Sequence[str]) -> list[str]:
+        lines = [f"double {identifier(x)}[{size}] = {{0.0}};" for x, size in self._vectors.items()]
+        for kind in (INT, BOOL, DOUBLE):
+            mine = [identifier(x) for x in names if self._kinds[x] == kind]
+            for first in range(0, len(mine), 8):
+                lines.append(f"{kind.text} {', '.join(mine[first : first + 8])};")
+        return lines
+
+    def _block(self, block: Sequence[ast.stmt]) -> list[str]:
+        return [line for statement in block for line in self._statement(statement)]
+
+    def _inner(self, block: Sequence[ast.stmt]) -> list[str]:
+        return [f"    {line}" for line in self._block(block)]
+
+    def _statement(self, node: ast.stmt) -> list[str]:
+        match node:
+            case ast.Expr(value=ast.Constant()) | ast.Pass():
+                return []
+            case ast.Expr(value=ast.Call() as call):
+                return [f"{self._expressions.of(call).text};"]
+            case ast.Assign(targets=[target], value=value):
+                return self._assigned(target, value)
+            case ast.AugAssign(target=target, op=op, value=value) if type(op) in _OPERATORS:
+                return self._changed(target, op, value)
+            case ast.If(test=test, body=yes, orelse=no):
+                return self._branches(test, yes, no)
+            case ast.While(test=test, body=body, orelse=[]):
+                return [f"while ({self._expressions.of(test).text}) {{", *self._inner(body), "}"]
+            case ast.For(
+                target=ast.Name(id=name),
+                iter=ast.Call(func=ast.Name(id="range"), args=limits),
+                body=body,
+                orelse=[],
+            ):
+                return self._loop(name, limits, body)
+            case ast.Break():
+                return ["break;"]
+            case ast.Continue():
+                return ["continue;"]
+            case ast.Return(value=value):
+                return self._return(value)
+        raise Unwritable(f"a statement that C is not written for ({type(node).__name__})")
+
+    def _branches(
+        self, test: ast.expr, yes: Sequence[ast.stmt], no: Sequence[ast.stmt]
+    ) -> list[str]:
+        asked = self._expressions.of(test)
+        if asked.known is not None:
+            return self._block(yes if asked.known else no)
+        lines = [f"if ({asked.text}) {{", *self._inner(yes)]
+        if no:
+            lines += ["} else {", *self._inner(no)]
+        return [*lines, "}"]
+
+    def _loop(self, name: str, limits: Sequence[ast.expr], body: Sequence[ast.stmt]) -> list[str]:
+        ends = [self._expressions.of(item) for item in limits]
+        if any(item.kind != INT for item in ends) or len(ends) > 2:
+            raise Unwritable("a loop over something else than whole numbers in ascending order")
+        first = ends[0].text if len(ends) == 2 else "0"
+        own = identifier(name)
+        if name in self._kinds:
+            raise Unwritable("a loop over a name that has another meaning")
+        self._kinds[name] = INT
+        inner = self._inner(body)
+        del self._kinds[name]
+        last = ends[-1].text
+        bound = "" if ends[-1].known is not None else f", {own}_end = {last}"
+        limit = last if not bound else f"{own}_end"
+        return [f"for (int {own} = {first}{bound}; {own} < {limit}; {own}++) {{", *inner, "}"]
+
+    def _return(self, value: ast.expr | None) -> list[str]:
+        if value is None:
+            return ["return;"]
+        if isinstance(value, ast.Tuple) and len(value.elts) > 1:
+            items = [self._expressions.of(item) for item in value.elts]
+            self._returns(self._program.tuple_of(len(items)))
+            texts = ", ".join(self._number(item) for item in items)
+            return [f"return (struct numbers_{len(items)}){{{texts}}};"]
+        only = value.elts[0] if isinstance(value, ast.Tuple) else value
+        found = self._expressions.of(only)
+        self._returns(found.kind)
+        return [f"return {found.text};"]
+
+    def _returns(self, kind: Kind) -> None:
+        self.returned = kind if self.returned == NOTHING else joined(self.returned, kind)
+
+    @staticmethod
+    def _number(value: Expression) -> str:
+        if not value.kind.is_number:
+            raise Unwritable("a list among numbers")
+        return value.text
+
+    def _assigned(self, target: ast.expr, value: ast.expr) -> list[str]:
+        if isinstance(target, ast.Tuple):
+            return self._several(target.elts, value)
+        if isinstance(target, ast.Name):
+            if target.id not in self._read and not _calls(value):
+                return []
+            if self._vector(target.id, value):
+                return []
+        found = self._expressions.of(value)
+        return [f"{self._place(target, found)} = {found.text};"]
+
+    def _vector(self, name: str, value: ast.expr) -> bool:
+        """Whether a name is given room for numbers."""
+        match value:
+            case ast.Call(func=ast.Name(id="vector"), args=[size]):
+                found = self._expressions.of(size)
+                if found.known is None or self._vectors.get(name, found.known) != found.known:
+                    raise Unwritable("a list whose length is not known beforehand")
+                self._vectors[name] = int(found.known)
+                self._kinds[name] = LIST
+                return True
+        return False
+
+    def _place(self, target: ast.expr, found: Expression) -> str:
+        if isinstance(target, ast.Name):
+            self._named(target.id, found.kind)
+            return identifier(target.id)
+        if isinstance(target, ast.Subscript):
+            place = self._expressions.of(target)
+            if self._expressions.of(target.value).kind != LIST or not found.kind.is_number:
+                raise Unwritable("a value put where there is no place for it")
+            return place.text
+        raise Unwritable("an assignment to something else than a name or a place in a list")
+
+    def _named(self, name: str, kind: Kind) -> None:
+        known = self._kinds.get(name)
+        if not kind.is_number or (known is not None and not known.is_number):
+            raise Unwritable("a name for a list that is there already")
+        self._kinds[name] = kind if known is None else joined(known, kind)
+        if name in self._arguments and self._kinds[name] != known:
+            raise Unwritable("an argument that becomes a fraction")
+
+    def _several(self, targets: Sequence[ast.expr], value: ast.expr) -> list[str]:
+        if isinstance(value, ast.Call):
+            return self._unpacked(targets, value)
+        if not isinstance(value, ast.Tuple) or len(value.elts) != len(targets):
+            raise Unwritable("values that are not as many as their names")
+        pairs = list(zip(targets, value.elts, strict=True))
+        if not _entangled(targets, value.elts):
+            return [line for target, item in pairs for line in self._assigned(target, item)]
+        self._count += 1
+        lines, after = [], []
+        for place, (target, item) in enumerate(pairs):
+            found = self._expressions.of(item)
+            held = f"held_{self._count}_{place}"
+            lines.append(f"const {found.kind.text} {held} = {self._number(found)};")
+            after.append(f"{self._place(target, found)} = {held};")
+        return ["{", *(f"    {line}" for line in (*lines, *after)), "}"]
+
+    def _unpacked(self, targets: Sequence[ast.expr], call: ast.Call) -> list[str]:
+        found = self._expressions.of(call)
+        if len(targets) == 1 and found.kind.is_number:
+            return [f"{self._place(targets[0], found)} = {found.text};"]
+        if found.kind.name != "tuple" or found.kind.size != len(targets):
+            raise Unwritable("values that are not as many as their names")
+        self._count += 1
+        held = f"held_{self._count}"
+        one = Expression(held, DOUBLE)
+        places = [
+            f"{self._place(target, one)} = {held}.v{place};"
+            for place, target in enumerate(targets)
+            if not isinstance(target, ast.Name) or target.id in self._read
+        ]
+        first = f"const {found.kind.text} {held} = {found.text};"
+        return ["{", *(f"    {line}" for line in (first, *places)), "}"]
+
+    def _changed(self, target: ast.expr, op: ast.operator, value: ast.expr) -> list[str]:
+        found = self._expressions.of(value)
+        if isinstance(op, ast.Div) and found.kind != DOUBLE:
+            found = Expression(f"(double)({found.text})", DOUBLE)
+        return [f"{self._place(target, found)} {_OPERATORS[type(op)]} {found.text};"]
+
+
+def _calls(value: ast.expr) -> bool:
+    return any(isinstance(node, ast.Call) for node in ast.walk(value))
+
+
+def _names(node: ast.AST) -> set[str]:
+    return {item.id for item in ast.walk(node) if isinstance(item, ast.Name)}
+
+
+def _entangled(targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> bool:
+    """Whether a value reads what an earlier one of the same assignment has changed."""
+    changed: set[str] = set()
+    for target, value in zip(targets, values, strict=True):
+        if changed & _names(value):
+            return True
+        changed |= _names(target.value if isinstance(target, ast.Subscript) else target)
+    return False

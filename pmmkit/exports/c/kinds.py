@@ -1,0 +1,130 @@
+"""Kinds of values that a translated function handles, and how C writes them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import FunctionType
+from typing import Any, Final, Literal, Protocol
+
+Name = Literal["bool", "int", "double", "list", "table", "grid", "tuple", "nothing"]
+
+
+class Unwritable(Exception):
+    """What a function does that C is not written for here."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of value.
+
+    Parameters
+    ----------
+    name : str
+        ``list``: numbers that a function may change, by their address; ``table``: numbers that it
+        only reads, with their count; ``grid``: tables of one length; ``tuple``: what a function
+        returns together.
+    size : int
+        Of a tuple: how many numbers.
+    """
+
+    name: Name
+    size: int = 0
+
+    @property
+    def is_number(self) -> bool:
+        """Whether one number is meant."""
+        return self.name in ("bool", "int", "double")
+
+    @property
+    def text(self) -> str:
+        """The type as C writes it, of numbers and of what functions return."""
+        if self.name == "tuple":
+            return f"struct numbers_{self.size}"
+        return {"bool": "int", "nothing": "void"}.get(self.name, self.name)
+
+
+BOOL: Final = Kind("bool")
+INT: Final = Kind("int")
+DOUBLE: Final = Kind("double")
+LIST: Final = Kind("list")
+TABLE: Final = Kind("table")
+GRID: Final = Kind("grid")
+NOTHING: Final = Kind("nothing")
+
+
+class Library(Protocol):
+    """What the text of a function asks of the program that it becomes a part of."""
+
+    def function(
+        self, function: FunctionType, kinds: tuple[Kind, ...], alias: str
+    ) -> tuple[str, Kind]:
+        """Name in C and kind of what is returned, of a function for arguments of some kinds."""
+
+    def table(self, value: Sequence[Any], alias: str) -> str:
+        """The name in C of numbers that stand in a module."""
+
+    def tuple_of(self, size: int) -> Kind:
+        """The kind of so many numbers that a function returns together."""
+
+
+_KEYWORDS: Final = frozenset(
+    (
+        *("auto", "break", "case", "char", "const", "continue", "default", "do", "double", "else"),
+        *("enum", "extern", "float", "for", "goto", "if", "inline", "int", "long", "register"),
+        *("restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch"),
+        *("typedef", "union", "unsigned", "void", "volatile", "while"),
+        *("NAN", "INFINITY", "NULL", "larger", "smaller"),
+    )
+)
+"""Words of C, and of the head of a program, that no name may be."""
+
+
+def joined(first: Kind, second: Kind) -> Kind:
+    """The kind that holds two.
+
+    Raises
+    ------
+    Unwritable
+        If there is none.
+
+    Examples
+    --------
+    >>> joined(INT, DOUBLE).name
+    'double'
+    """
+    if first == second:
+        return first
+    if first.is_number and second.is_number:
+        return DOUBLE if DOUBLE in (first, second) else INT
+    raise Unwritable("a name that stands for different kinds of values")
+
+
+def identifier(name: str) -> str:
+    """A name of Python as one of C.
+
+    Examples
+    --------
+    >>> identifier("speed"), identifier("short"), identifier("δ")
+    ('speed', 'short_', 'u3b4_')
+    """
+    plain = "".join(x if x.isascii() else f"u{ord(x):x}_" for x in name)
+    return f"{plain}_" if plain in _KEYWORDS else plain
+
+
+def number(value: float) -> str:
+    """A number as C writes it, with the fewest digits that give it again.
+
+    Examples
+    --------
+    >>> number(2), number(0.1), number(1e16), number(float("-inf"))
+    ('2', '0.1', '1e+16', '-INFINITY')
+    """
+    if isinstance(value, int):
+        return str(int(value))
+    if math.isnan(value):
+        return "NAN"
+    if math.isinf(value):
+        return "INFINITY" if value > 0 else "-INFINITY"
+    return repr(float(value))

@@ -1,0 +1,168 @@
+"""The equations of one model as C, with its variables and numbers."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Iterable, Iterator
+from typing import Final
+
+from pmmkit.equations import Prepared
+from pmmkit.equations.code_generation import CARRYING, module_text
+from pmmkit.equations.compilation import interpreted
+from pmmkit.equations.layouts import Constant, Control, GearField
+from pmmkit.errors import ModelError, Problem
+from pmmkit.escaping import comment
+from pmmkit.exports.c.kinds import DOUBLE, INT, LIST, Kind, Unwritable, number
+from pmmkit.exports.c.program import Program
+from pmmkit.exports.fmu.variables import BEGIN, GEAR, Table
+from pmmkit.exports.text import written_by
+from pmmkit.models import Model
+from pmmkit.simulation.run import LONGEST_STEP
+from pmmkit.simulation.simulate import RTOL
+
+_MOMENT: Final = (LIST, DOUBLE, DOUBLE, DOUBLE, LIST, LIST)
+_FUNCTIONS: Final[dict[str, tuple[Kind, ...]]] = {
+    "complete": (LIST,),
+    "rates": _MOMENT,
+    "forces": _MOMENT,
+    "self_propulsion": (DOUBLE, LIST, LIST, LIST),
+    "flow": (DOUBLE, DOUBLE),
+    "wind_over_current": (DOUBLE,) * 4,
+    "gear_rate": (DOUBLE,) * 4,
+    "ordered": (LIST, INT, *(DOUBLE,) * 5),
+    "controlled": (DOUBLE, LIST, INT),
+    "carried": (DOUBLE, DOUBLE, DOUBLE, LIST, LIST, LIST, DOUBLE, DOUBLE),
+}
+"""What ship.h calls, with the kinds of the arguments."""
+_CLOSEST: Final = 1e-13
+"""Least relative tolerance, as `simulate` has it."""
+_ONLY_FOR: Final = {"self_propulsion": "n_approach", "wind_over_current": "wind_speed"}
+"""Functions that only an FMU with a certain variable calls."""
+_ASKED: Final = (
+    *("time", "delta", "n", "n_approach", "delta_order", "n_order", "bucket"),
+    *("current_speed", "current_direction", "wind_speed", "wind_direction"),
+    *("wave_height", "wave_direction", "steering_gear", "delta_rate", "delta_max", "delta_lag"),
+)
+"""Variables that ship.h knows by their names; it does without those that a model has not."""
+_SURROUNDINGS: Final = (
+    *("current_x", "current_y", "wind_speed", "wind_direction", "wave_height", "wave_direction"),
+)
+
+
+def equations_text(model: Model, ready: Prepared, table: Table, *, token: str) -> str:
+    """The text of equations.h.
+
+    Parameters
+    ----------
+    model : Model
+        The model, for what is said of it.
+    ready : Prepared
+        The same at one approach speed.
+    table : Table
+        Its variables.
+    token : str
+        That modelDescription.xml holds too.
+
+    Raises
+    ------
+    ModelError
+        With every effect that cannot be written in C.
+    """
+    lines = [
+        *(line.replace("%", "//", 1) for line in written_by("//")),
+        *comment(f"{model.title or model.name}: equations and numbers.", "//"),
+        "",
+        "#include <math.h>",
+        "",
+        _program(ready, table).text,
+        *_numbers(table),
+        "",
+        *_defined(ready, table, token),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _program(ready: Prepared, table: Table) -> Program:
+    module = interpreted(ready.structure, CARRYING)
+    program = Program(module_text(ready.structure, CARRYING), module)
+    problems = []
+    for item in ready.structure.used:
+        name = f"effect_{item.effect}"
+        tables = {own for own, _ in item.tables}
+        options = {own for own, _ in item.options}
+        asked = [Kind("table") if x in tables else INT if x in options else DOUBLE
+                 for x in inspect.signature(getattr(module, name)).parameters]  # fmt: skip
+        try:
+            program.take(name, asked)
+        except Unwritable as error:
+            problems.append(
+                Problem(
+                    message=f"{item.effect}: it is written with {error}.",
+                    remedy="Leave it out to export the rest.",
+                )
+            )
+    if problems:
+        raise ModelError(problems, title=f"Model {ready.name!r} cannot be written as C")
+    for name, kinds in _FUNCTIONS.items():
+        if _ONLY_FOR.get(name, "time") in table.places:
+            program.take(name, kinds)
+    return program
+
+
+def _numbers(table: Table) -> Iterator[str]:
+    yield "struct slope { int place; int variable; double size; };"
+    starts = [0.0 if item.start is None else item.start for item in table.variables]
+    yield from _listed("double START", starts)
+    yield from _listed("double BASE", table.base)
+    nominal = (item.nominal for item in table.variables if item.name in table.states)
+    yield from _listed("double NOMINAL", [size or 1.0 for size in nominal])
+    slopes = [
+        f"{{{place}, {variable}, {number(size)}}}"
+        for variable, item in enumerate(table.variables)
+        for place, size in item.slopes
+    ]
+    yield f"static const struct slope SLOPE[{len(slopes)}] = {{"
+    yield from _rows(slopes)
+    yield "};"
+
+
+def _listed(name: str, values: Iterable[float]) -> list[str]:
+    texts = [number(float(value)) for value in values]
+    return [f"static const {name}[{len(texts)}] = {{", *_rows(texts), "};"]
+
+
+def _rows(texts: list[str]) -> list[str]:
+    return [f"    {', '.join(texts[i : i + 6])}," for i in range(0, len(texts), 6)]
+
+
+def _defined(ready: Prepared, table: Table, token: str) -> Iterator[str]:
+    """The names by which ship.h knows all that."""
+    places, states = table.places, table.states
+    known = {
+        "TOKEN": f'"{token}"',
+        "TOLERANCE": number(RTOL),
+        "CLOSEST": number(_CLOSEST),
+        "LONGEST_STEP": number(LONGEST_STEP * ready.L / ready.speed),
+        "VARIABLES": len(table.variables),
+        "CONSTANTS": len(table.base),
+        "STATES": len(states),
+        "GEARS": len(Control) * len(GearField),
+        "RUDDER": int(Control.rudder),
+        "REVOLUTIONS": int(Control.revolutions),
+        "BUCKET": int(Control.bucket),
+        "RUDDER_ORDER": len(GearField) * Control.rudder + GearField.order,
+        "SLOPES": sum(len(item.slopes) for item in table.variables),
+        "FIRST_STATE": places[states[0]],
+        "U_STATE": states.index("u"),
+        "FIRST_RATE": places[f"der({states[0]})"],
+        "GEAR_STATE": places[GEAR],
+        "GEAR_RATE": places[f"der({GEAR})"],
+        "FIRST_FORCE": places["X"],
+        "FIRST_INPUT": places["delta_order"],
+        "FIRST_BEGIN": places[f"{states[0]}{BEGIN}"],
+        "FIRST_PARAMETER": places[f"{states[0]}{BEGIN}"],
+        **{f"V_{name.upper()}": places[name] for name in _ASKED if name in places},
+        **{f"K_{name.upper()}": int(Constant[name]) for name in _SURROUNDINGS},
+    }
+    for name, value in known.items():
+        yield f"#define {name} {value}"

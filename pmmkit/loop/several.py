@@ -1,0 +1,377 @@
+"""Several campaigns of one ship, captive and free running, as the evidence of one session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property, partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from pmmkit.campaigns.run import Campaign
+from pmmkit.diagnosis.diagnose import complete_model
+from pmmkit.diagnosis.free_running.alone import uncertain
+from pmmkit.diagnosis.together.base import Based, Fitted, carried, known_from
+from pmmkit.diagnosis.together.captive_vote import CaptiveVote, vote_of_tests
+from pmmkit.diagnosis.together.records_vote import OWN, RecordsVote
+from pmmkit.diagnosis.together.result import Together
+from pmmkit.diagnosis.together.together import CHOSEN, answered, records_among
+from pmmkit.diagnosis.together.vote import Names, Vote
+from pmmkit.effects.effect import Effect
+from pmmkit.errors import DataError, ModelError
+from pmmkit.executors import Workers
+from pmmkit.identification.record import FreeRecord
+from pmmkit.loop.captive import CaptiveTests, captive_tests
+from pmmkit.loop.joint_fall import JointFall
+from pmmkit.loop.records import FreeRecords, free_running
+from pmmkit.models import Model
+from pmmkit.models.step import Step
+from pmmkit.presentation import counted
+from pmmkit.structures import Structure
+
+Tests = Campaign | Sequence[FreeRecord]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeveralCampaigns:
+    """Captive tests and free-running records of one ship.
+
+    Each campaign has noise and faults of its own. An effect is asked of all that can show it:
+    captive tests and records measure it each by themselves, as the diagnosis of all of them does.
+    What the captive tests know of the base is known before the records. The ship of a session is
+    that of the first records; effects that captive tests alone can be asked for come to it as
+    these measure them.
+
+    Parameters
+    ----------
+    given_model : Model
+        Complete where there are records.
+    captive : mapping of str to CaptiveTests
+        By the name of the campaign.
+    free : mapping of str to Campaign or sequence of FreeRecord
+        Free-running records, by the name of the campaign.
+    order : tuple of str
+        Names as they were given.
+    settings : mapping of str to object
+        Of records, as for `diagnose_free` and `records_among`.
+    own : tuple of Effect
+        Effects of the user.
+    tell : callable
+        Is told what is being done.
+    """
+
+    given_model: Model
+    captive: Mapping[str, CaptiveTests]
+    free: Mapping[str, Tests]
+    order: Names
+    settings: Mapping[str, Any]
+    own: tuple[Effect, ...] = ()
+    tell: Callable[[str], None] = lambda _: None
+
+    @property
+    def title(self) -> str:
+        """Of the campaigns."""
+        return ", ".join(self.order)
+
+    @property
+    def base(self) -> str:
+        """The base in words."""
+        return self.given_model.name
+
+    @property
+    def about(self) -> str:
+        """The tests in words."""
+        return f"{counted(len(self.order), 'campaign')}: {self.title}"
+
+    @property
+    def floor(self) -> float:
+        """What is too small to matter, over the rms force of a channel, in the first campaign."""
+        return next(iter(self.campaigns().values())).floor
+
+    @property
+    def begun(self) -> Names:
+        """Effects that the base of any campaign has from the beginning."""
+        found = [name for item in self.campaigns().values() for name in item.begun]
+        return tuple(dict.fromkeys(found))
+
+    @property
+    def kinds(self) -> Mapping[str, str]:
+        """Who takes part in any campaign: ``physics`` or ``fault`` by name."""
+        return {k: x for item in self.campaigns().values() for k, x in item.kinds.items()}
+
+    def campaigns(self, steps: Sequence[Step] = ()) -> Mapping[str, CaptiveTests | FreeRecords]:
+        """The evidence of each campaign, in the order in which they were named.
+
+        Parameters
+        ----------
+        steps : sequence of Step
+            What is added: effects that captive tests alone can be asked for are in the model of
+            the records.
+        """
+        records = self._records(self._captive_alone(steps))
+        found: dict[str, CaptiveTests | FreeRecords] = {**self.captive, **records}
+        return {name: found[name] for name in self.order}
+
+    def named(self, effect: str, campaign: str) -> str:
+        """The campaign that has a fault; empty for an effect of the ship.
+
+        Raises
+        ------
+        DataError
+            If there is no such campaign, or several know the fault and none is said.
+        """
+        known = [name for name, item in self.campaigns().items() if effect in item.kinds]
+        if self.kinds[effect] != "fault":
+            if campaign:
+                raise DataError(f"{effect} is an effect of the ship: it is asked of all campaigns.")
+            return ""
+        if campaign and campaign not in known:
+            raise DataError(f"{campaign!r} cannot have {effect}: these can: {', '.join(known)}.")
+        if not campaign and len(known) > 1:
+            raise DataError(
+                f"{effect} is the fault of one campaign: say of which ({', '.join(known)})."
+            )
+        return campaign or known[0]
+
+    def diagnose(self, steps: Sequence[Step], seed: int) -> Together:
+        """What the campaigns say together of a base with some steps."""
+        return self._answer(tuple(steps), seed)[0]
+
+    def fall(self, steps: Sequence[Step]) -> JointFall:
+        """Errors of what is left out of each campaign, of the base and after each step."""
+        found = self.campaigns(steps)
+        own = {name: _asked(name, item, steps) for name, item in found.items()}
+        return JointFall(
+            added=tuple(steps),
+            taken=MappingProxyType(
+                {name: tuple(x in asked for x in steps) for name, asked in own.items()}
+            ),
+            falls=MappingProxyType({name: item.fall(own[name]) for name, item in found.items()}),
+        )
+
+    def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
+        """Errors of records that are held out, before and after; empty where there are none."""
+        for name, item in self.campaigns(steps).items():
+            if isinstance(item, FreeRecords) and item.held_out:
+                return item.held_out_errors(_asked(name, item, steps))
+        return {}
+
+    def model(self, steps: Sequence[Step]) -> Model:
+        """The ship of the first records, or of the first captive tests where there are none, base
+        and effects fitted together, with a step per effect."""
+        return self._model_of(self.ship, steps)
+
+    def models(self, steps: Sequence[Step]) -> Mapping[str, Model]:
+        """The ship as each campaign has it, base and effects fitted together."""
+        return {name: self._model_of(name, steps) for name in self.order}
+
+    @property
+    def ship(self) -> str:
+        """The campaign of which the ship of a session is."""
+        return next(iter(self.free or self.captive))
+
+    def _model_of(self, name: str, steps: Sequence[Step]) -> Model:
+        item = self.campaigns(steps)[name]
+        return item.model(_asked(name, item, steps))
+
+    def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
+        """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
+
+        Raises
+        ------
+        ModelError
+            If there is no such ship.
+        """
+        found, votes = self._answer(tuple(steps), 0)
+        entry = next((item for item in found.entries if set(item.names) == set(names)), None)
+        records = [item for item in votes if isinstance(item, RecordsVote)]
+        for item in (*records, *votes) if entry else ():
+            ballot = entry.ballots.get(item.name) if entry else None
+            made = _sailing(item, tuple(names), ballot.faults if ballot else ())
+            if made is not None:
+                return made
+        raise ModelError(f"{' + '.join(names)} was not named.")
+
+    def _captive_alone(self, steps: Sequence[Step]) -> Names:
+        """Effects that captive tests alone can be asked for."""
+        if not steps or not self.free:
+            return ()
+        free = {name for item in self._records(()).values() for name in item.kinds}
+        alone = {
+            name
+            for item in self.captive.values()
+            for name, kind in item.kinds.items()
+            if kind == "physics" and name not in item.begun and name not in free
+        }
+        return tuple(step.effect for step in steps if step.effect in alone)
+
+    @cached_property
+    def _records(self) -> Callable[[Names], Mapping[str, FreeRecords]]:
+        """Records about a base to which captive tests have brought some effects, each once."""
+
+        def made(names: Names) -> dict[str, FreeRecords]:
+            based = self._base(names).model
+            asked = {name: x for name, x in self.settings.items() if name not in CHOSEN}
+            found = {}
+            for name, item in self.free.items():
+                model = carried(based, name, item).model if isinstance(item, Campaign) else based
+                used, kept = records_among(item, model, self.settings)
+                found[name] = free_running(
+                    model,
+                    used,
+                    held_out=kept,
+                    own=self.own,
+                    progress=partial(self._of, name),
+                    **asked,
+                )
+            return found
+
+        return cache(made)
+
+    @cached_property
+    def _base(self) -> Callable[[Names], Based]:
+        """The model as captive tests know it, with effects that they alone can be asked for."""
+
+        def made(names: Names) -> Based:
+            if names:
+                steps = [Step(action="effect_added", effect=name) for name in names]
+                name, first = next(
+                    (k, x) for k, x in self.captive.items() if set(names) & set(x.kinds)
+                )
+                return Based(model=first.model(_asked(name, first, steps)))
+            tests = [
+                Fitted(name=name, system=item.system, model=partial(_fitted, item))
+                for name, item in self.captive.items()
+            ]
+            return known_from(self.given_model, tests)
+
+        return cache(made)
+
+    @cached_property
+    def _answer(self) -> Callable[[tuple[Step, ...], int], tuple[Together, tuple[Vote, ...]]]:
+        """What is said of a base with some steps, and by whom, each base once."""
+        known: dict[tuple[Any, ...], tuple[Together, tuple[Vote, ...]]] = {}
+
+        def made(steps: tuple[Step, ...], seed: int) -> tuple[Together, tuple[Vote, ...]]:
+            given = tuple((step.effect, step.campaign) for step in steps)
+            if (given, seed) not in known:
+                votes = tuple(
+                    self._vote(name, item, _asked(name, item, steps), seed)
+                    for name, item in self.campaigns(steps).items()
+                )
+                said = answered(
+                    votes,
+                    given=tuple(step.effect for step in steps),
+                    notes=self._notes,
+                    progress=self.tell,
+                )
+                known[given, seed] = said, votes
+            return known[given, seed]
+
+        return made
+
+    @property
+    def _notes(self) -> list[str]:
+        """Of the bases."""
+        based = self._base(())
+        campaigns = [(name, x) for name, x in self.free.items() if isinstance(x, Campaign)]
+        each = [carried(based.model, name, item).notes for name, item in campaigns]
+        return [*based.notes, *(text for own in each for text in own)]
+
+    def _vote(
+        self, name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step], seed: int
+    ) -> CaptiveVote | RecordsVote:
+        given = (*item.begun, *(step.effect for step in steps))
+        if isinstance(item, FreeRecords):
+            return RecordsVote(
+                name=name,
+                system=item.system,
+                diagnosis=item.diagnose(steps, seed),
+                contest=item.contest(given),
+                given=given,
+            )
+        self._of(name, "captive tests")
+        return vote_of_tests(
+            name, self.given_model, item.campaign, item.system, given, own=self.own, seed=seed
+        )
+
+    def _of(self, name: str, word: str) -> None:
+        self.tell(f"{name}: {word}")
+
+
+def several_campaigns(
+    model: Model | str | Path | Sequence[str] | Structure,
+    campaigns: Mapping[str, Tests],
+    *,
+    floor: float | None,
+    noise: float | None,
+    own: Sequence[Effect],
+    executor: Workers = None,
+    progress: Callable[[str], None] | None = None,
+    **settings: Any,
+) -> SeveralCampaigns:
+    """The evidence of several campaigns; arguments as for `begin`.
+
+    Raises
+    ------
+    DataError
+        If there is no campaign, or the model is not complete.
+    """
+    if not campaigns:
+        raise DataError("There is no campaign: give captive tests or free-running records.")
+    complete = complete_model(model)
+    free = {x: item for x, item in campaigns.items() if not _is_captive(item)}
+    if settings and not free:
+        raise DataError(f"Of no use for captive tests: {', '.join(settings)}.")
+    return SeveralCampaigns(
+        given_model=complete,
+        captive=MappingProxyType(
+            {
+                name: captive_tests(
+                    complete,
+                    item,
+                    floor=floor,
+                    candidates=None,
+                    noise=noise,
+                    own=own,
+                    executor=executor,
+                )
+                for name, item in campaigns.items()
+                if isinstance(item, Campaign) and name not in free
+            }
+        ),
+        free=MappingProxyType(free),
+        order=tuple(campaigns),
+        settings=MappingProxyType(
+            {"floor": floor, "candidates": None, "most": OWN, "executor": executor, **settings}
+        ),
+        own=tuple(own),
+        tell=progress or (lambda _: None),
+    )
+
+
+def _is_captive(item: Tests) -> bool:
+    return isinstance(item, Campaign) and item.kind != "free-running"
+
+
+def _asked(name: str, item: CaptiveTests | FreeRecords, steps: Sequence[Step]) -> list[Step]:
+    """The steps that a campaign can be asked for, and does not have."""
+    mine = [x for x in steps if x.campaign in ("", name)]
+    return [x for x in mine if x.effect in item.kinds and x.effect not in item.begun]
+
+
+def _fitted(item: CaptiveTests) -> Model | None:
+    """The model with its derivatives fitted to captive tests; None if they excite too little."""
+    try:
+        return item.rival((), ())
+    except ModelError:
+        return None
+
+
+def _sailing(vote: Vote, names: Names, faults: Names) -> Model | None:
+    """The ship of a campaign with a set of effects, with its uncertainty."""
+    if not isinstance(vote, RecordsVote):
+        return vote.model_with(names, faults)
+    fit = vote.steady(frozenset((*(x for x in names if x in vote.asked), *faults)))
+    return None if fit is None else uncertain(vote.model_of(fit), fit)

@@ -1,0 +1,92 @@
+"""The campaigns that are open, read while their files stay as they are, and compared."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from pmmkit.campaigns.file.campaign_file import open_campaign
+from pmmkit.campaigns.run import Campaign
+from pmmkit.campaigns.several import by_title, sailing
+from pmmkit.errors import DataError
+from pmmkit.models import load_model
+from pmmkit.validation.captive import observed
+from pmmkit.validation.comparison import Comparison, compare
+from pmmkit.workbench.known import Known
+from pmmkit.workbench.saved import State, model_file, stamp_of
+
+
+class OpenCampaigns:
+    """The campaigns of a workbench; `of` is the place of one among them.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the workbench, where its models lie.
+    named : callable
+        A path of the state inside the folders that were named.
+    known : Known
+        Where answers are kept; all go when a file has changed.
+    """
+
+    def __init__(self, folder: Path, named: Callable[[str], Path], known: Known) -> None:
+        self._folder, self._named, self._known = folder, named, known
+        self._stamps: dict[Path, tuple[int, int]] = {}
+
+    def campaign(self, state: State, of: int = 0) -> Campaign:
+        """The tests as they are.
+
+        Raises
+        ------
+        DataError
+            If there are not so many campaigns, or the file is damaged.
+        """
+        place = self.place(state, of)
+        stamp = self.stamp(state, of)
+        if self._stamps.get(place, stamp) != stamp:
+            self._known.clear()
+        self._stamps[place] = stamp
+        found: Campaign = self._known.once(
+            ("campaign", str(place), state.data),
+            lambda: open_campaign(place, data=state.data or None),
+        )
+        return found
+
+    def place(self, state: State, of: int = 0) -> Path:
+        """Where the tests lie.
+
+        Raises
+        ------
+        DataError
+            If there are not so many campaigns.
+        """
+        if of >= len(state.campaigns):
+            raise DataError(f"There is no campaign {of + 1}: {len(state.campaigns)} are open.")
+        return self._named(state.campaigns[of])
+
+    def stamp(self, state: State, of: int = 0) -> tuple[int, int]:
+        """When the campaign file was changed, and its size."""
+        return stamp_of(self.place(state, of))
+
+    def every(self, state: State) -> dict[str, Campaign]:
+        """All campaigns by their titles."""
+        return by_title([self.campaign(state, of) for of in range(len(state.campaigns))])
+
+    def sailing(self, state: State) -> Campaign:
+        """The tests of the ship: the first that let it sail by itself, else the first."""
+        every = self.every(state)
+        return every[sailing(every)]
+
+    def comparison(self, state: State, effects: tuple[str, ...], of: int = 0) -> Comparison:
+        """Tests and the model with some effects, as these tests have it."""
+        tests = self.campaign(state, of)
+        model = model_file(self._folder, effects, of if state.also else None)
+
+        def work() -> Comparison:
+            captive = tests.kind == "captive"
+            views = self._known.once(("views", of), partial(observed, tests)) if captive else None
+            return compare(load_model(model), tests, views=views)
+
+        found: Comparison = self._known.once(("comparison", effects, of), work)
+        return found
