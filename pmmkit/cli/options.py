@@ -65,6 +65,14 @@ Spread = Annotated[
     ),
 ]
 
+Form = Annotated[
+    Path | None,
+    typer.Option(
+        "--form",
+        help="File with the table [imo]: what the form of the IMO asks for besides (docs/imo.md).",
+    ),
+]
+
 WorkerCount = Annotated[
     int | None,
     typer.Option(

@@ -644,7 +644,7 @@ def test_the_order_is_where_the_ramp_begins(rate):
 
 
 def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
-    from pmmkit.trials.verdicts import conditions_of, verdicts_of
+    from pmmkit.trials.verdicts import verdicts_of
 
     for L, advance, diameter, rudder in (
         (170.0, 3.61, 2.99, -35.0),
@@ -667,9 +667,6 @@ def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
     )
     assert (found.limit, found.passed) == (15.0, True)
     assert found.probability == pytest.approx(0.945, abs=0.001)
-    said = conditions_of(L=44.0, draught=1.65, depth=5.0, wind=12.0, current_known=False)
-    for text, start in zip(said, ("ships of 100 m", "deep water", "calm weather"), strict=False):
-        assert start in text
 
 
 @pytest.mark.slow
