@@ -22,6 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
+from pmmkit.report.imo_form import form_of_model
 from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability, superposed
 from pmmkit.trials.table import Trial, Wind
 
@@ -223,6 +224,7 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+    "Form": cache(lambda: form_of_model(model(), [pk.imo_turning(track())[0]], speed=9.0)),
     "Hull": hull,
     "Rao": waved,
     "Response": answered,
@@ -265,6 +267,7 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+    "Form": ("predicted", "not supplied", "draughts", "3.44 L", "MSC/Circ.1053", "none, as sim"),
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),

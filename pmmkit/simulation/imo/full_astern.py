@@ -12,7 +12,6 @@ import numpy as np
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.shaft import SHAFT
 from pmmkit.equations import prepare
-from pmmkit.equations.code_generation import told
 from pmmkit.equations.layouts import State
 from pmmkit.errors import DataError
 from pmmkit.metrics import TRACK_REACH
@@ -28,8 +27,7 @@ THERE: Final = 0.02
 """Revolutions this near those ordered, as a share of the approach's, count as reached."""
 SPIN: Final = 1.0
 """Seconds in which the torque of the approach would bring the shaft of a torque limit from rest to
-the revolutions of the approach. The stop does not feel it: half or double of it change the track
-reach in the fourth digit."""
+the revolutions of the approach. Half or double of it change a track reach by 0.3 %."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +40,8 @@ class FullAstern:
         Revolutions astern over those of the approach, negative: as ordered, or as measured.
     reversal_s : float
         Time from the order until they are reached [s]; NaN where they never are.
+    most : float
+        The farthest astern that the revolutions went, over those of the approach.
     torque : float, optional
         Largest torque astern over that of the approach; None where there is no such limit.
     measured : bool
@@ -54,6 +54,7 @@ class FullAstern:
 
     turns: float
     reversal_s: float
+    most: float = math.nan
     torque: float | None = None
     measured: bool = False
     others: tuple[tuple[float, float], ...] = ()
@@ -66,12 +67,12 @@ class FullAstern:
         Examples
         --------
         >>> print(FullAstern(turns=-0.62, reversal_s=44.6, measured=True).words)
-        Full astern was -0.62 of the approach's revolutions, 45 s after the order.
+        Full astern was -0.62 of the approach's revolutions, reached 45 s after the order.
         """
         when = (
-            f"{self.reversal_s:.0f} s after the order"
+            f"reached {self.reversal_s:.0f} s after the order"
             if math.isfinite(self.reversal_s)
-            else "not reached before she stops"
+            else f"never reached (at most {self.most:.2g})"
         )
         if self.measured:
             return f"Full astern was {self.turns:.2g} of the approach's revolutions, {when}."
@@ -140,24 +141,35 @@ def measured_astern(t: Array, n: Array, ahead: float) -> FullAstern | None:
 def torque_of(model: Model, speed: float, **settings: Any) -> float:
     """Torque at the propeller in the approach [N m].
 
+    Parameters
+    ----------
+    model : Model
+        Without a part ``shaft`` or ``shaft_lag``.
+    speed : float
+        Of the approach [m/s].
+    **settings
+        Of `prepare`.
+
     Raises
     ------
     DataError
         If the model does not know it.
+
+    Notes
+    -----
+    An engine that gives nothing loses 2π I dn/dt = -Q.
     """
-    ready = prepare(model, speed, **settings)
-    names = told(ready.structure)
-    found = [0.0] * len(names)
-    if "torque" in names:
-        y = [0.0] * len(ready.structure.states)
-        y[State.u] = speed
-        ready.functions().forces(y, 0.0, ready.self_propulsion(), 0.0, list(ready.k), found)
-    torque = found[names.index("torque")] if "torque" in names else 0.0
+    ready = prepare(_with_engine(model, 1.0 / (2.0 * math.pi), 0.0), speed, **settings)
+    n = ready.self_propulsion()
+    place = ready.structure.states.index("n")
+    y = [0.0] * len(ready.structure.states)
+    y[State.u], y[place] = speed, n
+    torque = -ready.rates(y, 0.0, n)[place]
     if not torque > 0.0:
         knowing = [item.name for item in catalogue().values() if "torque" in item.outputs]
         raise DataError(
             f"Model {model.name!r} does not know the torque of its propulsion, so it cannot be "
-            f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with KQ."
+            f"limited. Leave the limit out, or give a part {' or '.join(knowing)} with its torque."
         )
     return torque
 
@@ -192,20 +204,20 @@ def with_torque_limit(model: Model, speed: float, share: float, **settings: Any)
     torque = torque_of(model, speed, **settings)
     n = prepare(model, speed, **settings).self_propulsion()
     most = max(share, 1.0)
-    limit = Part(
+    inertia = torque * SPIN / (2.0 * math.pi * n)
+    return _with_engine(model, inertia, most * torque, astern_share=share / most)
+
+
+def _with_engine(
+    model: Model, inertia: float, torque_max: float, *, astern_share: float = 1.0
+) -> Model:
+    """A model with an engine that gives up to so much torque, whichever way the shaft turns."""
+    values = {"inertia": inertia, "torque_max": torque_max, "astern_share": astern_share}
+    limit, (constant, *_) = next(iter(SHAFT.options.items()))
+    shaft = Part(
         effect=SHAFT.name,
-        values=MappingProxyType(
-            {
-                "inertia": torque * SPIN / (2.0 * math.pi * n),
-                "torque_max": most * torque,
-                "astern_share": share / most,
-                "reverse_below": 1e6,
-                "friction": 0.0,
-                "n_low": 0.3,
-                "time_constant": 5.0,
-            }
-        ),
-        options=MappingProxyType({"limit": SHAFT.options["limit"][0]}),
+        values=MappingProxyType(values),
+        options=MappingProxyType({limit: constant}),
         source="assumed: a limit of the torque in a stop",
     )
-    return model.with_(parts=MappingProxyType({**model.parts, SHAFT.name: limit}))
+    return model.with_(parts=MappingProxyType({**model.parts, SHAFT.name: shaft}))

@@ -27,7 +27,7 @@ from pmmkit.simulation.imo.verdict import (
     turning_conditions,
     verdict_of,
 )
-from pmmkit.simulation.simulate import simulate, steering
+from pmmkit.simulation.simulate import REVERSAL, simulate, steering
 from pmmkit.simulation.track import Track
 
 if TYPE_CHECKING:
@@ -214,16 +214,25 @@ def _stopping(
         if engine.torque is None
         else with_torque_limit(model, speed, engine.torque, extrapolate=allowed)
     )
-    given = dict(settings)
-    if math.isfinite(engine.reversal_s):
-        given["reversal_s"] = engine.reversal_s
+    usual = REVERSAL * model.ship.L / speed
 
     def stopped(own: float) -> Track:
-        return simulate(limited, criterion.manoeuvre, speed=speed, turns=own, **given)
+        given: dict[str, Any] = {"turns": own, **settings}
+        if math.isfinite(engine.reversal_s):
+            given["reversal_s"] = engine.reversal_s
+        elif engine.torque is not None:
+            given["reversal_s"] = (1.0 - own) * usual
+        return simulate(limited, criterion.manoeuvre, speed=speed, **given)
 
     track = stopped(engine.turns)
     verdict = verdict_of(metric, criterion, track, (*track_conditions(track, full_speed), LARGE))
     reach = {own: stopped(own).metrics[verdict.metric] for own in ASTERN if own != engine.turns}
-    after = reached(track.t, track.n, float(track.n[0]), engine.turns)
-    found = replace(engine, reversal_s=after, others=tuple(reach.items()), limit=verdict.limit)
+    ahead = float(track.n[0])
+    found = replace(
+        engine,
+        reversal_s=reached(track.t, track.n, ahead, engine.turns),
+        most=float(track.n.min()) / ahead,
+        others=tuple(reach.items()),
+        limit=verdict.limit,
+    )
     return replace(verdict, full_astern=found)
