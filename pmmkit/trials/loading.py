@@ -12,7 +12,7 @@ from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.errors import DataError
 from pmmkit.metrics import Criterion, criteria
 from pmmkit.models import Model, load_model
-from pmmkit.presentation import Grid, Group, number, percent
+from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import LOADED
 from pmmkit.simulation.simulate import simulate, steering
@@ -174,12 +174,12 @@ def corrected_grid(found: Sequence[Corrected]) -> Grid:
             item.measured.criterion.replace("_", " "),
             item.measured.side,
             item.run,
-            number(item.measured.value, 3),
-            number(item.tried, 3),
+            f"{item.measured.value:.2f}",
+            f"{item.tried:.2f}",
             percent(item.misses),
-            number(item.full, 3),
-            number(item.verdict.value, 3),
-            number(item.verdict.limit, 4),
+            f"{item.full:.2f}",
+            f"{item.verdict.value:.2f}",
+            f"{item.verdict.limit:.4g}",
             "met" if item.verdict.passed else "NOT met",
         ]
         for item in found

@@ -38,7 +38,8 @@ from pmmkit.trials.conditions import mean_draught
 from pmmkit.trials.equal_headings import WHOLE
 from pmmkit.trials.loading import Corrected, corrected_grid
 
-LEFT: Final = "as tried, not corrected"
+SAME_RUDDER: Final = 1.0
+"""By which the rudders of two turning circles may differ and be taken for one [deg]."""
 NONE: Final = "none, as simulated"
 Groups = tuple[tuple[str, tuple[Entry, ...]], ...]
 
@@ -141,9 +142,11 @@ def form_of_trials(
     Returns
     -------
     Form
-        Of several runs to one side it has the one with the least margin.
+        Turning circles are those with the most rudder to each side; of several runs to one side
+        it has the one with the least margin.
     """
     said, ship = campaign.imo, campaign.ship
+    trials = _with_most_rudder(trials)
     draught, full = mean_draught(said, ship.d), said.get("full_load_draught")
     speeds = [item.speed for item in trials]
     speed = sum(speeds) / len(speeds)
@@ -178,7 +181,7 @@ def form_of_trials(
     if carried:
         there = {criterion for _, criterion in carried}
         lines = tuple(
-            line if line.criterion.name in there or not line.verdicts else replace(line, note=LEFT)
+            line if line.criterion.name in there or not line.verdicts else replace(line, tried=True)
             for line in lines
         )
     return Form(
@@ -192,6 +195,21 @@ def form_of_trials(
         corrections=corrected_grid(corrected) if corrected else None,
         scale=f"as measured, L = {ship.L:.4g} m",
     )
+
+
+def _with_most_rudder(trials: Sequence[Trial]) -> list[Trial]:
+    """All runs but turning circles with less rudder than others to the same side."""
+    most: dict[bool, float] = {}
+    for item in trials:
+        if item.test == TURNING.name:
+            side = item.rudder_deg < 0.0
+            most[side] = max(most.get(side, 0.0), abs(item.rudder_deg))
+    return [
+        item
+        for item in trials
+        if item.test != TURNING.name
+        or abs(item.rudder_deg) > most[item.rudder_deg < 0.0] - SAME_RUDDER
+    ]
 
 
 def _assumed(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
@@ -211,13 +229,12 @@ def _range(values: Sequence[float]) -> str:
 
 def _worst(trials: Sequence[Trial]) -> tuple[Condition, ...]:
     """Each condition in the run that is farthest from meeting it."""
-    rank = {False: 0, None: 1, True: 2}
-    by_name: dict[str, Condition] = {}
-    for item in (condition for trial in trials for condition in trial.conditions):
-        known = by_name.get(item.name)
-        if known is None or rank[item.met] < rank[known.met]:
-            by_name[item.name] = item
-    return tuple(by_name.values())
+    rank = {False: 2, None: 1, True: 0}
+    found = [condition for trial in trials for condition in trial.conditions]
+    return tuple(
+        max((x for x in found if x.name == name), key=lambda x: (rank[x.met], x.excess))
+        for name in dict.fromkeys(x.name for x in found)
+    )
 
 
 def _of_current(trials: Sequence[Trial]) -> list[str]:

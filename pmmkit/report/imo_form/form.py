@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, Final, Literal
 
+from pmmkit.bibliography import cite
 from pmmkit.metrics import Criterion, Metric, criteria
-from pmmkit.presentation import Described, Grid, Group, Section, number
+from pmmkit.presentation import Described, Grid, Group, Section, counted, number
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import Condition
 from pmmkit.simulation.imo.verdict import Side
@@ -21,9 +22,10 @@ ABSENT: Final = "not supplied"
 """What stands where nobody said."""
 SIDES: Final[tuple[Side, ...]] = ("port", "starboard")
 ORDINALS: Final = ("first", "second", "third")
+NOTES: Final = cite("msc_circ1053")
 TITLE: Final = "Manoeuvring data of a ship"
 STRUCTURE: Final = (
-    "Structured after the form of MSC/Circ.1053, appendix 6. It is not a form of an administration "
+    f"Structured after the form of {NOTES}, appendix 6. It is not a form of an administration "
     "and no proof of compliance: the current texts are to be read by a person."
 )
 Basis = Literal["predicted", "measured", "corrected"]
@@ -89,8 +91,9 @@ class Line:
         By side; by the empty side where there is none. What nobody sailed is not there.
     runs : dict of str to str
         Run or manoeuvre behind each.
-    note : str
-        What sets it apart from the other lines.
+    tried : bool
+        Whether the results are those of another loading than the form is for, and were not
+        carried to it.
     """
 
     metric: Metric
@@ -99,7 +102,7 @@ class Line:
     unit: str
     verdicts: dict[Side, Verdict]
     runs: dict[Side, str]
-    note: str = ""
+    tried: bool = False
 
     @property
     def words(self) -> str:
@@ -109,7 +112,7 @@ class Line:
         counted = f"{ORDINALS[asked.number - 1]} " if "{}" in self.metric.name else ""
         sailed = " ".join([manoeuvre_of(asked.manoeuvre).title, "/".join(angles)]).strip()
         told = f"{sailed}: {counted}{self.metric.title}"
-        return f"{told}, {self.note}" if self.note else told
+        return f"{told}, as tried" if self.tried else told
 
     @property
     def sides(self) -> tuple[Side, ...]:
@@ -118,10 +121,15 @@ class Line:
 
     @property
     def passed(self) -> bool | None:
-        """Whether it is met to all sides; None where one is missing and none fails."""
+        """Whether it is met to all sides; None where one is missing and none fails.
+
+        What was not carried to full load is not met by what it was as tried.
+        """
         found = [x.passed for x in self.verdicts.values()]
         if False in found:
             return False
+        if self.tried:
+            return None
         return True if len(found) == len(self.sides) and None not in found else None
 
     @property
@@ -185,25 +193,36 @@ class Form(Described):
         )
 
     @property
+    def hangs(self) -> bool:
+        """Whether other revolutions astern give another verdict on the stop."""
+        return any(
+            (reach <= verdict.limit) is not verdict.passed
+            for line in self.lines
+            for verdict in line.verdicts.values()
+            if verdict.full_astern and verdict.passed is not None
+            for _, reach in verdict.full_astern.others
+        )
+
+    @property
     def verdict(self) -> str:
         """All criteria together, in words."""
         failed = [item.words for item in self.lines if item.passed is False]
-        open_ = [item.words for item in self.lines if item.passed is None]
+        unjudged = sum(item.passed is None for item in self.lines)
         besides = [
             item.title
             for item in self.conditions
             if item.met is False and not (item.name == "draught" and self.basis == "corrected")
         ]
-        unknown = [item.title for item in self.conditions if item.met is None]
+        unknown = sum(item.met is None for item in self.conditions)
         parts = [
-            f"not met: {', '.join(failed)}" if failed else "",
-            f"not judged to all sides: {', '.join(open_)}" if open_ else "",
-            f"conditions not met: {', '.join(besides)}" if besides else "",
-            f"conditions not shown: {', '.join(unknown)}" if unknown else "",
+            f"{sum(item.passed is True for item in self.lines)} of {len(self.lines)} criteria met",
+            f"NOT met: {', '.join(failed)}" if failed else "",
+            f"{unjudged} not judged" if unjudged else "",
+            f"conditions NOT met: {', '.join(besides)}" if besides else "",
+            f"{counted(unknown, 'condition')} not shown" if unknown else "",
+            "the stop hangs on what is assumed of the engine" if self.hangs else "",
         ]
-        met = sum(item.passed is True for item in self.lines)
-        told = "; ".join(part for part in parts if part)
-        return f"{met} of {len(self.lines)} criteria met{f'; {told}' if told else ''}"
+        return "; ".join(part for part in parts if part)
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """A row a field, condition and result, for programs."""
@@ -280,7 +299,7 @@ class Form(Described):
             Section(title="Conditions", tables=[conditions_grid(self.conditions)]),
             Section(
                 title=f"Results, {BASES[self.basis]}",
-                tables=[results_grid(self.lines)],
+                tables=results_grids(self.lines),
                 points=list(self.assumptions),
             ),
             *(
@@ -289,7 +308,7 @@ class Form(Described):
                 else []
             ),
             *([Section(title="Remarks", points=list(self.remarks))] if self.remarks else []),
-            Section(title="Not supplied", paragraphs=[", ".join(self.not_supplied) or "nothing"]),
+            Section(title="Not supplied", paragraphs=["; ".join(self.not_supplied) or "nothing"]),
         ]
 
 
@@ -312,8 +331,6 @@ _MET: Final = {True: "met", False: "NOT met", None: "not judged"}
 
 
 def _with_unit(value: float, unit: str, form: str) -> str:
-    if not math.isfinite(value):
-        return ABSENT
     return f"{value:{form}}{' L' if unit == 'L' else '°'}"
 
 
@@ -325,35 +342,37 @@ def conditions_grid(conditions: Sequence[Condition]) -> Grid:
     return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 2, 3))
 
 
-def results_grid(lines: Sequence[Line]) -> Grid:
-    """Criteria with their results to port and starboard, as a table."""
-    rows = []
-    for line in lines:
-        cells = []
-        for side in SIDES:
-            found = line.verdicts.get(side if side in line.sides else "")
-            if found is None:
-                cells += [ABSENT, ""]
-            else:
-                cells += [
-                    _with_unit(found.value, line.unit, ".2f"),
-                    _with_unit(found.margin, line.unit, "+.2f")
-                    if math.isfinite(found.margin)
-                    else "",
-                ]
-        if line.sides == ("",):
-            cells[2:] = ["", ""]
-        rows.append(
-            [
-                line.words,
-                line.criterion.paragraph,
-                *cells,
-                _with_unit(line.limit, line.unit, ".4g"),
-                _MET[line.passed],
-            ]
-        )
-    head = ["criterion", "paragraph", "port", "margin", "starboard", "margin", "limit", ""]
-    return Grid(head=head, groups=[Group(rows=rows)], texts=(1, 7))
+def results_grids(lines: Sequence[Line]) -> list[Grid]:
+    """Criteria with their results as tables: those to port and starboard, and those to no side."""
+    return [
+        _results(group, sides)
+        for sides in (SIDES, ("",))
+        if (group := [line for line in lines if line.sides == sides])
+    ]
+
+
+def _results(lines: Sequence[Line], sides: tuple[Side, ...]) -> Grid:
+    rows = [
+        [
+            line.words,
+            line.criterion.paragraph,
+            *(cell for side in sides for cell in _told(line, side)),
+            _with_unit(line.limit, line.unit, ".4g"),
+            _MET[line.passed],
+        ]
+        for line in lines
+    ]
+    columns = [name for side in sides for name in (side or "value", "margin")]
+    head = ["criterion", "paragraph", *columns, "limit", ""]
+    return Grid(head=head, groups=[Group(rows=rows)], texts=(1, len(head) - 1))
+
+
+def _told(line: Line, side: Side) -> tuple[str, str]:
+    """Value and margin to a side."""
+    found = line.verdicts.get(side)
+    if found is None or not math.isfinite(found.value):
+        return ABSENT, ""
+    return _with_unit(found.value, line.unit, ".2f"), _with_unit(found.margin, line.unit, "+.2f")
 
 
 def lines_of(

@@ -19,7 +19,7 @@ from pmmkit.report.imo_form.form import (
     Entry,
     Form,
     conditions_grid,
-    results_grid,
+    results_grids,
 )
 from pmmkit.version import __version__
 
@@ -81,7 +81,7 @@ def _body(form: Form) -> str:
         f"<section><h2>Conditions</h2>{_table(conditions_grid(form.conditions))}</section>",
         f"<section><h2>Results, {html_text(BASES[form.basis])}</h2>"
         f'<p class="verdict">{html_text(_sentence(form.verdict))}</p>'
-        f"{_table(results_grid(form.lines))}"
+        + "".join(map(_table, results_grids(form.lines)))
         + "".join(f'<p class="assumed">{html_text(text)}</p>' for text in form.assumptions)
         + "</section>",
     ]
@@ -94,7 +94,7 @@ def _body(form: Form) -> str:
     if form.remarks:
         points = "".join(f"<li>{html_text(text)}</li>" for text in form.remarks)
         parts.append(f"<section><h2>Remarks</h2><ul>{points}</ul></section>")
-    missing = html_text(", ".join(form.not_supplied) or "nothing")
+    missing = html_text("; ".join(form.not_supplied) or "nothing")
     parts.append(f'<section><h2>Not supplied</h2><p class="absent">{missing}</p></section>')
     scale = f"Scale: {html_text(form.scale)}. " if form.scale else ""
     parts.append(f"<footer>{scale}Made by pmmkit {__version__}.</footer>")

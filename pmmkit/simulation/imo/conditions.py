@@ -10,7 +10,7 @@ from pmmkit.metrics import HARD_OVER
 from pmmkit.presentation import listed
 
 SHORTEST: Final = 100.0
-"""Length from which on the standard applies [m]: MSC.137(76), 2.1."""
+"""Length from which on the standard applies [m]: MSC.137(76)."""
 DEEP: Final = 4.0
 """Depth over mean draught of deep water: MSC/Circ.1053, 2.2.1.2.1."""
 WINDIEST: Final = 5
@@ -20,7 +20,7 @@ ROUGHEST: Final = 4
 LOADED: Final = 0.05
 """Share by which the draught may differ from that of full load: MSC/Circ.1053, 2.2.1.2.2."""
 FAST: Final = 0.9
-"""Least share of the speed at 85 % of the engine's output: MSC.137(76), 4.2.1."""
+"""Least share of the speed at 85 % of the engine's output: MSC.137(76)."""
 WINDS: Final = (0.2, 1.5, 3.3, 5.4, 7.9, 10.7, 13.8, 17.1, 20.7, 24.4, 28.4, 32.6)
 """Upper ends of Beaufort 0 to 11 [m/s], of the mean over ten minutes at a height of 10 m."""
 
@@ -43,6 +43,8 @@ class Condition:
         None where that is not known.
     words : str
         A sentence for one that is not met, or not known.
+    excess : float
+        Grows with the distance from meeting it: which of several tests was the worst.
     """
 
     name: str
@@ -52,6 +54,7 @@ class Condition:
     shown: str = ""
     met: bool | None = None
     words: str = ""
+    excess: float = 0.0
 
 
 def beaufort(speed: float) -> int:
@@ -104,6 +107,7 @@ def depth_condition(depth: float | None, draught: float, *, deep: bool = False) 
         value=ratio,
         shown=f"{depth:.4g} m, {ratio:.1f} draughts",
         met=ratio > DEEP,
+        excess=-ratio,
         words=f"The standard asks for deep water, {standard}; this is {ratio:.1f}.",
     )
 
@@ -123,6 +127,7 @@ def wind_condition(speed: float | None, number: int | None = None) -> Condition:
         value=own,
         shown=shown,
         met=own <= WINDIEST,
+        excess=own if speed is None else speed,
         words=f"The standard asks for calm weather, {standard}; the wind {said}.",
     )
 
@@ -165,6 +170,7 @@ def draught_condition(draught: float, full: float | None) -> Condition:
         standard=standard,
         value=share,
         shown=f"{draught:.4g} m, {100 * share:+.1f} % of full load {full:.4g} m",
+        excess=abs(share),
         met=abs(share) <= LOADED * (1.0 + 1e-12),
         words=f"The standard asks for the draught of full load, {full:.4g} m, within "
         f"{100 * LOADED:g} %; this is {draught:.4g} m.",
@@ -179,6 +185,7 @@ def approach_condition(speed: float, full: float | None) -> Condition:
             name="approach",
             title="approach speed",
             standard=standard,
+            excess=-speed,
             shown=f"{speed:.4g} m/s, that at 85 % not supplied",
             words=f"The approach speed, {speed:.4g} m/s, must be {standard}, which is not stated.",
         )
@@ -189,6 +196,7 @@ def approach_condition(speed: float, full: float | None) -> Condition:
         standard=standard,
         value=share,
         shown=f"{speed:.4g} m/s, {100 * share:.1f} % of {full:.4g} m/s",
+        excess=-share,
         met=share >= FAST * (1.0 - 1e-12),
         words=f"The approach speed must be {standard}, {full:.4g} m/s; this is {speed:.4g} m/s, "
         f"{100 * share:.0f} %.",
@@ -204,6 +212,7 @@ def rudder_condition(rudder_deg: float) -> Condition:
         standard=f"{HARD_OVER:g}° or the largest permissible",
         value=size,
         shown=f"{size:.1f}°",
+        excess=-size,
         met=True if size > HARD_OVER - 0.5 else None,
         words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
         f"{size:.1f}°.",
