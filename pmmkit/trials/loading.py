@@ -1,4 +1,4 @@
-"""From the loading of a trial to full load: by two models, or by one that is checked there."""
+"""From the loading of a trial to full load: by two models of the ship, or by model tests."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.free_running import STOPPING
 from pmmkit.errors import DataError
 from pmmkit.metrics import Criterion, criteria
@@ -16,10 +17,72 @@ from pmmkit.presentation import Grid, Group, percent
 from pmmkit.simulation.imo import Verdict
 from pmmkit.simulation.imo.conditions import LOADED
 from pmmkit.simulation.simulate import simulate, steering
+from pmmkit.trials.evaluate import evaluate_trials
 from pmmkit.trials.table import Trial
 
 SAME_LENGTH: Final = 0.01
 """Share by which the lengths of trial and models may differ."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Prediction:
+    """What says how a ship does in one loading.
+
+    Parameters
+    ----------
+    name : str
+        Of the model or the tests.
+    L, draught : float
+        At its own scale [m].
+    model : Model, optional
+        A model at the scale of the ship, which sails as the trial did.
+    tests : tuple of Trial
+        Free-running model tests, whose measures in ship lengths and degrees are taken as they are.
+    """
+
+    name: str
+    L: float
+    draught: float
+    model: Model | None = None
+    tests: tuple[Trial, ...] = ()
+
+    def value(self, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
+        """The measure of a verdict; NaN where there is none. Of several tests their mean."""
+        if self.model is not None:
+            return _simulated(self.model, trial, verdict, settings)
+        asked = (verdict.criterion, verdict.side)
+        found = [
+            x.value
+            for test in self.tests
+            for x in test.verdicts
+            if (x.criterion, x.side) == asked and math.isfinite(x.value)
+        ]
+        return sum(found) / len(found) if found else math.nan
+
+
+def predicted_by(source: Model | str | Path) -> Prediction:
+    """A model as a prediction.
+
+    Parameters
+    ----------
+    source : Model, str or path
+        A model, a library name or a file.
+    """
+    model = source if isinstance(source, Model) else load_model(source)
+    return Prediction(name=model.name, L=model.ship.L, draught=model.ship.d, model=model)
+
+
+def predicted_by_tests(campaign: Campaign) -> Prediction:
+    """Free-running model tests as a prediction.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Turning circles, zigzags and stops of a ship model in the loading.
+    """
+    ship = campaign.ship
+    tests = evaluate_trials(campaign)
+    return Prediction(name=campaign.title, L=ship.L, draught=ship.d, tests=tests)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,10 +137,7 @@ class Corrected:
 
 
 def to_full_load(
-    trials: Sequence[Trial],
-    as_tried: Model | str | Path,
-    full_load: Model | str | Path,
-    **settings: Any,
+    trials: Sequence[Trial], as_tried: Prediction, full_load: Prediction, **settings: Any
 ) -> tuple[Corrected, ...]:
     """Every criterion of a trial at full load, by the ratio of two predictions.
 
@@ -85,46 +145,49 @@ def to_full_load(
     ----------
     trials : sequence of Trial
         From `evaluate_trials`.
-    as_tried, full_load : Model, str or path
-        A model of the ship in the condition of the trial, and one at full load, made by the same
-        method.
+    as_tried, full_load : Prediction
+        Of the ship in the condition of the trial, and at full load, made by the same method: of
+        `predicted_by` or of `predicted_by_tests`.
     **settings
-        Of `simulate`; of a stop `turns` and `reversal_s`, by default those measured.
+        Of `simulate`, for models; of a stop `turns` and `reversal_s`, by default those measured.
 
     Returns
     -------
     tuple of Corrected
-        Of each verdict whose measure both models give, in the order of the trials. Both sail at the
+        Of each verdict whose measure both give, in the order of the trials. Models sail at the
         approach speed of the run with the rudder that was laid; the uncertainty of R is that of T
-        times F/B, and has nothing of the models'.
+        times F/B, and has nothing of the predictions'.
 
     Raises
     ------
     DataError
-        If a model is of another length than the ship.
+        If a model is of another length than the ship, or one is a model and the other tests.
     """
-    tried, full = (
-        item if isinstance(item, Model) else load_model(item) for item in (as_tried, full_load)
-    )
-    for model in (tried, full):
-        own = {item.L for item in trials if abs(model.ship.L / item.L - 1.0) > SAME_LENGTH}
-        if own:
+    if (as_tried.model is None) is not (full_load.model is None):
+        raise DataError(
+            f"B and F are to be made by the same method: {as_tried.name!r} and {full_load.name!r} "
+            f"are a model and model tests."
+        )
+    for item in (as_tried, full_load):
+        others = {x.L for x in trials if abs(item.L / x.L - 1.0) > SAME_LENGTH}
+        if item.model is not None and others:
             raise DataError(
-                f"Model {model.name!r} has L = {model.ship.L:.4g} m, the ship of the trial "
-                f"{max(own):.4g} m. Carry it there first: pmmkit scale MODEL --length {max(own):g}."
+                f"Model {item.name!r} has L = {item.L:.4g} m, the ship of the trial "
+                f"{max(others):.4g} m. Carry it there first: pmmkit scale MODEL --length "
+                f"{max(others):g}."
             )
     found = []
     for trial in trials:
         for verdict in trial.verdicts:
             if math.isnan(verdict.value):
                 continue
-            values = [_predicted(model, trial, verdict, settings) for model in (tried, full)]
+            values = [item.value(trial, verdict, settings) for item in (as_tried, full_load)]
             if all(math.isfinite(value) and value > 0.0 for value in values):
                 found.append(_corrected(trial, verdict, *values))
     return tuple(found)
 
 
-def _predicted(model: Model, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
+def _simulated(model: Model, trial: Trial, verdict: Verdict, settings: dict[str, Any]) -> float:
     """The measure of a verdict by a model that sails as the trial did; NaN where it cannot."""
     criterion = next(item for _, item in criteria() if item.name == verdict.criterion)
     given = _sailed(model, trial, criterion)
@@ -188,20 +251,26 @@ def corrected_grid(found: Sequence[Corrected]) -> Grid:
 
 
 def loading_notes(
-    as_tried: Model, full_load: Model, *, draught: float, full_draught: float | None
+    as_tried: Prediction,
+    full_load: Prediction,
+    *,
+    L: float,
+    draught: float,
+    full_draught: float | None,
 ) -> tuple[str, ...]:
-    """Where the draughts of the models are not those of the trial and of full load.
+    """Where the draughts of the predictions are not those of the trial and of full load.
 
     Parameters
     ----------
-    as_tried, full_load : Model
+    as_tried, full_load : Prediction
         As for `to_full_load`.
-    draught, full_draught : float, float or None
-        Mean draughts of the trial and of full load [m].
+    L, draught, full_draught : float, float, float or None
+        Of the ship; mean draughts of the trial and of full load [m].
     """
     asked = (("as tried", as_tried, draught), ("of full load", full_load, full_draught))
     return tuple(
-        f"The model {name} ({model.name}) draws {model.ship.d:.4g} m, the ship {own:.4g} m."
-        for name, model, own in asked
-        if own is not None and abs(model.ship.d / own - 1.0) > LOADED
+        f"The prediction {name} ({item.name}) is for {item.draught * L / item.L:.4g} m of draught, "
+        f"the ship draws {own:.4g} m."
+        for name, item, own in asked
+        if own is not None and abs(item.draught * L / item.L / own - 1.0) > LOADED
     )

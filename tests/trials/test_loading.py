@@ -13,7 +13,13 @@ from pmmkit.models import estimated_model
 from pmmkit.ship import Ship
 from pmmkit.simulation.imo import imo_turning
 from pmmkit.trials import Trial
-from pmmkit.trials.loading import corrected_grid, loading_notes, to_full_load
+from pmmkit.trials.loading import (
+    Prediction,
+    corrected_grid,
+    loading_notes,
+    predicted_by,
+    to_full_load,
+)
 
 SPEED = 8.0
 
@@ -37,9 +43,9 @@ def tanker(draught, block, **changes):
     return model.with_values("hull_polynomial", **changed)
 
 
-def sailed(model, rudder_deg=35.0):
+def sailed(model, rudder_deg=35.0, speed=SPEED):
     """A turning circle as a trial that was measured without any error."""
-    track = pk.simulate(model, "turning", speed=SPEED, rudder_deg=rudder_deg, compiled=False)
+    track = pk.simulate(model, "turning", speed=speed, rudder_deg=rudder_deg, compiled=False)
     names = ("t", "x", "y", "psi", "delta")
     paths = {name: getattr(track, name) for name in names}
     return Trial(
@@ -47,7 +53,7 @@ def sailed(model, rudder_deg=35.0):
         test="turning",
         name=model.name,
         L=track.L,
-        speed=SPEED,
+        speed=speed,
         speed_std=0.0,
         heading_deg=0.0,
         rudder_deg=rudder_deg,
@@ -67,10 +73,16 @@ REAL = {"Nv": 1.08, "Yr": 0.95}
 """By which the ship differs from her models in either condition."""
 
 
+def corrected(trial):
+    return to_full_load(
+        [trial], predicted_by(tanker(*BALLAST)), predicted_by(tanker(*FULL)), compiled=False
+    )
+
+
 def test_a_model_that_is_right_as_tried_gives_its_own_full_load():
     trial = sailed(tanker(*BALLAST))
     full = sailed(tanker(*FULL))
-    for item in to_full_load([trial], tanker(*BALLAST), tanker(*FULL), compiled=False):
+    for item in corrected(trial):
         assert item.misses == pytest.approx(0.0, abs=1e-9)
         assert item.verdict.value == pytest.approx(full.metrics[item.measured.metric], rel=1e-9)
 
@@ -80,7 +92,7 @@ def test_what_a_model_misses_in_both_conditions_the_ratio_takes_out(rudder_deg):
     """F alone would be wrong by what the models lack; T F/B by a small part of it."""
     trial = sailed(tanker(*BALLAST, **REAL), rudder_deg)
     truth = sailed(tanker(*FULL, **REAL), rudder_deg).metrics
-    found = to_full_load([trial], tanker(*BALLAST), tanker(*FULL), compiled=False)
+    found = corrected(trial)
     assert [item.measured.criterion for item in found] == ["advance", "tactical_diameter"]
     for item in found:
         real = truth[item.measured.metric]
@@ -89,14 +101,36 @@ def test_what_a_model_misses_in_both_conditions_the_ratio_takes_out(rudder_deg):
         assert item.verdict.side == ("port" if rudder_deg < 0 else "starboard")
 
 
+def tank_tests(loading):
+    """Model tests of 7 m to both sides, as measured without any error."""
+    model = pk.scaled(tanker(*loading), 7.0)
+    pace = SPEED * np.sqrt(7.0 / 320.0)
+    both = tuple(sailed(model, side * 35.0, pace) for side in (1.0, -1.0))
+    return Prediction(name="tank", L=7.0, draught=model.ship.d, tests=both)
+
+
+def test_model_tests_do_as_well_as_models_by_froudes_law():
+    trial = sailed(tanker(*BALLAST, **REAL), -35.0)
+    found = to_full_load([trial], tank_tests(BALLAST), tank_tests(FULL))
+    assert [item.measured.criterion for item in found] == ["advance", "tactical_diameter"]
+    for item, same in zip(found, corrected(trial), strict=True):
+        assert item.verdict.value == pytest.approx(same.verdict.value, rel=1e-6)
+    assert (
+        loading_notes(
+            tank_tests(BALLAST), tank_tests(FULL), L=320.0, draught=11.0, full_draught=20.8
+        )
+        == ()
+    )
+    with pytest.raises(DataError, match="same method"):
+        to_full_load([trial], tank_tests(BALLAST), predicted_by(tanker(*FULL)))
+
+
 def test_the_uncertainty_of_the_measure_is_carried_with_it():
     trial = sailed(tanker(*BALLAST))
     near = replace(
         trial.verdicts[1], limit=1.02 * sailed(tanker(*FULL)).metrics["tactical_diameter_L"]
     )
-    (item,) = to_full_load(
-        [replace(trial, verdicts=(near,))], tanker(*BALLAST), tanker(*FULL), compiled=False
-    )
+    (item,) = corrected(replace(trial, verdicts=(near,)))
     share = item.full / item.tried
     rng = np.random.default_rng(0)
     drawn = share * (item.measured.value + 0.05 * rng.normal(size=200_000))
@@ -107,21 +141,22 @@ def test_what_a_model_cannot_sail_stays_as_tried():
     """These models say nothing of their propellers astern."""
     stopped = replace(sailed(tanker(*BALLAST)).verdicts[0], criterion="track_reach", value=7.0)
     trial = replace(sailed(tanker(*BALLAST)), verdicts=(stopped,))
-    assert to_full_load([trial], tanker(*BALLAST), tanker(*FULL), compiled=False) == ()
+    assert corrected(trial) == ()
 
 
 def test_models_of_another_length_or_draught_are_named():
     trial = sailed(tanker(*BALLAST))
     with pytest.raises(DataError, match="pmmkit scale"):
-        to_full_load([trial], "kvlcc2-l7", "kvlcc2-l7")
-    notes = loading_notes(tanker(*FULL), tanker(*FULL), draught=11.0, full_draught=20.8)
+        to_full_load([trial], predicted_by("kvlcc2-l7"), predicted_by("kvlcc2-l7"))
+    full = predicted_by(tanker(*FULL))
+    notes = loading_notes(full, full, L=320.0, draught=11.0, full_draught=20.8)
     assert len(notes) == 1
-    assert "draws 20.8 m, the ship 11 m" in notes[0]
+    assert "is for 20.8 m of draught, the ship draws 11 m" in notes[0]
 
 
 def test_the_table_names_its_columns_by_the_letters_of_the_notes():
     trial = sailed(tanker(*BALLAST))
-    found = to_full_load([trial], tanker(*BALLAST), tanker(*FULL), compiled=False)
+    found = corrected(trial)
     grid = corrected_grid(found)
     assert {"T", "B", "F", "R = T F/B"} < set(grid.head)
     told = found[0].to_dict()

@@ -13,6 +13,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.campaigns.samples.geodesy import geographic, local_metres
+from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.trials import evaluate, evaluate_trials, fit_circle
@@ -681,7 +682,10 @@ speed_85 = 8.2
 
 def test_conditions_of_a_trial_as_recorded_and_as_stated(turn, tmp_path):
     run = {"T": (TURN, recorded(turn, Logger(wind=(12.0, 300.0))))}
-    trial = evaluate_trials(write_campaign(tmp_path, run, source=IMO))[0]
+    campaign = write_campaign(tmp_path, run, source=IMO)
+    save_campaign(campaign, tmp_path / "saved.h5")
+    campaign = pk.open_campaign(tmp_path / "saved.h5")  # what was stated is kept
+    trial = evaluate_trials(campaign)[0]
     told = {item.name: item for item in trial.conditions}
     assert {name: item.met for name, item in told.items()} == {
         "length": True,
@@ -796,6 +800,9 @@ def test_the_command_for_one_run(folder, tmp_path, capsys):
         "trial.json",
         "path_S.csv",
         "trial_S.svg",
+        "imo_form.html",
+        "imo_form.csv",
+        "imo_form.json",
     }
 
 

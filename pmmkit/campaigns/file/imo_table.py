@@ -37,4 +37,4 @@ class ImoEntry(Entry):
     speed_85: Positive | None = said("speed at 85 % of the engine's largest output [m/s]", None)
     place: str | None = said("of the trial", None)
     date: str | None = said("of the trial", None)
-    remarks: Names = said("sentences for the form", ())
+    remarks: Names | None = said("sentences for the form", None)

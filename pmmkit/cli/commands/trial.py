@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
@@ -18,7 +19,7 @@ from pmmkit.presentation import Section, counted, text_of
 if TYPE_CHECKING:
     from pmmkit.campaigns.run import Campaign as Opened
     from pmmkit.trials import Trial
-    from pmmkit.trials.loading import Corrected
+    from pmmkit.trials.loading import Corrected, Prediction
 
 
 EXAMPLE: Final = "pmmkit trial my-zigzags"
@@ -39,12 +40,12 @@ def trial(
     as_tried: Annotated[
         str | None,
         typer.Option(
-            help="Model of the ship in the condition of the trial, to correct for the loading; "
-            "with --full-load."
+            help="Model of the ship in the condition of the trial, to correct for the loading, or "
+            "a campaign of free-running model tests; with --full-load."
         ),
     ] = None,
     full_load: Annotated[
-        str | None, typer.Option(help="Model of the ship at full load, made by the same method.")
+        str | None, typer.Option(help="The same at full load, made by the same method.")
     ] = None,
     form: Form = None,
     data: Data = None,
@@ -102,17 +103,27 @@ def _loaded(
     """The measures at full load, and where the models' draughts are others."""
     if as_tried is None or full_load is None:
         return (), ()
-    from pmmkit.models import load_model
     from pmmkit.trials.conditions import mean_draught
     from pmmkit.trials.loading import loading_notes, to_full_load
 
-    tried, full = load_model(as_tried), load_model(full_load)
+    tried, full = (_prediction(item) for item in (as_tried, full_load))
     return to_full_load(trials, tried, full), loading_notes(
         tried,
         full,
+        L=campaign.ship.L,
         draught=mean_draught(campaign.imo, campaign.ship.d),
         full_draught=campaign.imo.get("full_load_draught"),
     )
+
+
+def _prediction(source: str) -> Prediction:
+    """A model, or the tests of a campaign."""
+    from pmmkit.trials.loading import predicted_by, predicted_by_tests
+
+    path = Path(source)
+    if path.is_dir() or path.name == "campaign.toml" or path.suffix in (".h5", ".hdf5"):
+        return predicted_by_tests(sound_campaign(path, None)[0])
+    return predicted_by(source)
 
 
 def _files(found: Sequence[Trial], content: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:

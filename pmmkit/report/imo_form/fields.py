@@ -45,7 +45,7 @@ def read_stated(file: Path) -> dict[str, Any]:
     )
     if problems or found is None:
         raise DataError(problems, title=f"{file} cannot be read")
-    return {name: value for name, value in found if value not in (None, ())}
+    return {name: value for name, value in found if value is not None}
 
 
 def ship_entries(stated: Mapping[str, Any], ship: Ship, speed: float) -> tuple[Entry, ...]:

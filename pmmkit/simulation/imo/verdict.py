@@ -227,7 +227,8 @@ def _sailed(track: Track) -> str:
     """The manoeuvre in words, with the side."""
     to = side_of(track.rudder_deg)
     side = f", to {to}" if to else ""
-    return f"{track.manoeuvre.replace('_', ' ')} {abs(track.rudder_deg):g}°{side}"
+    angle = f" {abs(track.rudder_deg):g}°" if to else ""
+    return f"{track.manoeuvre.replace('_', ' ')}{angle}{side}"
 
 
 def track_conditions(track: Track, full_speed: float | None = None) -> tuple[str, ...]:
