@@ -115,12 +115,8 @@ def test_model_tests_do_as_well_as_models_by_froudes_law():
     assert [item.measured.criterion for item in found] == ["advance", "tactical_diameter"]
     for item, same in zip(found, corrected(trial), strict=True):
         assert item.verdict.value == pytest.approx(same.verdict.value, rel=1e-6)
-    assert (
-        loading_notes(
-            tank_tests(BALLAST), tank_tests(FULL), L=320.0, draught=11.0, full_draught=20.8
-        )
-        == ()
-    )
+    both = tank_tests(BALLAST), tank_tests(FULL)
+    assert loading_notes(*both, L=320.0, draught=11.0, full_draught=20.8) == ()
     with pytest.raises(DataError, match="same method"):
         to_full_load([trial], tank_tests(BALLAST), predicted_by(tanker(*FULL)))
 

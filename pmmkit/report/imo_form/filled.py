@@ -137,7 +137,7 @@ def form_of_trials(
     corrected : sequence of Corrected
         From `to_full_load`: they stand in the place of what was measured.
     notes : sequence of str
-        On that correction.
+        What keeps that correction from full load.
 
     Returns
     -------
@@ -193,6 +193,7 @@ def form_of_trials(
         assumptions=_assumed([verdict for _, verdict in verdicts]),
         remarks=(*said.get("remarks", ()), *_of_current(trials), *notes, *_large(verdicts)),
         corrections=corrected_grid(corrected) if corrected else None,
+        loaded=bool(corrected) and not notes,
         scale=f"as measured, L = {ship.L:.4g} m",
     )
 

@@ -161,6 +161,8 @@ class Form(Described):
         From the loading of the trial to full load.
     scale : str
         At which scale the results are.
+    loaded : bool
+        Whether the results are carried to full load from a trial in another loading.
     """
 
     name: str
@@ -172,6 +174,7 @@ class Form(Described):
     remarks: tuple[str, ...] = ()
     corrections: Grid | None = None
     scale: str = ""
+    loaded: bool = False
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -211,7 +214,7 @@ class Form(Described):
         besides = [
             item.title
             for item in self.conditions
-            if item.met is False and not (item.name == "draught" and self.basis == "corrected")
+            if item.met is False and not (self.loaded and item.name == "draught")
         ]
         unknown = sum(item.met is None for item in self.conditions)
         parts = [
