@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 import pmmkit as pk
+from pmmkit.campaigns.run import Campaign
 from pmmkit.errors import DataError
 from pmmkit.models import estimated_model
-from pmmkit.ship import Ship
+from pmmkit.report.imo_form import form_of_trials
+from pmmkit.ship import Ship, Water
 from pmmkit.simulation.imo import imo_turning
 from pmmkit.trials import Trial
 from pmmkit.trials.loading import (
@@ -73,9 +75,9 @@ REAL = {"Nv": 1.08, "Yr": 0.95}
 """By which the ship differs from her models in either condition."""
 
 
-def corrected(trial):
+def corrected(*trials):
     return to_full_load(
-        [trial], predicted_by(tanker(*BALLAST)), predicted_by(tanker(*FULL)), compiled=False
+        trials, predicted_by(tanker(*BALLAST)), predicted_by(tanker(*FULL)), compiled=False
     )
 
 
@@ -157,3 +159,17 @@ def test_the_table_names_its_columns_by_the_letters_of_the_notes():
     assert {"T", "B", "F", "R = T F/B"} < set(grid.head)
     told = found[0].to_dict()
     assert told["R"] == pytest.approx(told["T"] * told["F"] / told["B"])
+
+
+def test_what_was_carried_on_one_side_alone_is_not_judged_on_both():
+    starboard, port = (sailed(tanker(*BALLAST), side * 35.0) for side in (1.0, -1.0))
+    trials = [starboard, replace(port, run="T2")]
+    campaign = Campaign(title="trial", ship=tanker(*BALLAST).ship, water=Water(), runs=())
+    one, both = (
+        form_of_trials(campaign, trials, corrected=corrected(*some))
+        for some in (trials[:1], trials)
+    )
+    assert [line.passed for line in one.lines[:2]] == [None, None]
+    assert [line.tried for line in one.lines[:2]] == [True, True]
+    assert [line.passed for line in both.lines[:2]] == [True, True]
+    assert one.lines[0].words == "turning circle 35°: advance, as tried"

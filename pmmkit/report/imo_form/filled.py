@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
@@ -20,7 +20,7 @@ from pmmkit.report.imo_form.fields import (
     sailed_entries,
     ship_entries,
 )
-from pmmkit.report.imo_form.form import Entry, Form, lines_of
+from pmmkit.report.imo_form.form import Entry, Form, Line, lines_of
 from pmmkit.simulation.imo import LARGE, Verdict
 from pmmkit.simulation.imo.conditions import (
     Condition,
@@ -179,11 +179,7 @@ def form_of_trials(
     ]
     lines = lines_of(verdicts, L=ship.L, speed=speed)
     if carried:
-        there = {criterion for _, criterion in carried}
-        lines = tuple(
-            line if line.criterion.name in there or not line.verdicts else replace(line, tried=True)
-            for line in lines
-        )
+        lines = tuple(replace(line, tried=_is_tried(line, carried)) for line in lines)
     return Form(
         name=ship.name,
         basis="corrected" if corrected else "measured",
@@ -196,6 +192,11 @@ def form_of_trials(
         loaded=bool(corrected) and not notes,
         scale=f"as measured, L = {ship.L:.4g} m",
     )
+
+
+def _is_tried(line: Line, carried: Collection[tuple[str, str]]) -> bool:
+    """Whether a result of a line was not carried to full load."""
+    return any((run, line.criterion.name) not in carried for run in line.runs.values())
 
 
 def _with_most_rudder(trials: Sequence[Trial]) -> list[Trial]:
