@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from pmmkit.escaping import html_text
-from pmmkit.presentation import ABSENT as DASH
-from pmmkit.presentation import Grid
+from pmmkit.presentation import Cell, Grid
 from pmmkit.report.imo_form.form import (
     ABSENT,
     BASES,
@@ -26,6 +25,7 @@ from pmmkit.version import __version__
 STYLE: Final = Path(__file__).with_name("form.css")
 PAGE: Final = "imo_form.html"
 """Name of the page; those for machines are called the same."""
+CELL: Final = '<{kind} class="{names}">{text}</{kind}>'
 SHADES: Final = {"met": "met", "NOT met": "failed", "not judged": "open", "not shown": "open"}
 """Class of a cell that says a verdict."""
 
@@ -107,9 +107,7 @@ def _sentence(text: str) -> str:
 
 def _fields(entries: tuple[Entry, ...]) -> str:
     rows = "".join(
-        f"<div><dt>{html_text(item.title)}</dt><dd{_mark(item.shown)}>{html_text(item.shown)}</dd>"
-        "</div>"
-        for item in entries
+        f"<div><dt>{html_text(item.title)}</dt>{_cell('dd', item.shown)}</div>" for item in entries
     )
     return f"<dl>{rows}</dl>"
 
@@ -117,22 +115,18 @@ def _fields(entries: tuple[Entry, ...]) -> str:
 def _table(grid: Grid) -> str:
     left = {0, *grid.texts}
 
-    def cells(kind: str, row: Any) -> str:
-        return "".join(
-            f"<{kind}{_mark(cell, left=place in left)}>{html_text(DASH if cell is None else cell)}"
-            f"</{kind}>"
-            for place, cell in enumerate(row)
-        )
+    def cells(kind: str, row: Sequence[Cell]) -> str:
+        return "".join(_cell(kind, cell, left=place in left) for place, cell in enumerate(row))
 
     body = "".join(f"<tr>{cells('td', row)}</tr>" for group in grid.groups for row in group.rows)
     return f"<table><thead><tr>{cells('th', grid.head)}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def _mark(text: str | None, *, left: bool = False) -> str:
-    """The class of a cell: where it stands, and what verdict it says."""
+def _cell(kind: str, text: Cell, *, left: bool = False) -> str:
+    """A cell, with a class for where it stands and for what verdict it says."""
     names = ["left"] if left else []
     if text == ABSENT:
         names.append("absent")
     elif text in SHADES:
         names.append(SHADES[text])
-    return f' class="{" ".join(names)}"' if names else ""
+    return CELL.format(kind=kind, names=" ".join(names), text=html_text(text or ""))
