@@ -28,6 +28,7 @@ from pmmkit.trials.table import Trial, Wind
 ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
 SHIP = "s175-3dof"
+pytestmark = pytest.mark.xdist_group("objects")  # one worker makes each of them once
 
 
 @cache
