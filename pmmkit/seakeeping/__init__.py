@@ -13,7 +13,7 @@ from pmmkit.seakeeping.operability import LIMITS, Operability, operability
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
-from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves
+from pmmkit.seakeeping.second_order.in_manoeuvre import drift_part, in_waves, motions_in
 from pmmkit.seakeeping.second_order.mean_drift import drift, drift_table
 from pmmkit.seakeeping.superposed import MotionInWaves, superposed
 from pmmkit.seakeeping.transfer import Rao
@@ -52,6 +52,7 @@ __all__ = [
     "in_waves",
     "load_hull",
     "loading_of",
+    "motions_in",
     "operability",
     "rao",
     "read_hull",

@@ -13,6 +13,8 @@ import pmmkit as pk
 import pmmkit.ship_library
 from pmmkit.cli import main
 from pmmkit.errors import DataError
+from pmmkit.seakeeping import motions
+from pmmkit.seakeeping.strips import strips_of
 from pmmkit.validation import comparison
 
 SEA = ["--hs", "4", "--tp", "9.7"]
@@ -107,6 +109,51 @@ def test_a_turn_in_a_sea_drifts_and_rolls(tmp_path, capsys):
     assert set(rows[0]) == {"t", "x", "y", "psi", "phi", "heave", "pitch", "elevation"}
 
 
+@pytest.fixture
+def computed(monkeypatch):
+    """How often sections were solved."""
+    hulls = []
+
+    def counted(hull, *given, **options):
+        hulls.append(hull)
+        return strips_of(hull, *given, **options)
+
+    monkeypatch.setattr(motions, "strips_of", counted)
+    return hulls
+
+
+@pytest.mark.slow
+def test_drift_and_motion_come_from_one_strip_theory(computed, tmp_path, capsys):
+    """At the speeds that are asked for; a model with a table of its own needs it for motions."""
+    order = ["simulate", "s175-3dof", "--speed", "8", "--rudder-deg", "20", "--duration", "60"]
+    waves = ["--wave-height", "4", "--wave-period", "8", "--no-figures"]
+    speeds = ["--wave-speeds", "0,5,8"]
+    assert main([*order, *waves, *speeds, "--wave-motion", "--out", str(tmp_path / "a")]) == 0
+    assert len(computed) == 1
+    assert "at 0, 5, 8 m/s" in capsys.readouterr().out
+    plain = pk.ship_library.ship_file("s175-3dof").read_text(encoding="utf-8")
+    own = tmp_path / "own.toml"
+    own.write_text(f"{plain}\n{TABLE}", encoding="utf-8")
+    order[1] = str(own)
+    assert main([*order, *waves, "--out", str(tmp_path / "b")]) == 0
+    assert len(computed) == 1
+    assert "peak period of 12 s, this sea has 8 s" in capsys.readouterr().out
+    assert main([*order, *waves, *speeds]) == 2
+    assert "leave --wave-speeds out" in capsys.readouterr().err
+
+
+TABLE = """[effects.wave_drift.options]
+coefficients = "table"
+[effects.wave_drift.values]
+Hs = 3.0
+Tp = 12.0
+angle_deg = [0.0, 180.0]
+DX = [-0.03, 0.01]
+DY = [0.0, 0.0]
+DN = [0.0, 0.0]
+"""
+
+
 @pytest.mark.parametrize(
     "half", [["--wave-period", "8"], ["--wave-height", "2"], ["--wave-motion"]]
 )
@@ -143,7 +190,7 @@ def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monk
     assert rough.ship.L == 7.0
     drift = rough.values("wave_drift")
     assert (drift["Hs"], drift["Tp"], drift["from_deg"]) == (0.12, 1.5, 70.0)
-    assert drift["speed"] == 1.179
+    assert drift["speeds"] == (0.0, 1.179)
 
 
 @pytest.mark.slow

@@ -187,25 +187,17 @@ def _drift(part: Part) -> str:
         *(f'{name} = "{word}"' for name, word in part.options.items()),
         f"[effects.{part.effect}.values]",
     ]
+    across = part.values["angle_deg"]
+    width = len(across) if isinstance(across, tuple) else 0
     for name, value in part.values.items():
         if isinstance(value, tuple):
-            told = f"[{', '.join(f'{x:.6g}' for x in value)}]"
+            rows = [value[i : i + width] for i in range(0, len(value), width)]
+            told = ",\n  ".join(", ".join(f"{x:.6g}" for x in row) for row in rows)
+            told = f"[{told}]" if len(rows) == 1 else f"[\n  {told},\n]"
         else:
             told = repr(float(value))
         lines.append(f"{name} = {told}")
     return "\n".join(lines) + "\n"
-
-
-def _drifts(found: Rao, waves: Sea) -> Iterator[tuple[str, str]]:
-    """One file for one speed, or rest and one speed; else one for each speed."""
-    from pmmkit.seakeeping import drift_part
-
-    speeds = found.speed.tolist()
-    if len(speeds) == 1 or (len(speeds) == 2 and speeds[0] == 0.0):
-        yield "drift.toml", _drift(drift_part(found, waves))
-        return
-    for number, speed in enumerate(speeds, start=1):
-        yield f"drift_{number}.toml", _drift(drift_part(found, waves, speed=speed))
 
 
 def _files(
@@ -214,6 +206,7 @@ def _files(
     import pandas as pd
 
     from pmmkit.plotting.style import save
+    from pmmkit.seakeeping import drift_part
 
     yield "rao.csv", found.to_pandas()
     yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
@@ -222,7 +215,7 @@ def _files(
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
         if {0.0, 180.0} <= {round(answer.heading_deg, 6) for answer in answers}:
-            yield from _drifts(found, waves)
+            yield "drift.toml", _drift(drift_part(found, waves))
     if figures:
         yield "rao.svg", partial(save, found.plot())
         yield "added_resistance.svg", partial(save, added.plot())
