@@ -77,6 +77,34 @@ def over_time(t: Array, panels: Mapping[str, Array]) -> Figure:
     return figure
 
 
+def beside_measured(panels: Mapping[str, tuple[Array, Array, Array, Array]]) -> Figure:
+    """Measured points with twice their standard uncertainty, beside a computed curve.
+
+    Parameters
+    ----------
+    panels : mapping of str to (array, array, array, array)
+        Frequencies of encounter [rad/s], measured, standard uncertainty and computed values by
+        the label of the ordinate.
+
+    Returns
+    -------
+    Figure
+    """
+    with style.styled():
+        figure = style.canvas(2.1 * len(panels) + 0.9)
+        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        for axis, (label, (omega, measured, std, computed)) in zip(
+            axes, panels.items(), strict=True
+        ):
+            axis.errorbar(omega, measured, 2 * std, fmt="o", color=style.INK, label="measured")
+            axis.plot(omega, computed, color=style.colour(0), label="computed")
+            axis.set_ylabel(label)
+            axis.set_ylim(bottom=0.0)
+        axes[-1].set_xlabel("frequency of encounter [rad/s]")
+        style.legend_below(figure, [axes[0]], 2)
+    return figure
+
+
 def polar(heading_deg: Array, curves: Mapping[str, Array], *, limit: float, label: str) -> Figure:
     """Curves around a ship whose bow is up, over where the waves come from; port mirrors starboard.
 

@@ -1,6 +1,7 @@
 """Seakeeping: seas, hulls in sections, strip theory, responses and added resistance."""
 
 from pmmkit.seakeeping.answers import AtPlace, Moments, Place, Response
+from pmmkit.seakeeping.explained import Explained, explained
 from pmmkit.seakeeping.hulls.hull import Hull, Hydrostatics, Station
 from pmmkit.seakeeping.hulls.library import hull_of, hulls, load_hull
 from pmmkit.seakeeping.hulls.offsets import read_hull
@@ -10,6 +11,7 @@ from pmmkit.seakeeping.loading import Loading, loading_of
 from pmmkit.seakeeping.measured import Measured, RaoComparison, beside, from_irregular, from_regular
 from pmmkit.seakeeping.motions import frequencies, rao
 from pmmkit.seakeeping.operability import LIMITS, Operability, operability
+from pmmkit.seakeeping.records import MotionRecord, read_record, together
 from pmmkit.seakeeping.responses import response
 from pmmkit.seakeeping.seas import Sea, SeaState, sea, sea_states, state_of
 from pmmkit.seakeeping.second_order.added_resistance import AddedResistance, added_resistance
@@ -22,12 +24,14 @@ __all__ = [
     "LIMITS",
     "AddedResistance",
     "AtPlace",
+    "Explained",
     "Hull",
     "Hydrostatics",
     "Loading",
     "Measured",
     "Moments",
     "MotionInWaves",
+    "MotionRecord",
     "Operability",
     "Place",
     "Rao",
@@ -42,6 +46,7 @@ __all__ = [
     "drift",
     "drift_part",
     "drift_table",
+    "explained",
     "frequencies",
     "from_irregular",
     "from_regular",
@@ -56,9 +61,11 @@ __all__ = [
     "operability",
     "rao",
     "read_hull",
+    "read_record",
     "response",
     "sea",
     "sea_states",
     "state_of",
     "superposed",
+    "together",
 ]

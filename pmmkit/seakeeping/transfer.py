@@ -14,6 +14,7 @@ from pmmkit.numerics import Array
 from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, counted
 from pmmkit.seakeeping.arrays import Complex, Flags
+from pmmkit.seakeeping.asked import nearest
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.strips import Strips
 
@@ -112,6 +113,19 @@ class Rao(Described):
                 s[1] + forward * r[2] - z * r[0],
                 s[2] + y * r[0] - forward * r[1],
             ]
+        )
+
+    def case(self, speed: float | None, heading_deg: float | None) -> tuple[int, int]:
+        """Places of a speed and a heading that were computed; of the only ones where not stated.
+
+        Parameters
+        ----------
+        speed, heading_deg : float or None
+            [m/s, deg].
+        """
+        return (
+            nearest(self.speed, speed, "speed [m/s]"),
+            nearest(np.degrees(self.heading), heading_deg, "heading_deg"),
         )
 
     def cases(self) -> list[str]:

@@ -85,6 +85,10 @@ def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
         (["kvlcc2", "--gyration", "1,2"], 2, "roll,pitch,yaw"),
         (["kvlcc2", *SEA, "--place", "bow"], 2, "name,x"),
         (["kvlcc9"], 1, "kvlcc2"),
+        (["kvlcc2", "--spreading", "2"], 2, "--hs"),
+        (["kvlcc2", "--sea-state", "12"], 2, "there are 0, 1"),
+        (["kvlcc2", *SEA, "--sea-state", "5"], 2, "in place of"),
+        (["kvlcc2", "--record", "none.csv"], 1, "none.csv"),
     ],
 )
 def test_a_wrong_request_says_what_to_write(options, status, says, tmp_path, monkeypatch, capsys):
@@ -198,3 +202,49 @@ def test_no_tank_has_waves_while_a_model_is_towed(tmp_path, capsys):
     order = ["compare", "s175-3dof", "datasets/s175", "--wave-height", "1", "--wave-period", "3"]
     assert main([*order, "--out", str(tmp_path)]) != 0
     assert "calm" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_spread_sea_by_its_state_and_where_the_ship_can_sail(tmp_path, capsys):
+    """In head seas a ship rolls only where they are spread; of those no drift is written."""
+    headings = "0,30,60,90,120,150,180"
+    order = ["seakeeping", "s175-design", "--speeds", "0,8", "--headings", headings, "--no-figures"]
+    sea = ["--sea-state", "5", "--place", "bow,80,8,9.5"]
+    long, spread = (
+        said(capsys, *order, *sea, *more, "--out", tmp_path / name)[1]
+        for name, more in (("long", []), ("spread", ["--spreading", "2"]))
+    )
+    assert "drift.toml" in long["files"]
+    assert "drift.toml" not in spread["files"]
+    assert "operability.csv" in spread["files"]
+    assert 0.0 < spread["operable_share"] <= 1.0
+    roll = [
+        next(
+            row["significant"]
+            for row in content["responses"]
+            if (row["heading_deg"], row["speed"], row["response"]) == (180.0, 8.0, "roll")
+        )
+        for content in (long, spread)
+    ]
+    assert roll[0] < 1e-9 < 1e-3 < roll[1]
+
+
+@pytest.mark.slow
+def test_records_of_a_tank_stand_beside_the_computed_motions(tmp_path, monkeypatch, capsys):
+    """A model of 1:40 in head waves of three lengths, which only follows them."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(0.0, 40.0, 0.05)
+    for number, omega in enumerate((3.6, 4.0, 4.5)):
+        wave = 20.0 * np.cos(omega * t)
+        table = np.column_stack([t, wave, 0.9 * wave])
+        np.savetxt(f"run{number}.csv", table, delimiter=",", header="t,wave [mm],heave [mm]",
+                   comments="")  # fmt: skip
+    order = ["seakeeping", "s175-design", "--record", "run*.csv", "--record-scale", "40"]
+    status, content, _ = said(capsys, *order, "--no-figures", "--out", tmp_path / "out")
+    assert status == 0
+    assert set(content["records"]["kinds"].values()) == {"regular"}
+    with (tmp_path / "out" / "measured.csv").open(newline="") as file:
+        rows = [*csv.DictReader(file)]
+    assert [float(row["measured"]) for row in rows] == pytest.approx([0.9] * 3, abs=1e-3)
+    assert main([*order, "--headings", "180,90"]) == 2
+    assert "one heading" in capsys.readouterr().err

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
+from pmmkit.cli.motion_records import RecordFiles, RecordScale, beside_records
 from pmmkit.cli.options import DrawFigures, numbers, stem, words
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
@@ -16,8 +18,10 @@ from pmmkit.cli.speeds import FROUDE, typed_list
 
 if TYPE_CHECKING:
     from pmmkit.models.model import Part
-    from pmmkit.seakeeping import AddedResistance, Hull, Rao, Response, Sea
+    from pmmkit.seakeeping import AddedResistance, Hull, Operability, Rao, Response, Sea, SeaState
 
+_FINE: Final = 120
+"""Frequencies beside records, between which motions lie on straight lines."""
 EXAMPLE: Final = (
     "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
 )
@@ -51,7 +55,10 @@ def seakeeping(
         float | None, typer.Option(help="Over critical, beside that of waves; 0.05 if absent.")
     ] = None,
     omega: Annotated[
-        str | None, typer.Option(help="Frequencies of the waves [rad/s]; if absent 40 from 5 L on.")
+        str | None,
+        typer.Option(
+            help="Frequencies of the waves [rad/s]; if absent 40 from 5 L on, 120 with --record."
+        ),
     ] = None,
     spectrum: Annotated[
         str, typer.Option(help="bretschneider, ittc, jonswap or pierson_moskowitz.")
@@ -59,6 +66,19 @@ def seakeeping(
     hs: Annotated[float | None, typer.Option(help="Significant wave height [m].")] = None,
     tp: Annotated[float | None, typer.Option(help="Peak period [s].")] = None,
     t1: Annotated[float | None, typer.Option(help="Mean period [s], in place of --tp.")] = None,
+    gamma: Annotated[
+        float | None, typer.Option(help="Peakedness of a jonswap; 3.3 if absent.")
+    ] = None,
+    spreading: Annotated[
+        int | None,
+        typer.Option(
+            help="Power of the cosine by which the sea is spread, 2 or 4; long-crested if absent. "
+            "It needs headings from 0 to 180."
+        ),
+    ] = None,
+    sea_state: Annotated[
+        int | None, typer.Option(help="State of the sea by WMO, 2 to 8, in place of --hs and --tp.")
+    ] = None,
     place: Annotated[
         list[str] | None,
         typer.Option(
@@ -66,12 +86,22 @@ def seakeeping(
         ),
     ] = None,
     hours: Annotated[float, typer.Option(help="Exposure and duration of extremes [h].")] = 3.0,
+    record: RecordFiles = None,
+    record_scale: RecordScale = 1.0,
     figures: DrawFigures = True,
     out: Out = None,
 ) -> Outcome:
     """Motions of a ship in waves, responses in a sea, and added resistance by several methods."""
     from pmmkit.files import write_results
-    from pmmkit.seakeeping import added_resistance, frequencies, loading_of, rao, response, sea
+    from pmmkit.seakeeping import (
+        added_resistance,
+        frequencies,
+        loading_of,
+        operability,
+        rao,
+        response,
+        sea,
+    )
 
     folder = results_folder(out, f"{stem(ship)}-seakeeping")
     hull = _hull(ship, draught, length)
@@ -81,17 +111,24 @@ def seakeeping(
     given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
     loading = loading_of(hull, GM=gm, roll_damping=roll_damping, **given)
     waves = None
-    if hs is not None:
-        waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1)
-    elif tp is not None or t1 is not None:
-        raise typer.BadParameter("--hs is needed beside a period.")
+    if sea_state is not None:
+        if hs is not None or tp is not None or t1 is not None:
+            raise typer.BadParameter("--sea-state stands in place of --hs, --tp and --t1.")
+        waves = replace(_state(sea_state).sea, spreading=spreading)
+    elif hs is not None:
+        waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1, gamma=gamma, spreading=spreading)
+    elif (tp, t1, gamma, spreading) != (None,) * 4:
+        raise typer.BadParameter("--hs is needed beside a period, --gamma and --spreading.")
     courses = numbers(headings) or ()
     places = [_place(text) for text in place or ()]
+    paces = _speeds(speeds, hull.L)
+    if record and (len(paces), len(courses)) != (1, 1):
+        raise typer.BadParameter("Beside --record state one speed and one heading.")
     found = rao(
         hull,
-        speeds=_speeds(speeds, hull.L),
+        speeds=paces,
         headings_deg=courses,
-        omega=numbers(omega) or frequencies(hull.L, waves),
+        omega=numbers(omega) or frequencies(hull.L, waves, count=_FINE if record else 40),
         loading=loading,
     )
     added = added_resistance(found)
@@ -101,10 +138,20 @@ def seakeeping(
         for heading in courses
         if waves
     ]
-    files = write_results(folder, _files(found, added, answers, waves, figures=figures))
+    around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
+    sailed = operability(found, waves, places=places) if waves and around else None
+    measured = beside_records(record, record_scale, found) if record else None
+    results = (
+        *_files(found, added, answers, waves, figures=figures),
+        *(_operability(sailed, figures=figures) if sailed else ()),
+        *(measured.files(figures=figures) if measured else ()),
+    )
+    files = write_results(folder, results)
     lines = [str(found), "", str(added)]
     for answer in answers:
         lines += ["", str(answer)]
+    lines += ["", str(sailed)] if sailed else []
+    lines += measured.lines if measured else []
     lines += [*_means(answers, added), f"Results: {folder}"]
     return Outcome(
         content={
@@ -114,9 +161,20 @@ def seakeeping(
             "notes": list(found.notes),
             "responses": [row for answer in answers for row in answer.rows()],
             "mean_added_resistance": _resistances(answers, added),
+            "operable_share": sailed.share if sailed else None,
+            "records": measured.content() if measured else None,
         },
         lines=lines,
     )
+
+
+def _state(code: int) -> SeaState:
+    from pmmkit.seakeeping import sea_states
+
+    states = {state.code: state for state in sea_states()}
+    if code not in states:
+        raise typer.BadParameter(f"--sea-state {code}: there are {', '.join(map(str, states))}.")
+    return states[code]
 
 
 def _hull(ship: str, draught: float | None, length: float | None) -> Hull:
@@ -200,6 +258,14 @@ def _drift(part: Part) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.plotting.style import save
+
+    yield "operability.csv", sailed.to_pandas()
+    if figures:
+        yield "operability.svg", partial(save, sailed.plot())
+
+
 def _files(
     found: Rao, added: AddedResistance, answers: list[Response], waves: Sea | None, *, figures: bool
 ) -> Iterator[tuple[str, Any]]:
@@ -214,7 +280,9 @@ def _files(
     if waves is not None:
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
-        if {0.0, 180.0} <= {round(answer.heading_deg, 6) for answer in answers}:
+        if waves.spreading is None and {0.0, 180.0} <= {
+            round(answer.heading_deg, 6) for answer in answers
+        }:
             yield "drift.toml", _drift(drift_part(found, waves))
     if figures:
         yield "rao.svg", partial(save, found.plot())
