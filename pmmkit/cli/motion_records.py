@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from pmmkit.seakeeping import Explained, Rao, RaoComparison
 
 RecordFiles = Annotated[
@@ -67,16 +69,22 @@ class RecordsBeside:
         import pandas as pd
 
         from pmmkit.plotting.style import save
-        from pmmkit.plotting.waves import beside_measured
 
         tables = [item.to_pandas() for item in self.motions]
         yield "measured.csv", pd.concat(tables, ignore_index=True)
         if figures:
-            panels = {
+            yield "measured.svg", partial(save, self.plot())
+
+    def plot(self) -> Figure:
+        """Measured points beside computed curves."""
+        from pmmkit.plotting.waves import beside_measured
+
+        return beside_measured(
+            {
                 f"{item.mode} / ζ": (item.encounter, item.measured, item.std, item.computed)
                 for item in self.motions
             }
-            yield "measured.svg", partial(save, beside_measured(panels))
+        )
 
 
 def beside_records(given: list[str], scale: float, found: Rao) -> RecordsBeside:

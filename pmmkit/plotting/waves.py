@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from pmmkit.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_NOTHING: Final = 1e-9
 
 
 def over_wave_length(
@@ -46,6 +48,8 @@ def over_wave_length(
                     label=figure_text(name),
                 )
             axis.set_ylabel(label)
+            if all(np.nanmax(np.abs(values), initial=0.0) < _NOTHING for values in curves.values()):
+                axis.set_ylim(0.0, 1.0)
         axes[-1].set_xlabel("wave length / ship length")
         axes[-1].set_xlim(0.0, min(longest, float(np.max(ratio))))
         style.legend_below(figure, [*axes], 3)

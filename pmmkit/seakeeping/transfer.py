@@ -161,7 +161,15 @@ class Rao(Described):
             data[f"{mode}_phase"] = (axes, np.angle(self.motion[number]), lead)
         frequency = "sea_surface_wave_angular_frequency"
         coords = {
-            "speed": ("speed", self.speed, {"units": "m s-1", "long_name": "speed of the ship"}),
+            "speed": (
+                "speed",
+                self.speed,
+                {
+                    "units": "m s-1",
+                    "standard_name": "platform_speed_wrt_sea_water",
+                    "long_name": "speed of the ship",
+                },
+            ),
             "heading": (
                 "heading",
                 np.degrees(self.heading),

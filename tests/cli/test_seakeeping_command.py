@@ -42,6 +42,7 @@ def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, cap
     with xr.open_dataset(tmp_path / "out" / "rao.nc") as data:
         assert data["heave_amplitude"].dims == ("speed", "heading", "omega")
         assert data["pitch_amplitude"].attrs["units"] == "rad m-1"
+        assert data["speed"].attrs["standard_name"] == "platform_speed_wrt_sea_water"
         stored = data["heave_amplitude"].to_numpy().ravel()
     with (tmp_path / "out" / "rao.csv").open(newline="") as file:
         rows = [*csv.DictReader(file)]
@@ -60,6 +61,9 @@ def test_a_hull_from_offsets(tmp_path, monkeypatch, capsys):
     assert main([*order, "--gyration", "6,25,25", "--gm", "1"]) == 0
     assert "Fn 0.200" in capsys.readouterr().out
     assert (tmp_path / "boat-seakeeping" / "rao.svg").exists()
+    page = (tmp_path / "boat-seakeeping" / "report.html").read_text(encoding="utf-8")
+    assert "boat in waves" in page
+    assert "What each leaves out" in page
 
 
 @pytest.mark.slow
@@ -86,6 +90,7 @@ def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
         (["kvlcc2", *SEA, "--place", "bow"], 2, "name,x"),
         (["kvlcc9"], 1, "kvlcc2"),
         (["kvlcc2", "--spreading", "2"], 2, "--hs"),
+        (["kvlcc2", "--hs", "-3", "--tp", "8"], 1, "Hs = -3 must be 0 or more"),
         (["kvlcc2", "--sea-state", "12"], 2, "there are 0, 1"),
         (["kvlcc2", *SEA, "--sea-state", "5"], 2, "in place of"),
         (["kvlcc2", "--record", "none.csv"], 1, "none.csv"),

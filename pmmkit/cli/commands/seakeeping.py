@@ -146,6 +146,19 @@ def seakeeping(
         *(_operability(sailed, figures=figures) if sailed else ()),
         *(measured.files(figures=figures) if measured else ()),
     )
+    if figures:
+        from pmmkit.report import write_seakeeping
+
+        page = partial(
+            write_seakeeping,
+            found,
+            added=added,
+            responses=answers,
+            operability=sailed,
+            more=(*measured.motions, measured.cause) if measured else (),
+            figures={"Records beside the computed motions.": measured.plot()} if measured else {},
+        )
+        results = (*results, ("report.html", page))
     files = write_results(folder, results)
     lines = [str(found), "", str(added)]
     for answer in answers:
@@ -153,6 +166,7 @@ def seakeeping(
     lines += ["", str(sailed)] if sailed else []
     lines += measured.lines if measured else []
     lines += [*_means(answers, added), f"Results: {folder}"]
+    lines += [f"Report:  {folder / 'report.html'}"] if figures else []
     return Outcome(
         content={
             "out": str(folder),
