@@ -17,13 +17,15 @@ from pmmkit.seakeeping.measured import Measured, beside
 from pmmkit.seakeeping.motions import rao
 from pmmkit.seakeeping.transfer import MODES, Rao
 
+_UPRIGHT: Final = MODES[2:5:2]
+_ACROSS: Final = MODES[1::2]
 CANDIDATES: Final[Mapping[str, tuple[str, str, tuple[str, ...]]]] = MappingProxyType(
     {
-        "kyy": ("radius of gyration in pitch", "m", ("heave", "pitch")),
-        "kxx": ("radius of gyration in roll", "m", ("sway", "roll", "yaw")),
-        "kzz": ("radius of gyration in yaw", "m", ("sway", "roll", "yaw")),
-        "KG": ("centre of gravity above the base line", "m", ("sway", "roll", "yaw")),
-        "roll_damping": ("roll damping beside that of waves, over critical", "-", ("roll",)),
+        "kyy": ("radius of gyration in pitch", "m", _UPRIGHT),
+        "kxx": ("radius of gyration in roll", "m", _ACROSS),
+        "kzz": ("radius of gyration in yaw", "m", _ACROSS),
+        "KG": ("centre of gravity above the base line", "m", _ACROSS),
+        "roll_damping": ("roll damping beside that of waves, over critical", "-", MODES[3:4]),
     }
 )
 """Numbers of `Loading` that records may tell: in words, unit, and the motions that feel them."""

@@ -64,16 +64,23 @@ def main(folder: Path) -> None:
             f"{x:.3f} at {U:.1f} m/s {angle:.0f}°" for x, U, angle in sorted(rows)[:-4:-1]
         )
         print(f"{name}: largest rms {told}; median {np.median([row[0] for row in rows]):.3f}")
-    above = theirs.omega > 0.6
+    far = (np.abs(found.encounter) > 0.5) & ~found.quasi_static
+    k = found.wavenumber
+    ours, other = (np.abs(x[3]) / k for x in (found.motion, theirs.values))
+    square = np.where(far, (ours - other) ** 2, 0.0).sum(axis=-1)
+    off = np.sqrt(square / np.maximum(far.sum(axis=-1), 1))
     beam = int(np.argmin(np.abs(theirs.heading_deg - 90)))
-    for a, speed in enumerate(theirs.speed):
-        ours, other = (np.abs(x[3, a, beam, above]) for x in (found.motion, theirs.values))
-        ratio = ours / other
-        print(f"roll, beam, {speed:.1f} m/s above .6 rad/s: {ratio.min():.3f} to {ratio.max():.3f}")
+    size = np.where(far, other, 0.0).max(axis=-1)
+    told = ", ".join(
+        f"{x:.3f} of {y:.2f}" for x, y in zip(off[:, beam], size[:, beam], strict=True)
+    )
+    print(f"roll/kζ where ωe > .5 rad/s, beam seas: {told}")
+    print(f"roll/kζ there, all headings: median rms {np.median(off):.3f}, largest {off.max():.3f}")
     added = added_resistance(found)
     head = int(np.argmin(np.abs(theirs.heading_deg - 180)))
     for name, values in added.methods.items():
-        peaks = (np.nanmax(row, initial=np.nan) / added.unit for row in values[:, head])
+        known = (row[np.isfinite(row)] for row in values[:, head])
+        peaks = (row.max() / added.unit if row.size else np.nan for row in known)
         print(f"{name}: {', '.join(f'{x:.2f}' for x in peaks)}")
     half_circle()
 
