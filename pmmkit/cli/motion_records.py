@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pmmkit.seakeeping import Explained, Rao, RaoComparison
+    from pmmkit.seakeeping import Explained, Measured, Rao, RaoComparison
 
 RecordFiles = Annotated[
     list[str] | None,
@@ -47,10 +47,15 @@ class RecordsBeside:
     cause: Explained
 
     @property
+    def told(self) -> tuple[RaoComparison | Explained, ...]:
+        """What tells its own state, in the order in which it is printed."""
+        return (*self.motions, self.cause)
+
+    @property
     def lines(self) -> list[str]:
         """What is printed."""
         read = [f"{name}: {kind} waves" for name, kind in self.kinds.items()]
-        told = [text for item in (*self.motions, self.cause) for text in ("", str(item))]
+        told = [text for item in self.told for text in ("", str(item))]
         return ["", "Records", *(f"  {text}" for text in read), *told]
 
     def content(self) -> dict[str, Any]:
@@ -87,12 +92,24 @@ class RecordsBeside:
         )
 
 
-def beside_records(given: list[str], scale: float, found: Rao) -> RecordsBeside:
-    """Records from files and patterns beside the motions of one speed and heading."""
-    from pmmkit.seakeeping import beside, explained, read_record, together
+Transfers = Mapping[str, tuple[str, Mapping[str, "Measured"]]]
+"""Of each file the kind of waves, and transfer functions by motion."""
+
+
+def read_records(given: list[str] | None, scale: float) -> Transfers:
+    """Transfer functions of records from files and patterns."""
+    if not given:
+        return {}
+    from pmmkit.seakeeping import read_record
 
     names = [name for text in given for name in sorted(glob(text)) or [text]]
-    read = {name: read_record(name, scale=scale).transfer() for name in names}
+    return {name: read_record(name, scale=scale).transfer() for name in names}
+
+
+def beside_records(read: Transfers, found: Rao) -> RecordsBeside:
+    """Records beside the motions of one speed and heading."""
+    from pmmkit.seakeeping import beside, explained, together
+
     measured = together([transfer for _, transfer in read.values()])
     return RecordsBeside(
         kinds={name: kind for name, (kind, _) in read.items()},

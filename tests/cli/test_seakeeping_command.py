@@ -93,6 +93,9 @@ def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
         (["kvlcc2", "--hs", "-3", "--tp", "8"], 1, "Hs = -3 must be 0 or more"),
         (["kvlcc2", "--sea-state", "12"], 2, "there are 0, 1"),
         (["kvlcc2", *SEA, "--sea-state", "5"], 2, "in place of"),
+        (["kvlcc2", "--bilge-keels", "0,0"], 2, "state a sea"),
+        (["kvlcc2", *SEA, "--bilge-keels", "0.4"], 2, "breadth,length"),
+        (["kvlcc2", *SEA, "--bilge-keels", "0,0", "--roll-damping", "0.1"], 2, "leave"),
         (["kvlcc2", "--record", "none.csv"], 1, "none.csv"),
     ],
 )
@@ -253,3 +256,31 @@ def test_records_of_a_tank_stand_beside_the_computed_motions(tmp_path, monkeypat
     assert [float(row["measured"]) for row in rows] == pytest.approx([0.9] * 3, abs=1e-3)
     assert main([*order, "--headings", "180,90"]) == 2
     assert "one heading" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_bilge_keels_damp_the_roll_at_its_resonance(tmp_path, capsys):
+    """Waves from abeam with the period of roll: half a metre of keel takes a fifth of it."""
+    order = [
+        "seakeeping",
+        "s175-design",
+        "--gm",
+        "1",
+        "--headings",
+        "90",
+        "--hs",
+        "4",
+        "--tp",
+        "20",
+    ]
+    roll = {
+        keels: next(
+            row["significant"]
+            for row in said(
+                capsys, *order, "--bilge-keels", keels, "--no-figures", "--out", tmp_path / keels
+            )[1]["responses"]
+            if row["response"] == "roll"
+        )
+        for keels in ("0,0", "0.5,44")
+    }
+    assert 0.4 < roll["0.5,44"] / roll["0,0"] < 0.8

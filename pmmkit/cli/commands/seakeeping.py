@@ -5,20 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.motion_records import RecordFiles, RecordScale, beside_records
-from pmmkit.cli.options import DrawFigures, numbers, stem, words
+from pmmkit.cli.motion_records import RecordFiles, RecordScale, beside_records, read_records
+from pmmkit.cli.options import DrawFigures, numbers, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import FROUDE, typed_list
+from pmmkit.cli.ship_in_waves import damped, state_of_code, typed_hull, typed_place, typed_speeds
 
 if TYPE_CHECKING:
     from pmmkit.models.model import Part
-    from pmmkit.seakeeping import AddedResistance, Hull, Operability, Rao, Response, Sea, SeaState
+    from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response, Sea
 
 _FINE: Final = 120
 """Frequencies beside records, between which motions lie on straight lines."""
@@ -53,6 +52,13 @@ def seakeeping(
     ] = None,
     roll_damping: Annotated[
         float | None, typer.Option(help="Over critical, beside that of waves; 0.05 if absent.")
+    ] = None,
+    bilge_keels: Annotated[
+        str | None,
+        typer.Option(
+            help="Breadth,length of a bilge keel [m], 0,0 for none: roll damping by Ikeda's "
+            "formulas, in the sea and at the one speed that are given."
+        ),
     ] = None,
     omega: Annotated[
         str | None,
@@ -104,7 +110,7 @@ def seakeeping(
     )
 
     folder = results_folder(out, f"{stem(ship)}-seakeeping")
-    hull = _hull(ship, draught, length)
+    hull = typed_hull(ship, draught, length)
     radii = numbers(gyration) or ()
     if len(radii) not in (0, 3):
         raise typer.BadParameter(f"--gyration {gyration!r}: write roll,pitch,yaw in m.")
@@ -114,22 +120,33 @@ def seakeeping(
     if sea_state is not None:
         if hs is not None or tp is not None or t1 is not None:
             raise typer.BadParameter("--sea-state stands in place of --hs, --tp and --t1.")
-        waves = replace(_state(sea_state).sea, spreading=spreading)
+        waves = replace(state_of_code(sea_state).sea, spreading=spreading)
     elif hs is not None:
         waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1, gamma=gamma, spreading=spreading)
     elif (tp, t1, gamma, spreading) != (None,) * 4:
         raise typer.BadParameter("--hs is needed beside a period, --gamma and --spreading.")
     courses = numbers(headings) or ()
-    places = [_place(text) for text in place or ()]
-    paces = _speeds(speeds, hull.L)
+    places = [typed_place(text) for text in place or ()]
+    paces = typed_speeds(speeds, hull.L)
+    damping = None
+    if bilge_keels is not None:
+        if roll_damping is not None or record:
+            raise typer.BadParameter(
+                "--bilge-keels finds the damping: leave --roll-damping and --record out."
+            )
+        damping = damped(bilge_keels, hull, loading, paces, waves)
+        linear, quadratic = damping.roll_damping, damping.roll_quadratic
+        loading = loading_of(hull, GM=gm, roll_damping=linear, roll_quadratic=quadratic, **given)
     if record and (len(paces), len(courses)) != (1, 1):
         raise typer.BadParameter("Beside --record state one speed and one heading.")
+    read = read_records(record, record_scale)
     found = rao(
         hull,
         speeds=paces,
         headings_deg=courses,
         omega=numbers(omega) or frequencies(hull.L, waves, count=_FINE if record else 40),
         loading=loading,
+        waves=waves if loading.roll_quadratic else None,
     )
     added = added_resistance(found)
     answers = [
@@ -140,7 +157,7 @@ def seakeeping(
     ]
     around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
     sailed = operability(found, waves, places=places) if waves and around else None
-    measured = beside_records(record, record_scale, found) if record else None
+    measured = beside_records(read, found) if read else None
     results = (
         *_files(found, added, answers, waves, figures=figures),
         *(_operability(sailed, figures=figures) if sailed else ()),
@@ -155,12 +172,12 @@ def seakeeping(
             added=added,
             responses=answers,
             operability=sailed,
-            more=(*measured.motions, measured.cause) if measured else (),
+            more=[item for item in (damping, *(measured.told if measured else ())) if item],
             figures={"Records beside the computed motions.": measured.plot()} if measured else {},
         )
         results = (*results, ("report.html", page))
     files = write_results(folder, results)
-    lines = [str(found), "", str(added)]
+    lines = [str(found), "", *([str(damping), ""] if damping else []), str(added)]
     for answer in answers:
         lines += ["", str(answer)]
     lines += ["", str(sailed)] if sailed else []
@@ -180,49 +197,6 @@ def seakeeping(
         },
         lines=lines,
     )
-
-
-def _state(code: int) -> SeaState:
-    from pmmkit.seakeeping import sea_states
-
-    states = {state.code: state for state in sea_states()}
-    if code not in states:
-        raise typer.BadParameter(f"--sea-state {code}: there are {', '.join(map(str, states))}.")
-    return states[code]
-
-
-def _hull(ship: str, draught: float | None, length: float | None) -> Hull:
-    from pmmkit.seakeeping import load_hull, read_hull
-
-    if Path(ship).suffix.lower() not in (".csv", ".mgf"):
-        return load_hull(ship)
-    if draught is None:
-        raise typer.BadParameter("A hull from a file needs --draught [m].")
-    return read_hull(ship, draught=draught, L=length)
-
-
-def _speeds(text: str, L: float) -> list[float]:
-    from math import sqrt
-
-    return [
-        speed.value * sqrt(9.81 * L) if speed.unit == FROUDE else speed.without_ship()
-        for speed in typed_list(text)
-    ]
-
-
-def _place(text: str) -> Any:
-    from pmmkit.seakeeping import Place
-
-    name, *rest = words(text)
-    try:
-        values = [float(part) for part in rest]
-    except ValueError:
-        values = []
-    if not 1 <= len(values) <= 3:
-        raise typer.BadParameter(f"--place {text!r}: write name,x[,freeboard[,draught]] in m.")
-    x, freeboard, draught = [*values, None, None][:3]
-    assert x is not None
-    return Place(name=name, x=x, freeboard=freeboard, draught=draught)
 
 
 def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[str, Any]]:
