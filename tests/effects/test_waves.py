@@ -10,7 +10,6 @@ from few_stations import thinned
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pmmkit.effects.primitives import over_arrays
 from pmmkit.effects.waves import drift
 from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model
@@ -120,18 +119,6 @@ def test_at_each_speed_of_a_table_stands_the_force_of_that_speed(bearing, speed)
     for beyond, end in ((0.5, 2.0), (12.0, 9.0)):
         held = push(2, bearing, rows, speed=beyond)
         np.testing.assert_allclose(held, push(1, bearing, own[end]), atol=1e-6)
-
-
-@given(st.lists(st.floats(0.0, 12.0), min_size=1, max_size=5), st.floats(-180.0, 180.0))
-def test_histories_feel_what_instants_feel(speeds, bearing):
-    rows = over_speeds({0.0: RESTING, 4.0: TABLES, 9.0: RESTING})
-    one = [push(2, bearing, rows, speed=speed) for speed in speeds]
-    ship = (175.0, 25.4, 1025.0, 9.81)
-    tables = [rows[name] for name in ("speeds", "angle_deg", *FORCES)]
-    many = over_arrays(drift)(
-        np.array(speeds), 0.0, *ship, -1.0, 0.0, 2, 3.0, bearing, 1.0, 1.0, 1.0, *tables
-    )
-    np.testing.assert_allclose(np.column_stack(many), one, rtol=1e-9, atol=1e-6)
 
 
 OLD = """
