@@ -105,7 +105,6 @@ def simulate(
         manoeuvre,
         speed=pace,
         fn=fn,
-        compiled=False,
         rudder_rate_deg=rudder_rate_deg,
         wind_speed=wind_speed,
         wind_direction_deg=wind_direction_deg,
