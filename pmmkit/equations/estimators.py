@@ -111,26 +111,30 @@ def advance(
 
 def predict(P: Array, A: Array, B: Array, keep: Array, noise: Array) -> None:
     """Carry a covariance over an interval: states by A and B, parameters by `keep`."""
-    m = len(keep)
-    yy, yt, tt = P[:NS, :NS].copy(), P[:NS, NS:].copy(), P[NS:, NS:].copy()
-    W = A @ yt
-    V = A @ yy
-    if m > 0:
-        W += B @ tt
-        V += B @ yt.T.copy()
-    new = V @ A.T.copy()
-    if m > 0:
-        new += W @ B.T.copy()
+    n, m = len(P), len(keep)
+    W, new = np.zeros((NS, n)), np.zeros((NS, NS))
+    for i in range(NS):
+        for j in range(n):
+            for l in range(NS):
+                W[i, j] += A[i, l] * P[l, j]
+            for l in range(m):
+                W[i, j] += B[i, l] * P[NS + l, j]
+    for i in range(NS):
+        for j in range(NS):
+            for l in range(NS):
+                new[i, j] += W[i, l] * A[j, l]
+            for l in range(m):
+                new[i, j] += W[i, NS + l] * B[j, l]
     for i in range(NS):
         for j in range(NS):
             P[i, j] = 0.5 * (new[i, j] + new[j, i])
         P[i, i] += noise[i]
         for j in range(m):
-            P[i, NS + j] = W[i, j] * keep[j]
+            P[i, NS + j] = W[i, NS + j] * keep[j]
             P[NS + j, i] = P[i, NS + j]
     for i in range(m):
         for j in range(m):
-            P[NS + i, NS + j] = keep[i] * tt[i, j] * keep[j]
+            P[NS + i, NS + j] *= keep[i] * keep[j]
         P[NS + i, NS + i] += noise[NS + i]
 
 
@@ -319,20 +323,41 @@ def extended(
     return Status.done
 
 
+def divided(S: Array, C: Array) -> None:
+    """Solve S x = C in place of C, by Cholesky's factor in place of S, whose diagonal is about one.
+
+    S is symmetric and positive but for rounding: a pivot that is no larger is taken as that.
+    """
+    n = len(S)
+    for j in range(n):
+        for i in range(j, n):
+            total = S[i, j]
+            for l in range(j):
+                total -= S[i, l] * S[j, l]
+            S[i, j] = math.sqrt(max(total, 1e-15)) if i == j else total / S[j, j]
+    for c in range(C.shape[1]):
+        for i in range(n):
+            for l in range(i):
+                C[i, c] -= S[i, l] * C[l, c]
+            C[i, c] /= S[i, i]
+        for i in range(n - 1, -1, -1):
+            for l in range(i + 1, n):
+                C[i, c] -= S[l, i] * C[l, c]
+            C[i, c] /= S[i, i]
+
+
 def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
     """Rauch, Tung and Striebel's smoother over what `extended` kept."""
     N, m, nn = len(kept), n - NS, n * n
-    F = np.zeros((n, n))
+    F, ahead, cross, change = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n))
+    scale = np.zeros(n)
     for i in range(n):
         means[N - 1, i] = kept[N - 1, n + i]
         for j in range(n):
             covariances[N - 1, i, j] = kept[N - 1, 2 * n + nn + i * n + j]
     for t in range(N - 2, -1, -1):
-        row = kept[t + 1]
-        at = 2 * nn + 2 * n
-        for i in range(n):
-            for j in range(n):
-                F[i, j] = 0.0
+        row, here = kept[t + 1], kept[t]
+        at, of = 2 * nn + 2 * n, 2 * n + nn
         for i in range(NS):
             for j in range(NS):
                 F[i, j] = row[at + i * NS + j]
@@ -340,31 +365,35 @@ def smoothed(kept: Array, n: int, means: Array, covariances: Array) -> None:
                 F[i, NS + j] = row[at + NS * NS + i * m + j]
         for j in range(m):
             F[NS + j, NS + j] = row[at + NS * n + j]
-        ahead = row[2 * n : 2 * n + nn].copy().reshape((n, n))
-        here = kept[t, 2 * n + nn : 2 * n + 2 * nn].copy().reshape((n, n))
-        scale = np.zeros(n)
         for i in range(n):
-            scale[i] = 1.0 / math.sqrt(max(ahead[i, i], 1e-300))
+            scale[i] = 1.0 / math.sqrt(max(row[2 * n + i * n + i], 1e-300))
         for i in range(n):
             for j in range(n):
-                ahead[i, j] *= scale[i] * scale[j]
+                ahead[i, j] = row[2 * n + i * n + j] * scale[i] * scale[j]
+                cross[i, j] = 0.0
+                for l in range(n):
+                    cross[i, j] += F[i, l] * here[of + l * n + j]
+                cross[i, j] *= scale[i]
             ahead[i, i] += 1e-13
-        cross = F @ here
+        divided(ahead, cross)
+        # Now its columns are the rows of the gain but for the scale of what lies ahead.
         for i in range(n):
             for j in range(n):
                 cross[i, j] *= scale[i]
-        G = np.linalg.solve(ahead, cross).T.copy()
         for i in range(n):
             for j in range(n):
-                G[i, j] *= scale[j]
-        difference = covariances[t + 1] - row[2 * n : 2 * n + nn].copy().reshape((n, n))
-        change = G @ difference
-        change = change @ G.T.copy()
+                change[i, j] = 0.0
+                for l in range(n):
+                    moved = covariances[t + 1, l, j] - row[2 * n + l * n + j]
+                    change[i, j] += cross[l, i] * moved
         for i in range(n):
-            total = kept[t, n + i]
+            total = here[n + i]
             for j in range(n):
-                total += G[i, j] * (means[t + 1, j] - row[j])
-                covariances[t, i, j] = here[i, j] + 0.5 * (change[i, j] + change[j, i])
+                total += cross[j, i] * (means[t + 1, j] - row[j])
+                back = 0.0
+                for l in range(n):
+                    back += change[i, l] * cross[l, j] + change[j, l] * cross[l, i]
+                covariances[t, i, j] = here[of + i * n + j] + 0.5 * back
             means[t, i] = total
 
 

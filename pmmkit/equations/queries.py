@@ -117,7 +117,8 @@ def probe(
                 for j in range(1, 9):
                     x_next = dense(steps, at, 0.125 * j, State.x)
                     y_next = dense(steps, at, 0.125 * j, State.y)
-                    length += math.sqrt((x_next - x) ** 2 + (y_next - y) ** 2)
+                    along, across = x_next - x, y_next - y
+                    length += math.sqrt(along * along + across * across)
                     x, y = x_next, y_next
             results[to] = length
         elif kind == Ask.steady:

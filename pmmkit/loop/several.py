@@ -113,6 +113,13 @@ class SeveralCampaigns:
         found: dict[str, CaptiveTests | FreeRecords] = {**self.captive, **records}
         return {name: found[name] for name in self.order}
 
+    def each(
+        self, steps: Sequence[Step]
+    ) -> Mapping[str, tuple[CaptiveTests | FreeRecords, list[Step]]]:
+        """The evidence of each campaign, and the steps that it can be asked for and has not."""
+        found = self.campaigns(steps)
+        return {name: (item, _asked(name, item, steps)) for name, item in found.items()}
+
     def named(self, effect: str, campaign: str) -> str:
         """The campaign that has a fault; empty for an effect of the ship.
 
@@ -140,21 +147,22 @@ class SeveralCampaigns:
 
     def fall(self, steps: Sequence[Step]) -> JointFall:
         """Errors of what is left out of each campaign, of the base and after each step."""
-        found = self.campaigns(steps)
-        own = {name: _asked(name, item, steps) for name, item in found.items()}
+        found = self.each(steps)
         return JointFall(
             added=tuple(steps),
             taken=MappingProxyType(
-                {name: tuple(x in asked for x in steps) for name, asked in own.items()}
+                {name: tuple(x in asked for x in steps) for name, (_, asked) in found.items()}
             ),
-            falls=MappingProxyType({name: item.fall(own[name]) for name, item in found.items()}),
+            falls=MappingProxyType(
+                {name: item.fall(asked) for name, (item, asked) in found.items()}
+            ),
         )
 
     def held_out_errors(self, steps: Sequence[Step]) -> Mapping[str, Mapping[str, float]]:
         """Errors of records that are held out, before and after; empty where there are none."""
-        for name, item in self.campaigns(steps).items():
+        for item, asked in self.each(steps).values():
             if isinstance(item, FreeRecords) and item.held_out:
-                return item.held_out_errors(_asked(name, item, steps))
+                return item.held_out_errors(asked)
         return {}
 
     def model(self, steps: Sequence[Step]) -> Model:
@@ -172,8 +180,8 @@ class SeveralCampaigns:
         return next(iter(self.free or self.captive))
 
     def _model_of(self, name: str, steps: Sequence[Step]) -> Model:
-        item = self.campaigns(steps)[name]
-        return item.model(_asked(name, item, steps))
+        item, asked = self.each(steps)[name]
+        return item.model(asked)
 
     def rival(self, steps: Sequence[Step], names: Sequence[str]) -> Model:
         """The ship that a set named by `diagnose` says, with its uncertainty and without steps.
@@ -257,8 +265,8 @@ class SeveralCampaigns:
             given = tuple((step.effect, step.campaign) for step in steps)
             if (given, seed) not in known:
                 votes = tuple(
-                    self._vote(name, item, _asked(name, item, steps), seed)
-                    for name, item in self.campaigns(steps).items()
+                    self._vote(name, item, asked, seed)
+                    for name, (item, asked) in self.each(steps).items()
                 )
                 said = answered(
                     votes,

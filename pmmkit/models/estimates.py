@@ -94,7 +94,7 @@ def estimated_model(
     >>> from pmmkit.simulation import simulate
     >>> model = estimated_model(load_ship("kvlcc2"), speed=7.97, propeller_diameter=9.86,
     ...                         rudder_area=112.5)
-    >>> 2.0 < simulate(model, speed=7.97, compiled=False).metrics["tactical_diameter_L"] < 4.5
+    >>> 2.0 < simulate(model, speed=7.97).metrics["tactical_diameter_L"] < 4.5
     True
     """
     sea = water or Water()

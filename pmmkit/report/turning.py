@@ -65,15 +65,12 @@ def turns_of(model: Model, tested: Sequence[float], reference: Reference | None 
     at = model.Fn or tuple(tested)
     along = np.linspace(at[0], at[-1], STEPS if len(at) > 1 else 1).tolist()
     speeds = [model.ship.speed(number, model.water.g) for number in at]
-    tracks = [
-        simulate(model, rudder_deg=HARD_OVER, speed=speed, compiled=False) for speed in speeds
-    ]
+    tracks = [simulate(model, rudder_deg=HARD_OVER, speed=speed) for speed in speeds]
     sailing = {"these derivatives": model}
     if reference is not None and reference.model is not None:
         sailing[reference.name] = reference.model
     sweeps = {
-        name: froude_sweep(item, Fn=along, rudder_deg=HARD_OVER, compiled=False)
-        for name, item in sailing.items()
+        name: froude_sweep(item, Fn=along, rudder_deg=HARD_OVER) for name, item in sailing.items()
     }
     return Turns(tracks=tracks, sweeps=sweeps, notes=model.notes)
 

@@ -79,7 +79,7 @@ def bands_of(
     n: int = SHIPS,
     spread: float | None = None,
     seed: int = 0,
-    compiled: bool = True,
+    compiled: bool | None = None,
     extrapolate: bool = False,
     among: Sequence[tuple[Model, float]] = (),
     **settings: Any,
@@ -92,8 +92,8 @@ def bands_of(
         As for `monte_carlo`.
     n : int
         Number of ships; each is kept in full, so some hundred.
-    compiled : bool
-        Run compiled code.
+    compiled : bool, optional
+        As for `simulate`.
     among : sequence of (Model, float)
         Models that may each be the ship, with their odds: as many ships of each are drawn, about
         the track of `model`; one without covariance stands for all of its ships.
@@ -107,7 +107,7 @@ def bands_of(
 
     Examples
     --------
-    >>> found = bands_of("kvlcc2", rudder_deg=35, speed=7.97, n=20, spread=0.05, compiled=False)
+    >>> found = bands_of("kvlcc2", rudder_deg=35, speed=7.97, n=20, spread=0.05)
     >>> low, high = found.measures["advance_L"]
     >>> low < found.track.metrics["advance_L"] < high
     True
@@ -162,7 +162,7 @@ def _sailed(
     values: Array,
     settings: Mapping[str, Any],
     *,
-    compiled: bool,
+    compiled: bool | None,
 ) -> Track | None:
     """The track of one ship; None where its motion grows without bound."""
     ready = batch.ship(names, values)

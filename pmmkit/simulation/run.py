@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -59,6 +60,12 @@ class Gear:
     rudder_lag: float = 0.0
     revolutions_rate: float = INSTANT
     bucket_rate: float = INSTANT
+
+
+ENOUGH: Final = 50_000
+"""Interpreted steps of one structure after which it is compiled."""
+_INTERPRETED: Final[Counter[Structure]] = Counter()
+"""Steps of each structure so far: it decides on time alone, never on a number."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -193,7 +200,7 @@ def run_plan(
     gear: Gear,
     *,
     rtol: float,
-    fast: bool,
+    fast: bool | None = None,
     revolutions: float | None = None,
 ) -> History:
     """Integrate one ship through a plan.
@@ -208,8 +215,9 @@ def run_plan(
         How the controls follow.
     rtol : float
         Relative tolerance of a step.
-    fast : bool
-        Compiled, or interpreted.
+    fast : bool, optional
+        Compiled, or interpreted. By default interpreted, until as many steps were taken with this
+        structure as cost about what compiling it does; both give the same numbers.
     revolutions : float, optional
         Of the approach [1/s]; by default those of self-propulsion.
 
@@ -224,6 +232,8 @@ def run_plan(
     ModelError
         If the mass matrix is not positive or no revolutions hold the speed.
     """
+    if fast is None:
+        fast = _INTERPRETED[ready.structure] >= ENOUGH
     functions = ready.functions(fast=fast)
     settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders_array if fast else plan.orders
@@ -245,6 +255,8 @@ def run_plan(
         if status != Status.no_room:
             break
         room *= 4
+    if not fast:
+        _INTERPRETED[ready.structure] += kept
     if status != Status.done:
         last = steps[stride * (kept - 1) + StepField.begin] if kept else 0.0
         raise problem(status, ready, float(last))

@@ -66,7 +66,7 @@ def simulate(
     dt: float | None = None,
     rtol: float = RTOL,
     extrapolate: bool = False,
-    compiled: bool = True,
+    compiled: bool | None = None,
     **settings: Any,
 ) -> Track:
     """Simulate a manoeuvre from steady running straight ahead.
@@ -113,9 +113,9 @@ def simulate(
         Relative tolerance of the integration.
     extrapolate : bool
         Allow a speed outside the range of the model's values.
-    compiled : bool
-        Run compiled code; the first run of a new structure of model takes some seconds to
-        compile it, once. Interpreted code gives the same numbers, slower.
+    compiled : bool, optional
+        Run compiled code, or interpreted code, which gives the same numbers. By default a model is
+        interpreted at first, and compiled, which takes some seconds, once it is sailed often.
     **settings
         Of the manoeuvre, as above.
 

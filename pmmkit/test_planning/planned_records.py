@@ -108,7 +108,6 @@ def planned_record(sea: Sea, option: FreeOption) -> FreeRecord:
         speed=speed,
         dt=float(np.median(np.diff(like.t))),
         extrapolate=sea.extrapolate,
-        compiled=False,
         **_around(sea, like, course),
         **option.asked,
     )

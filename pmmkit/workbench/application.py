@@ -118,6 +118,9 @@ def _routes(desk: Desk) -> Starlette:
                     revision_of(asked), given_text(asked, "campaign")
                 ).to_dict(),
             ),
+            write(
+                "without", lambda asked: desk.without(revision_of(asked), place_in(asked)).to_dict()
+            ),
             write("diagnose", lambda asked: desk.diagnose(revision_of(asked)).to_dict()),
             write(
                 "add",

@@ -334,6 +334,15 @@ class Desk:
         state = self._current(revision)
         return self.open(replace(state, also=(*state.also, campaign)))
 
+    def without(self, revision: int, of: int) -> Job:
+        """Take a campaign off; steps begin anew with those that are left."""
+        state = self._current(revision)
+        self._open.place(state, of)
+        left = [place for number, place in enumerate(state.campaigns) if number != of]
+        if not left:
+            raise DataError("The only campaign stays: open another one in its place.")
+        return self.open(replace(state, campaign=left[0], also=tuple(left[1:])))
+
     def diagnose(self, revision: int) -> Job:
         """Ask what is missing."""
         with self._changing:
@@ -578,4 +587,5 @@ def _left(found: dict[str, Any], added: Sequence[str]) -> dict[str, Any]:
         "suspected": [],
         "overlays": {},
         "base": {},
+        "drawn": None,
     }

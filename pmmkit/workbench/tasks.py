@@ -151,8 +151,8 @@ class Tasks:
             done = PARTS[1] + round((WHOLE - PARTS[1]) * share)
             tell(done, WHOLE, f"what {effect} alone would do")
 
-        several = isinstance(found, Together)
-        page = joint_page(session, found) if several else missing_page(session, found, heard)
+        page_of = joint_page if isinstance(found, Together) else missing_page
+        page = page_of(session, found, heard)
         save_rivals(Path(folder), session, found)
         save_result(Path(folder), "missing", tuple(effects), page)
 

@@ -84,6 +84,7 @@ REGISTRIES = {
             "diagnosis/free_running/candidates.py": "what records hold: a wind",
             "identification/chosen.py": OTHER_WORDS,
             "identification/methods.py": OTHER_WORDS,
+            "seakeeping/explained.py": "a number of the loading of that name",
             "simulation/manoeuvres/manoeuvre.py": OTHER_WORDS,
             "simulation/imo/conditions.py": "conditions of the standard",
             "testing/manoeuvres.py": OTHER_WORDS,

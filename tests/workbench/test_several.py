@@ -71,6 +71,17 @@ def test_what_both_say_is_named_and_a_fault_stays_with_its_campaign(looped):
     assert {x["name"] for x in named[0]["coefficients"]} == {"Yvvr", "Yvrr", "Nvvr", "Nvrr"}
 
 
+def test_what_a_candidate_would_do_is_drawn_over_each_campaign(looped):
+    first, second = looped["missing"]["drawn"]
+    for drawn, fall in zip((first, second), looped["fall"]["campaigns"], strict=True):
+        before, after = (step["error"] for step in fall["steps"][:2])
+        share = drawn["shares"]["yaw_sway_coupling"]["all"]
+        assert share == pytest.approx(1.0 - (after / before) ** 2, abs=0.01)
+        assert drawn["overlays"]["yaw_sway_coupling"].keys()
+    assert FAULT in first["shares"]
+    assert FAULT not in second["shares"], "the other has it"
+
+
 def test_each_campaign_has_its_own_fall_and_its_own_map(looped):
     falls = looped["fall"]["campaigns"]
     assert [item["title"] for item in falls] == [x["title"] for x in looped["opened"]["campaigns"]]
@@ -143,3 +154,21 @@ def test_what_cannot_be_put_beside_is_said(campaign, why, looped, browser, folde
     assert answer.status == 400
     assert why in answer.json["error"]
     assert len(browser.get("/api/state").json["steps"]) == 2
+
+
+def test_a_campaign_that_is_taken_off_leaves_the_other(folder):
+    desk = Desk(folder / "left", [folder])
+    browser = Browser(application(desk, "key", 8176), 8176, "key")
+    both = {"campaign": str(folder / "hidden.h5"), "also": [str(folder / "north.h5")]}
+    try:
+        done(browser, "open", model=str(folder / "model.toml"), **both)
+        left = done(browser, "without", of=0)
+        assert [item["title"] for item in left["campaigns"]] == ["north"]
+        revision = browser.get("/api/state").json["revision"]
+        for of, why in ((1, "no campaign 2"), (0, "only campaign")):
+            answer = browser.post("/api/without", {"revision": revision, "of": of})
+            assert answer.status == 400
+            assert why in answer.json["error"]
+        assert browser.get("/api/misfit").status == 200
+    finally:
+        desk.close()

@@ -207,11 +207,7 @@ def _turns(before: Model, after: Model, campaign: Campaign) -> dict[str, dict[st
     for name, model in (("before", before), ("after", after)):
         try:
             track = simulate(
-                model,
-                "turning",
-                rudder_deg=HARD_OVER,
-                speed=model.ship.speed(Fn, model.water.g),
-                compiled=False,
+                model, "turning", rudder_deg=HARD_OVER, speed=model.ship.speed(Fn, model.water.g)
             )
         except PmmkitError:
             return {}

@@ -70,7 +70,7 @@ def estimate(
         ship, method, speed=service, propeller_diameter=propeller, rudder_area=rudder, water=water
     )
     found = {item: empirical.estimate(ship, item) for item in empirical.METHODS}
-    track = simulate(model, "turning", speed=service, compiled=False)
+    track = simulate(model, "turning", speed=service)
     turn = track.metrics
     straight = {item: empirical.straight_line(guess, ship) for item, guess in found.items()}
     rows = [_row(item, guess, straight[item]) for item, guess in found.items()]

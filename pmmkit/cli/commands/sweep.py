@@ -80,7 +80,6 @@ def sweep(
         "spread": spread,
         "fn": fn,
         "extrapolate": extrapolate,
-        "compiled": ships > 0,
         "executor": where(workers, scheduler),
         **stated(rudder_deg=rudder_deg, switch_deg=switch_deg, depth=depth),
         **settings_of(more),

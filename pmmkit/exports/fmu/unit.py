@@ -25,6 +25,7 @@ VERSIONS: Final[tuple[Version, ...]] = (3, 2)
 _ANY_FROUDE: Final = 0.2
 """Froude number of the approach where none is asked for and the values depend on none."""
 _SOURCES: Final = Path(__file__).with_name("sources")
+_SHARED: Final = ("calls.h", "ship.h")
 _DATE: Final = (1980, 1, 1, 0, 0, 0)
 
 
@@ -68,8 +69,8 @@ def model_to_fmu(
     >>> from pmmkit.models import load_model
     >>> archive = zipfile.ZipFile(io.BytesIO(model_to_fmu(load_model("kvlcc2-l7"), speed=1.179)))
     >>> archive.namelist()  # doctest: +NORMALIZE_WHITESPACE
-    ['modelDescription.xml', 'sources/buildDescription.xml', 'sources/equations.h',
-     'sources/fmi3.c', 'sources/ship.h']
+    ['modelDescription.xml', 'sources/buildDescription.xml', 'sources/calls.h',
+     'sources/equations.h', 'sources/fmi3.c', 'sources/ship.h']
     """
     if fmi not in VERSIONS:
         known = " and ".join(map(str, sorted(VERSIONS)))
@@ -87,7 +88,7 @@ def model_to_fmu(
     table = table_of(model, ready, at)
     identifier = matlab_name(model.name, stem="ship")
     main = f"fmi{fmi}.c"
-    written = {name: (_SOURCES / name).read_text(encoding="utf-8") for name in (main, "ship.h")}
+    written = {name: (_SOURCES / name).read_text(encoding="utf-8") for name in (main, *_SHARED)}
     parts = {
         **written,
         "equations.h": equations_text(model, ready, table, token=""),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any, Final
 
 from pmmkit.diagnosis.evidence import Visible
@@ -12,16 +14,23 @@ from pmmkit.diagnosis.together.vote import of_ship
 from pmmkit.effects.catalogue import catalogue
 from pmmkit.effects.effect import Effect
 from pmmkit.loop import Session
+from pmmkit.loop.several import SeveralCampaigns
 from pmmkit.models.step import odds
 from pmmkit.workbench.pages.candidate import candidate_page, coefficients_page
+from pmmkit.workbench.pages.drawn import drawn_over
 from pmmkit.workbench.pages.numbers import short
+from pmmkit.workbench.pages.record_overlays import NUMBERS
 
 SHOWN: Final = 10
 """Effects beside those that are named."""
 
 
-def joint_page(session: Session[Together], found: Together) -> dict[str, Any]:
-    """A diagnosis of several campaigns.
+def joint_page(
+    session: Session[Together],
+    found: Together,
+    heard: Callable[[float, str], None] = lambda _done, _: None,
+) -> dict[str, Any]:
+    """A diagnosis of several campaigns, with what each candidate would do to each of them.
 
     Parameters
     ----------
@@ -29,12 +38,15 @@ def joint_page(session: Session[Together], found: Together) -> dict[str, Any]:
         The campaigns and what was added.
     found : Together
         Of this session.
+    heard : callable
+        Is told the share that is done, and of which candidate.
 
     Returns
     -------
     dict
         As `missing_page` gives it; candidates have what each campaign says in ``votes``, and a
-        fault the ``campaign`` that has it. Nothing is drawn over runs before it is added.
+        fault the ``campaign`` that has it. What stands there in ``share``, ``overlays`` and
+        ``base`` is ``drawn`` here, a table for each campaign.
     """
     own = {item.name: item for item in session.evidence.own}
     entries = {**catalogue(), **own}
@@ -68,10 +80,42 @@ def joint_page(session: Session[Together], found: Together) -> dict[str, Any]:
         "covered": [],
         "overlays": {},
         "base": {},
+        "drawn": _drawn(session, found, candidates, heard),
         "unasked": [
             {"effect": name, "why": ""} for name in own if name not in session.evidence.kinds
         ],
     }
+
+
+def _drawn(
+    session: Session[Together],
+    found: Together,
+    candidates: Sequence[Mapping[str, Any]],
+    heard: Callable[[float, str], None],
+) -> list[dict[str, Any]]:
+    """What candidates would do to each campaign; nothing of those that it is not asked for."""
+    evidence = session.evidence
+    assert isinstance(evidence, SeveralCampaigns)
+    tables = []
+    for number, (name, (item, asked)) in enumerate(evidence.each(session.steps).items()):
+        singles = {x.names: x for x in found.diagnoses[name].entries}
+        names = [x["effect"] for x in candidates if x["campaign"] in ("", name)]
+        chosen = [singles[own,] for own in names if (own,) in singles]
+        drawn = drawn_over(
+            item,
+            (*item.begun, *(step.effect for step in asked)),
+            [x for x in chosen if math.isfinite(x.log_evidence)],
+            partial(_told, heard, number, len(found.names)),
+            numbers=NUMBERS // len(found.names),
+        )
+        tables.append({"shares": drawn.shares, "overlays": drawn.overlays, "base": drawn.base})
+    return tables
+
+
+def _told(
+    heard: Callable[[float, str], None], number: int, count: int, done: float, effect: str
+) -> None:
+    heard((number + done) / count, effect)
 
 
 def _candidate(

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.diagnosis.captive.adequacy import blocks_of
-from pmmkit.diagnosis.captive.held_out import held_out
-from pmmkit.diagnosis.captive.least_squares import Stack, sizes_of, solved, stacked
-from pmmkit.diagnosis.captive.system import Block, System
-from pmmkit.diagnosis.captive.verdict import taken_as_given
 from pmmkit.diagnosis.evidence import Entry, Visible
 from pmmkit.diagnosis.findings import Diagnosis, Finding
 from pmmkit.effects.catalogue import catalogue, is_fault
 from pmmkit.loop import Session
 from pmmkit.loop.captive import CaptiveTests
 from pmmkit.loop.records import FreeRecords
-from pmmkit.numerics import Array
 from pmmkit.workbench.pages.candidate import candidate_page, coefficients_page
+from pmmkit.workbench.pages.drawn import drawn_over
 from pmmkit.workbench.pages.numbers import short
-from pmmkit.workbench.pages.record_overlays import record_effects
 
 SHOWN: Final = 10
 """Candidates beside those that are named."""
-
-Overlay = dict[str, dict[str, list[float]]]
-"""Change of the model by run and channel, harmonic by harmonic [N, N m]."""
 
 
 def missing_page(
@@ -72,7 +61,9 @@ def missing_page(
         for number, entry in enumerate(singles)
         if number < SHOWN or entry.names[0] in {*named, *findings, *own, *fitted}
     ]
-    shares, changes, base = _effects_of(session, chosen, heard, overlays=overlays)
+    evidence = session.evidence
+    assert isinstance(evidence, CaptiveTests | FreeRecords)
+    drawn = drawn_over(evidence, session.given, chosen, heard, overlays=overlays)
     entries = {**catalogue(), **own}
     candidates = []
     for entry in chosen:
@@ -87,8 +78,8 @@ def missing_page(
                 named=finding is not None,
                 kind="fault" if is_fault(name) else "physics",
                 family=seen.family if seen else "",
-                share=shares.get(name),
-                lost=name not in shares,
+                share=drawn.shares.get(name),
+                lost=name not in drawn.shares,
                 rivals=list(finding.rivals) if finding else _mimics(seen),
                 test=finding.separating_test if finding else (effect.check if effect else ""),
                 coefficients=_coefficients(finding),
@@ -116,8 +107,8 @@ def missing_page(
             {"effect": item.name, "size": short(item.hides), "shown": item.shown}
             for item in sorted(found.covered, key=_hidden)
         ],
-        "overlays": changes,
-        "base": base,
+        "overlays": drawn.overlays,
+        "base": drawn.base,
         "unasked": _unasked(session, visible),
     }
 
@@ -163,104 +154,3 @@ def _coefficients(finding: Finding | None) -> list[dict[str, Any]]:
             for told in (finding.coefficients, finding.std, finding.typical)
         ),
     )
-
-
-def _effects_of(
-    session: Session[Diagnosis],
-    chosen: Sequence[Entry],
-    heard: Callable[[float, str], None],
-    *,
-    overlays: bool,
-) -> tuple[dict[str, dict[str, Any]], Mapping[str, Any], Mapping[str, Any]]:
-    """By effect the share of the held-out mean square error that it takes away, and the change of
-    the model; of records the paths, and those of the base."""
-    evidence, names = session.evidence, [entry.names[0] for entry in chosen]
-
-    def told(number: int, name: str) -> None:
-        heard(number / len(names), name)
-
-    if isinstance(evidence, FreeRecords):
-        if not overlays:
-            return {}, {}, {}
-        return record_effects(evidence.contest(session.given), names, told)
-    assert isinstance(evidence, CaptiveTests)
-    found = _captive_effects(evidence.system, session.given, chosen, told, overlays=overlays)
-    return (*found, {})
-
-
-def _captive_effects(
-    system: System,
-    given: Sequence[str],
-    chosen: Sequence[Entry],
-    heard: Callable[[int, str], None],
-    *,
-    overlays: bool,
-) -> tuple[dict[str, dict[str, Any]], dict[str, Overlay]]:
-    known = taken_as_given(system, given)
-    base = held_out(system, known.blocks, with_level=False)
-    before = base.of_channel()
-    each = [tuple(blocks_of(known.system, entry)) for entry in chosen]
-    shares = {}
-    for number, (entry, own) in enumerate(zip(chosen, each, strict=True)):
-        heard(number, entry.names[0])
-        errors = held_out(system, (*known.blocks, *own), with_level=False)
-        after = errors.of_channel()
-        shares[entry.names[0]] = {
-            "all": short(1.0 - (errors.share() / base.share()) ** 2),
-            "channels": {name: short(1.0 - (after[name] / before[name]) ** 2) for name in after},
-        }
-    if not overlays:
-        return shares, {}
-    # One stack for all: the features of the smooth floor cost most, and are the same for each.
-    whole = _Whole.of(system, known.blocks, each)
-    without = whole.forces()
-    return shares, {
-        entry.names[0]: _change(system, without, whole.forces(number))
-        for number, entry in enumerate(chosen)
-    }
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Whole:
-    """Base, what is known and all candidates in one stack, and the columns of each candidate."""
-
-    stack: Stack
-    known: int
-    columns: tuple[slice, ...]
-
-    @classmethod
-    def of(
-        cls, system: System, known: Sequence[Block], each: Sequence[tuple[Block, ...]]
-    ) -> _Whole:
-        stack = stacked(
-            system, [*known, *(block for own in each for block in own)], floor=system.floor
-        )
-        first = stack.begin + sum(len(sizes_of(block)) for block in known)
-        ends = np.cumsum([first, *(sum(len(sizes_of(block)) for block in own) for own in each)])
-        columns = tuple(slice(int(a), int(b)) for a, b in pairwise(ends))
-        return cls(stack=stack, known=first, columns=columns)
-
-    def forces(self, number: int | None = None) -> Mapping[str, Array]:
-        """Forces of all rows by channel [N, N m], as the model predicts them that `add` of a
-        candidate, or of none, would give."""
-        stack = self.stack
-        given = range(self.known)
-        more = () if number is None else range(stack.plain.shape[1])[self.columns[number]]
-        floor = range(len(stack.names), stack.white.shape[1])
-        kept = np.array([*given, *more, *floor])
-        effects = kept[stack.begin : -1] - stack.begin
-        one = replace(stack, white=stack.white[:, kept], centre=stack.centre[effects])
-        own = kept[: len(given) + len(more)]
-        fitted = stack.plain[:, own] @ solved(one).solution[: len(own)]
-        return {name: fitted[rows] for name, rows in stack.places.items()}
-
-
-def _change(system: System, before: Mapping[str, Array], after: Mapping[str, Array]) -> Overlay:
-    found: Overlay = {}
-    for channel in system.channels:
-        moved = after[channel.name] - before[channel.name]
-        for i, rows in zip(channel.views, channel.rows, strict=True):
-            view = system.views[i]
-            if not view.early:
-                found.setdefault(view.run.id, {})[channel.name] = short(moved[rows])
-    return found

@@ -15,7 +15,7 @@ from pmmkit.workbench.pages.numbers import short
 from pmmkit.workbench.pages.records import MOTIONS
 
 NUMBERS: Final = 120_000
-"""Of all paths together: the page stays small enough for one file."""
+"""Of all paths together, where a page holds one campaign: it stays small enough for one file."""
 SAMPLES: Final = (40, 200)
 """Least and most samples of a path."""
 WORSE: Final = -10.0
@@ -26,7 +26,7 @@ Paths = dict[str, dict[str, list[float]]]
 
 
 def record_effects(
-    contest: Contest, names: Sequence[str], heard: Callable[[int, str], None]
+    contest: Contest, names: Sequence[str], heard: Callable[[int, str], None], numbers: int
 ) -> tuple[dict[str, dict[str, Any]], dict[str, Paths], Paths]:
     """By candidate its share of the misfit and its paths, and the paths of the base alone.
 
@@ -38,6 +38,8 @@ def record_effects(
         Candidates.
     heard : callable
         Is told how many are done, and which is next.
+    numbers : int
+        Of all paths together, at most.
 
     Returns
     -------
@@ -49,7 +51,7 @@ def record_effects(
     """
     null = alone(contest)
     records = [item.record for item in null.followed.stretches]
-    wanted = NUMBERS // (len(records) * (len(names) + 1) * len(MOTION))
+    wanted = numbers // (len(records) * (len(names) + 1) * len(MOTION))
     count = min(max(wanted, SAMPLES[0]), SAMPLES[1])
     length = null.place.question.model.ship.L
 

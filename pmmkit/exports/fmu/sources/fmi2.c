@@ -5,28 +5,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef FMI2_FUNCTION_PREFIX
+#define FMI_PREFIX FMI2_FUNCTION_PREFIX
+#endif
 #include "equations.h"
 #include "ship.h"
+#include "calls.h"
 
-#ifndef FMI2_Export
-#if defined _WIN32
-#define FMI2_Export __declspec(dllexport)
-#elif defined __GNUC__
-#define FMI2_Export __attribute__((visibility("default")))
-#else
-#define FMI2_Export
-#endif
-#endif
-#ifdef FMI2_FUNCTION_PREFIX
-#define JOIN(a, b) a##b
-#define JOINED(a, b) JOIN(a, b)
-#define NAME(name) JOINED(FMI2_FUNCTION_PREFIX, name)
-#else
-#define NAME(name) name
-#endif
-#define FUNCTION(name) FMI2_Export int NAME(name)
-
-enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING };
 enum { MODEL_EXCHANGE, CO_SIMULATION };
 
 struct callbacks {
@@ -54,16 +39,16 @@ static void say(const struct ship *ship, const char *message)
 
 // --- Instances -----------------------------------------------------------------------------------
 
-FMI2_Export const char *NAME(fmi2GetTypesPlatform)(void) { return "default"; }
-FMI2_Export const char *NAME(fmi2GetVersion)(void) { return "2.0"; }
+EXPORT const char *NAME(fmi2GetTypesPlatform)(void) { return "default"; }
+EXPORT const char *NAME(fmi2GetVersion)(void) { return "2.0"; }
 
 FUNCTION(fmi2SetDebugLogging)(void *instance, int on, size_t count, const char *const categories[])
 {
     (void)on, (void)count, (void)categories;
-    return instance ? OK : ERROR;
+    return exists(instance);
 }
 
-FMI2_Export void *NAME(fmi2Instantiate)(
+EXPORT void *NAME(fmi2Instantiate)(
     const char *name, int type, const char *token, const char *resources,
     const struct callbacks *callbacks, int visible, int logging)
 {
@@ -75,7 +60,7 @@ FMI2_Export void *NAME(fmi2Instantiate)(
     return ship;
 }
 
-FMI2_Export void NAME(fmi2FreeInstance)(void *instance) { freed(instance); }
+EXPORT void NAME(fmi2FreeInstance)(void *instance) { freed(instance); }
 
 // --- Modes ---------------------------------------------------------------------------------------
 
@@ -102,30 +87,13 @@ FUNCTION(fmi2EnterInitializationMode)(void *instance)
     return OK;
 }
 
-FUNCTION(fmi2ExitInitializationMode)(void *instance)
-{
-    struct ship *ship = instance;
-    return ship && ship->now.mode == INITIALISING && begun(ship) ? OK : ERROR;
-}
-
-static int running(void *instance)
-{
-    const struct ship *ship = instance;
-    return ship && ship->now.mode == RUNNING ? OK : ERROR;
-}
+FUNCTION(fmi2ExitInitializationMode)(void *instance) { return initialised(instance); }
 
 FUNCTION(fmi2EnterEventMode)(void *instance) { return running(instance); }
 FUNCTION(fmi2EnterContinuousTimeMode)(void *instance) { return running(instance); }
-FUNCTION(fmi2Terminate)(void *instance) { return instance ? OK : ERROR; }
+FUNCTION(fmi2Terminate)(void *instance) { return exists(instance); }
 
-FUNCTION(fmi2Reset)(void *instance)
-{
-    if (!instance) {
-        return ERROR;
-    }
-    reset(instance);
-    return OK;
-}
+FUNCTION(fmi2Reset)(void *instance) { return begun_again(instance); }
 
 FUNCTION(fmi2NewDiscreteStates)(void *instance, struct events *events)
 {
@@ -137,28 +105,12 @@ FUNCTION(fmi2NewDiscreteStates)(void *instance, struct events *events)
 
 FUNCTION(fmi2GetReal)(void *instance, const unsigned references[], size_t count, double values[])
 {
-    if (!instance) {
-        return ERROR;
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (!got(instance, references[i], &values[i])) {
-            return ERROR;
-        }
-    }
-    return OK;
+    return got_all(instance, references, count, values);
 }
 
 FUNCTION(fmi2SetReal)(void *instance, const unsigned references[], size_t count, const double values[])
 {
-    if (!instance) {
-        return ERROR;
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (!put(instance, references[i], values[i])) {
-            return ERROR;
-        }
-    }
-    return OK;
+    return put_all(instance, references, count, values);
 }
 
 FUNCTION(fmi2GetBoolean)(void *instance, const unsigned references[], size_t count, int values[])
@@ -167,11 +119,9 @@ FUNCTION(fmi2GetBoolean)(void *instance, const unsigned references[], size_t cou
         return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
-        double found;
-        if (references[i] != V_STEERING_GEAR || !got(instance, references[i], &found)) {
+        if (got_switch(instance, references[i], &values[i]) != OK) {
             return ERROR;
         }
-        values[i] = found != 0.0;
     }
     return OK;
 }
@@ -182,7 +132,7 @@ FUNCTION(fmi2SetBoolean)(void *instance, const unsigned references[], size_t cou
         return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
-        if (references[i] != V_STEERING_GEAR || !put(instance, references[i], values[i] ? 1.0 : 0.0)) {
+        if (put_switch(instance, references[i], values[i]) != OK) {
             return ERROR;
         }
     }
@@ -193,13 +143,13 @@ FUNCTION(fmi2SetBoolean)(void *instance, const unsigned references[], size_t cou
     FUNCTION(fmi2Get##word)(void *instance, const unsigned references[], size_t count, type values[]) \
     {                                                                                              \
         (void)references, (void)values;                                                            \
-        return instance && count == 0 ? OK : ERROR;                                                \
+        return none(instance, count);                                                              \
     }                                                                                              \
     FUNCTION(fmi2Set##word)(                                                                       \
         void *instance, const unsigned references[], size_t count, const type values[])            \
     {                                                                                              \
         (void)references, (void)values;                                                            \
-        return instance && count == 0 ? OK : ERROR;                                                \
+        return none(instance, count);                                                              \
     }
 
 typedef const char *string;
@@ -208,63 +158,25 @@ NO_VARIABLES(String, string)
 
 // --- State ---------------------------------------------------------------------------------------
 
-FUNCTION(fmi2GetFMUstate)(void *instance, void **state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    *state = saved(instance, *state);
-    return *state ? OK : ERROR;
-}
+FUNCTION(fmi2GetFMUstate)(void *instance, void **state) { return got_state(instance, state); }
 
-FUNCTION(fmi2SetFMUstate)(void *instance, void *state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    ((struct ship *)instance)->now = *(const struct data *)state;
-    return OK;
-}
+FUNCTION(fmi2SetFMUstate)(void *instance, void *state) { return put_state(instance, state); }
 
-FUNCTION(fmi2FreeFMUstate)(void *instance, void **state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    free(*state);
-    *state = NULL;
-    return OK;
-}
+FUNCTION(fmi2FreeFMUstate)(void *instance, void **state) { return freed_state(instance, state); }
 
 FUNCTION(fmi2SerializedFMUstateSize)(void *instance, void *state, size_t *size)
 {
-    if (!instance || !state) {
-        return ERROR;
-    }
-    *size = sizeof(struct data);
-    return OK;
+    return size_of_state(instance, state, size);
 }
 
 FUNCTION(fmi2SerializeFMUstate)(void *instance, void *state, char bytes[], size_t size)
 {
-    if (!instance || !state || size < sizeof(struct data)) {
-        return ERROR;
-    }
-    memcpy(bytes, state, sizeof(struct data));
-    return OK;
+    return state_to_bytes(instance, state, bytes, size);
 }
 
 FUNCTION(fmi2DeSerializeFMUstate)(void *instance, const char bytes[], size_t size, void **state)
 {
-    if (!instance || !state || size != sizeof(struct data)) {
-        return ERROR;
-    }
-    *state = saved(instance, *state);
-    if (!*state) {
-        return ERROR;
-    }
-    memcpy(*state, bytes, size);
-    return OK;
+    return state_from_bytes(instance, bytes, size, state);
 }
 
 FUNCTION(fmi2GetDirectionalDerivative)(
@@ -278,59 +190,32 @@ FUNCTION(fmi2GetDirectionalDerivative)(
 
 // --- Model Exchange ------------------------------------------------------------------------------
 
-FUNCTION(fmi2SetTime)(void *instance, double time)
-{
-    if (!instance) {
-        return ERROR;
-    }
-    moved(&((struct ship *)instance)->now, time);
-    return OK;
-}
+FUNCTION(fmi2SetTime)(void *instance, double time) { return put_time(instance, time); }
 
 FUNCTION(fmi2SetContinuousStates)(void *instance, const double states[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES) {
-        return ERROR;
-    }
-    memcpy(ship->now.value + FIRST_STATE, states, count * sizeof *states);
-    ship->now.evaluated = 0;
-    return OK;
+    return put_states(instance, states, count);
 }
 
 FUNCTION(fmi2GetContinuousStates)(void *instance, double states[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES || !evaluate(ship)) {
-        return ERROR;
-    }
-    memcpy(states, ship->now.value + FIRST_STATE, count * sizeof *states);
-    return OK;
+    return got_states(instance, states, count);
 }
 
 FUNCTION(fmi2GetDerivatives)(void *instance, double rates[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES || !evaluate(ship)) {
-        return ERROR;
-    }
-    memcpy(rates, ship->now.value + FIRST_RATE, count * sizeof *rates);
-    return finite_rates(&ship->now) ? OK : DISCARD;
+    return got_rates(instance, rates, count);
 }
 
 FUNCTION(fmi2GetNominalsOfContinuousStates)(void *instance, double nominals[], size_t count)
 {
-    if (!instance || count != STATES) {
-        return ERROR;
-    }
-    memcpy(nominals, NOMINAL, count * sizeof *nominals);
-    return OK;
+    return got_nominals(instance, nominals, count);
 }
 
 FUNCTION(fmi2GetEventIndicators)(void *instance, double indicators[], size_t count)
 {
     (void)indicators;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi2CompletedIntegratorStep)(void *instance, int final, int *event, int *terminate)
@@ -344,12 +229,8 @@ FUNCTION(fmi2CompletedIntegratorStep)(void *instance, int final, int *event, int
 
 FUNCTION(fmi2DoStep)(void *instance, double from, double size, int final)
 {
-    struct ship *ship = instance;
     (void)final;
-    if (running(ship) != OK || !ship->steps_itself || !(size >= 0.0)) {
-        return ERROR;
-    }
-    return carried(ship, from, size) ? OK : ERROR;
+    return stepped(instance, from, size);
 }
 
 FUNCTION(fmi2CancelStep)(void *instance)
@@ -362,14 +243,14 @@ FUNCTION(fmi2SetRealInputDerivatives)(
     void *instance, const unsigned references[], size_t count, const int orders[], const double values[])
 {
     (void)references, (void)orders, (void)values;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi2GetRealOutputDerivatives)(
     void *instance, const unsigned references[], size_t count, const int orders[], double values[])
 {
     (void)references, (void)orders, (void)values;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi2GetStatus)(void *instance, int what, int *value)

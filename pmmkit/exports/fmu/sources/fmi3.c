@@ -6,28 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef FMI3_FUNCTION_PREFIX
+#define FMI_PREFIX FMI3_FUNCTION_PREFIX
+#endif
 #include "equations.h"
 #include "ship.h"
+#include "calls.h"
 
-#ifndef FMI3_Export
-#if defined _WIN32
-#define FMI3_Export __declspec(dllexport)
-#elif defined __GNUC__
-#define FMI3_Export __attribute__((visibility("default")))
-#else
-#define FMI3_Export
-#endif
-#endif
-#ifdef FMI3_FUNCTION_PREFIX
-#define JOIN(a, b) a##b
-#define JOINED(a, b) JOIN(a, b)
-#define NAME(name) JOINED(FMI3_FUNCTION_PREFIX, name)
-#else
-#define NAME(name) name
-#endif
-#define FUNCTION(name) FMI3_Export int NAME(name)
-
-enum { OK, WARNING, DISCARD, ERROR, FATAL };
 typedef void message_callback(void *environment, int status, const char *category, const char *message);
 
 static void say(const struct ship *ship, const char *message)
@@ -40,15 +25,15 @@ static void say(const struct ship *ship, const char *message)
 
 // --- Instances -----------------------------------------------------------------------------------
 
-FMI3_Export const char *NAME(fmi3GetVersion)(void) { return "3.0"; }
+EXPORT const char *NAME(fmi3GetVersion)(void) { return "3.0"; }
 
 FUNCTION(fmi3SetDebugLogging)(void *instance, bool on, size_t count, const char *const categories[])
 {
     (void)on, (void)count, (void)categories;
-    return instance ? OK : ERROR;
+    return exists(instance);
 }
 
-FMI3_Export void *NAME(fmi3InstantiateModelExchange)(
+EXPORT void *NAME(fmi3InstantiateModelExchange)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, message_callback *callback)
 {
@@ -56,7 +41,7 @@ FMI3_Export void *NAME(fmi3InstantiateModelExchange)(
     return made(name, token, (const void *)(uintptr_t)callback, environment);
 }
 
-FMI3_Export void *NAME(fmi3InstantiateCoSimulation)(
+EXPORT void *NAME(fmi3InstantiateCoSimulation)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     bool events, bool early, const uint32_t intermediate[], size_t count, void *environment,
     message_callback *callback, void (*update)(void))
@@ -70,7 +55,7 @@ FMI3_Export void *NAME(fmi3InstantiateCoSimulation)(
     return ship;
 }
 
-FMI3_Export void *NAME(fmi3InstantiateScheduledExecution)(
+EXPORT void *NAME(fmi3InstantiateScheduledExecution)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, message_callback *callback, void (*clock)(void), void (*lock)(void),
     void (*unlock)(void))
@@ -80,7 +65,7 @@ FMI3_Export void *NAME(fmi3InstantiateScheduledExecution)(
     return NULL;
 }
 
-FMI3_Export void NAME(fmi3FreeInstance)(void *instance) { freed(instance); }
+EXPORT void NAME(fmi3FreeInstance)(void *instance) { freed(instance); }
 
 // --- Modes ---------------------------------------------------------------------------------------
 
@@ -98,34 +83,17 @@ FUNCTION(fmi3EnterInitializationMode)(
     return OK;
 }
 
-FUNCTION(fmi3ExitInitializationMode)(void *instance)
-{
-    struct ship *ship = instance;
-    return ship && ship->now.mode == INITIALISING && begun(ship) ? OK : ERROR;
-}
-
-static int running(void *instance)
-{
-    const struct ship *ship = instance;
-    return ship && ship->now.mode == RUNNING ? OK : ERROR;
-}
+FUNCTION(fmi3ExitInitializationMode)(void *instance) { return initialised(instance); }
 
 FUNCTION(fmi3EnterEventMode)(void *instance) { return running(instance); }
 FUNCTION(fmi3EnterStepMode)(void *instance) { return running(instance); }
 FUNCTION(fmi3EnterContinuousTimeMode)(void *instance) { return running(instance); }
-FUNCTION(fmi3Terminate)(void *instance) { return instance ? OK : ERROR; }
-FUNCTION(fmi3EnterConfigurationMode)(void *instance) { return instance ? OK : ERROR; }
-FUNCTION(fmi3ExitConfigurationMode)(void *instance) { return instance ? OK : ERROR; }
+FUNCTION(fmi3Terminate)(void *instance) { return exists(instance); }
+FUNCTION(fmi3EnterConfigurationMode)(void *instance) { return exists(instance); }
+FUNCTION(fmi3ExitConfigurationMode)(void *instance) { return exists(instance); }
 FUNCTION(fmi3EvaluateDiscreteStates)(void *instance) { return running(instance); }
 
-FUNCTION(fmi3Reset)(void *instance)
-{
-    if (!instance) {
-        return ERROR;
-    }
-    reset(instance);
-    return OK;
-}
+FUNCTION(fmi3Reset)(void *instance) { return begun_again(instance); }
 
 FUNCTION(fmi3UpdateDiscreteStates)(
     void *instance, bool *again, bool *terminate, bool *nominals, bool *values, bool *timed, double *time)
@@ -140,29 +108,13 @@ FUNCTION(fmi3UpdateDiscreteStates)(
 FUNCTION(fmi3GetFloat64)(
     void *instance, const uint32_t references[], size_t count, double values[], size_t size)
 {
-    if (!instance || count != size) {
-        return ERROR;
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (!got(instance, references[i], &values[i])) {
-            return ERROR;
-        }
-    }
-    return OK;
+    return count == size ? got_all(instance, references, count, values) : ERROR;
 }
 
 FUNCTION(fmi3SetFloat64)(
     void *instance, const uint32_t references[], size_t count, const double values[], size_t size)
 {
-    if (!instance || count != size) {
-        return ERROR;
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (!put(instance, references[i], values[i])) {
-            return ERROR;
-        }
-    }
-    return OK;
+    return count == size ? put_all(instance, references, count, values) : ERROR;
 }
 
 FUNCTION(fmi3GetBoolean)(
@@ -172,11 +124,11 @@ FUNCTION(fmi3GetBoolean)(
         return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
-        double found;
-        if (references[i] != V_STEERING_GEAR || !got(instance, references[i], &found)) {
+        int found;
+        if (got_switch(instance, references[i], &found) != OK) {
             return ERROR;
         }
-        values[i] = found != 0.0;
+        values[i] = found;
     }
     return OK;
 }
@@ -188,7 +140,7 @@ FUNCTION(fmi3SetBoolean)(
         return ERROR;
     }
     for (size_t i = 0; i < count; i++) {
-        if (references[i] != V_STEERING_GEAR || !put(instance, references[i], values[i] ? 1.0 : 0.0)) {
+        if (put_switch(instance, references[i], values[i]) != OK) {
             return ERROR;
         }
     }
@@ -200,13 +152,13 @@ FUNCTION(fmi3SetBoolean)(
         void *instance, const uint32_t references[], size_t count, type values[], size_t size)     \
     {                                                                                              \
         (void)references, (void)values, (void)size;                                                \
-        return instance && count == 0 ? OK : ERROR;                                                \
+        return none(instance, count);                                                              \
     }                                                                                              \
     FUNCTION(fmi3Set##word)(                                                                       \
         void *instance, const uint32_t references[], size_t count, const type values[], size_t size) \
     {                                                                                              \
         (void)references, (void)values, (void)size;                                                \
-        return instance && count == 0 ? OK : ERROR;                                                \
+        return none(instance, count);                                                              \
     }
 
 NO_VARIABLES(Float32, float)
@@ -227,7 +179,7 @@ FUNCTION(fmi3GetBinary)(
     const uint8_t *values[], size_t size)
 {
     (void)references, (void)sizes, (void)values, (void)size;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi3SetBinary)(
@@ -235,149 +187,84 @@ FUNCTION(fmi3SetBinary)(
     const uint8_t *const values[], size_t size)
 {
     (void)references, (void)sizes, (void)values, (void)size;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi3GetClock)(void *instance, const uint32_t references[], size_t count, bool values[])
 {
     (void)references, (void)values;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi3SetClock)(void *instance, const uint32_t references[], size_t count, const bool values[])
 {
     (void)references, (void)values;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 // --- State ---------------------------------------------------------------------------------------
 
-FUNCTION(fmi3GetFMUState)(void *instance, void **state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    *state = saved(instance, *state);
-    return *state ? OK : ERROR;
-}
+FUNCTION(fmi3GetFMUState)(void *instance, void **state) { return got_state(instance, state); }
 
-FUNCTION(fmi3SetFMUState)(void *instance, void *state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    ((struct ship *)instance)->now = *(const struct data *)state;
-    return OK;
-}
+FUNCTION(fmi3SetFMUState)(void *instance, void *state) { return put_state(instance, state); }
 
-FUNCTION(fmi3FreeFMUState)(void *instance, void **state)
-{
-    if (!instance || !state) {
-        return ERROR;
-    }
-    free(*state);
-    *state = NULL;
-    return OK;
-}
+FUNCTION(fmi3FreeFMUState)(void *instance, void **state) { return freed_state(instance, state); }
 
 FUNCTION(fmi3SerializedFMUStateSize)(void *instance, void *state, size_t *size)
 {
-    if (!instance || !state) {
-        return ERROR;
-    }
-    *size = sizeof(struct data);
-    return OK;
+    return size_of_state(instance, state, size);
 }
 
 FUNCTION(fmi3SerializeFMUState)(void *instance, void *state, uint8_t bytes[], size_t size)
 {
-    if (!instance || !state || size < sizeof(struct data)) {
-        return ERROR;
-    }
-    memcpy(bytes, state, sizeof(struct data));
-    return OK;
+    return state_to_bytes(instance, state, bytes, size);
 }
 
 FUNCTION(fmi3DeserializeFMUState)(void *instance, const uint8_t bytes[], size_t size, void **state)
 {
-    if (!instance || !state || size != sizeof(struct data)) {
-        return ERROR;
-    }
-    *state = saved(instance, *state);
-    if (!*state) {
-        return ERROR;
-    }
-    memcpy(*state, bytes, size);
-    return OK;
+    return state_from_bytes(instance, bytes, size, state);
 }
 
 // --- Model Exchange ------------------------------------------------------------------------------
 
-FUNCTION(fmi3SetTime)(void *instance, double time)
-{
-    if (!instance) {
-        return ERROR;
-    }
-    moved(&((struct ship *)instance)->now, time);
-    return OK;
-}
+FUNCTION(fmi3SetTime)(void *instance, double time) { return put_time(instance, time); }
 
 FUNCTION(fmi3SetContinuousStates)(void *instance, const double states[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES) {
-        return ERROR;
-    }
-    memcpy(ship->now.value + FIRST_STATE, states, count * sizeof *states);
-    ship->now.evaluated = 0;
-    return OK;
+    return put_states(instance, states, count);
 }
 
 FUNCTION(fmi3GetContinuousStates)(void *instance, double states[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES || !evaluate(ship)) {
-        return ERROR;
-    }
-    memcpy(states, ship->now.value + FIRST_STATE, count * sizeof *states);
-    return OK;
+    return got_states(instance, states, count);
 }
 
 FUNCTION(fmi3GetContinuousStateDerivatives)(void *instance, double rates[], size_t count)
 {
-    struct ship *ship = instance;
-    if (!ship || count != STATES || !evaluate(ship)) {
-        return ERROR;
-    }
-    memcpy(rates, ship->now.value + FIRST_RATE, count * sizeof *rates);
-    return finite_rates(&ship->now) ? OK : DISCARD;
+    return got_rates(instance, rates, count);
 }
 
 FUNCTION(fmi3GetNominalsOfContinuousStates)(void *instance, double nominals[], size_t count)
 {
-    if (!instance || count != STATES) {
-        return ERROR;
-    }
-    memcpy(nominals, NOMINAL, count * sizeof *nominals);
-    return OK;
+    return got_nominals(instance, nominals, count);
 }
 
 FUNCTION(fmi3GetNumberOfContinuousStates)(void *instance, size_t *count)
 {
     *count = STATES;
-    return instance ? OK : ERROR;
+    return exists(instance);
 }
 
 FUNCTION(fmi3GetNumberOfEventIndicators)(void *instance, size_t *count)
 {
     *count = 0;
-    return instance ? OK : ERROR;
+    return exists(instance);
 }
 
 FUNCTION(fmi3GetEventIndicators)(void *instance, double indicators[], size_t count)
 {
     (void)indicators;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 FUNCTION(fmi3CompletedIntegratorStep)(void *instance, bool final, bool *event, bool *terminate)
@@ -396,13 +283,9 @@ FUNCTION(fmi3DoStep)(
     struct ship *ship = instance;
     (void)final;
     *event = *terminate = *early = false;
-    *reached = from;
-    if (running(ship) != OK || !ship->steps_itself || !(size >= 0.0)) {
-        return ERROR;
-    }
-    const int done = carried(ship, from, size);
-    *reached = ship->now.time;
-    return done ? OK : ERROR;
+    const int done = stepped(ship, from, size);
+    *reached = ship ? ship->now.time : from;
+    return done;
 }
 
 FUNCTION(fmi3GetOutputDerivatives)(
@@ -410,7 +293,7 @@ FUNCTION(fmi3GetOutputDerivatives)(
     double values[], size_t size)
 {
     (void)references, (void)orders, (void)values, (void)size;
-    return instance && count == 0 ? OK : ERROR;
+    return none(instance, count);
 }
 
 // --- What this FMU does not have -----------------------------------------------------------------

@@ -33,7 +33,8 @@ function beside(app) {
   };
   return el("section", { class: "panel", "aria-label": t("campaigns") },
     el("h2", {}, t("campaigns")),
-    el("ul", { class: "plain-list" }, app.state.campaigns.map((own) => el("li", {}, el("b", {}, own.title), ` · ${t(`kind_${own.kind}`)} · ${t("about_tests", { runs: own.runs })}`))),
+    el("ul", { class: "plain-list" }, app.state.campaigns.map((own, of) => el("li", {}, el("b", {}, own.title), ` · ${t(`kind_${own.kind}`)} · ${t("about_tests", { runs: own.runs })} `,
+      app.state.campaigns.length > 1 ? el("button", { "aria-label": t("take_off_campaign", { campaign: own.title }), disabled: app.busy(), on: { click: () => app.act("without", { of }) } }, t("take_off")) : null))),
     el("form", { class: "line", on: { submit: take } }, where, el("button", { disabled: app.busy() }, t("beside"))),
     el("p", { class: "soft small" }, t("beside_about")));
 }

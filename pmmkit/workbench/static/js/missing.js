@@ -14,7 +14,8 @@ import { chosenCell } from "./where.js";
 const STRONG = Math.log(1e6);
 
 export async function showMissing(root, app, shown) {
-  const [found, fall] = await Promise.all([app.missing(), app.fall()]);
+  const [asked, fall] = await Promise.all([app.missing(), app.fall()]);
+  const found = asked?.drawn ? overOne(asked, asked.drawn[app.of]) : asked;
   // What is pointed at before the run is there is drawn when it comes.
   const view = { asked: app.pair, show: () => {}, draw: (asked) => { view.asked = asked; view.show(asked); } };
   const right = el("div", { class: "stack keeps" });
@@ -31,6 +32,12 @@ export async function showMissing(root, app, shown) {
   // The turn of a page that asks about no model that sails is of another one.
   if (app.state.model) await turnPanel(turns, app);
   else turns.remove();
+}
+
+// Of several campaigns: what candidates would do to the runs of the one that is looked at.
+function overOne(found, { shares, overlays, base }) {
+  const candidates = found.candidates.map((item) => ({ ...item, share: shares[item.effect] ?? null }));
+  return { ...found, overlays, base, candidates };
 }
 
 function question(app, before) {
