@@ -40,7 +40,8 @@ def imo(
         typer.Option(
             min=0.1,
             help="Seconds from the order astern until those revolutions are reached; a model's own "
-            "shaft lags behind it. If absent they fall to zero in two ship lengths over the speed and go on at that rate.",
+            "shaft lags behind it. If absent they fall to zero in two ship lengths over the "
+            "speed and go on at that rate.",
         ),
     ] = None,
     torque: Annotated[
