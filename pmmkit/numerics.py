@@ -78,7 +78,7 @@ def projector(basis: Array) -> Array:
     well = _gram(basis)
     if well is not None:
         unit, scale = well
-        return np.linalg.solve(unit, (basis / scale).T) / scale[:, None]
+        return (np.linalg.inv(unit) / scale / scale[:, None]) @ basis.T
     return np.asarray(np.linalg.pinv(basis), dtype=np.float64)
 
 
