@@ -324,7 +324,8 @@ class CycleSums:
     def together(self, first: int, last: int) -> Array:
         """Coefficients (c, p) of the cycles [first, last) taken as one record."""
         part = slice(first, last)
-        return np.linalg.solve(self.gram[part].sum(axis=0), self.right[part].sum(axis=0)).T
+        gram, right = self.gram[part].sum(axis=0), self.right[part].sum(axis=0)
+        return np.asarray(np.linalg.solve(gram, right).T)
 
 
 def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:
