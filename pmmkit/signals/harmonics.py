@@ -325,7 +325,7 @@ class CycleSums:
         """Coefficients (c, p) of the cycles [first, last) taken as one record."""
         part = slice(first, last)
         gram, right = self.gram[part].sum(axis=0), self.right[part].sum(axis=0)
-        return np.asarray(np.linalg.solve(gram, right).T)
+        return np.asarray(np.linalg.solve(gram, right).T, np.float64)
 
 
 def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:
