@@ -319,13 +319,15 @@ class CycleSums:
     @property
     def single(self) -> Array:
         """Coefficients of the single cycles, (k, c, p)."""
-        return np.linalg.solve(self.gram, self.right).transpose(0, 2, 1)
+        single: Array = np.linalg.solve(self.gram, self.right)
+        return single.transpose(0, 2, 1)
 
     def together(self, first: int, last: int) -> Array:
         """Coefficients (c, p) of the cycles [first, last) taken as one record."""
         part = slice(first, last)
         gram, right = self.gram[part].sum(axis=0), self.right[part].sum(axis=0)
-        return np.asarray(np.linalg.solve(gram, right).T, np.float64)
+        whole: Array = np.linalg.solve(gram, right)
+        return whole.T
 
 
 def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:
