@@ -316,7 +316,7 @@ def _usable(t: Array, columns: Mapping[str, Array]) -> NDArray[np.intp]:
 def _digest(values: Array) -> str:
     if not values.size or not np.any(values):
         return ""
-    return hashlib.sha256(np.ascontiguousarray(values)).hexdigest()
+    return hashlib.sha256(np.ascontiguousarray(values).data).hexdigest()
 
 
 def _scaled(values: Array) -> Array:

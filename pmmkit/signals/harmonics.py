@@ -319,15 +319,14 @@ class CycleSums:
     @property
     def single(self) -> Array:
         """Coefficients of the single cycles, (k, c, p)."""
-        single: Array = np.linalg.solve(self.gram, self.right)
-        return single.transpose(0, 2, 1)
+        single = np.linalg.solve(self.gram, self.right).transpose(0, 2, 1)
+        return np.asarray(single, np.float64)
 
     def together(self, first: int, last: int) -> Array:
         """Coefficients (c, p) of the cycles [first, last) taken as one record."""
         part = slice(first, last)
         gram, right = self.gram[part].sum(axis=0), self.right[part].sum(axis=0)
-        whole: Array = np.linalg.solve(gram, right)
-        return whole.T
+        return np.asarray(np.linalg.solve(gram, right).T, np.float64)
 
 
 def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:
