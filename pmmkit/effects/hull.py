@@ -184,8 +184,9 @@ def shared_regressors(
     needed = {factor for factors in place for factor in factors if factor != "0"}
     values = {name: primed[name]() for name in {bare(factor) for factor in needed}}
     values |= {factor: np.abs(values[bare(factor)]) for factor in needed if bare(factor) != factor}
-    products = np.tile(square, (len(place), 1))
+    products = np.empty((len(place), len(U)))
     for row, factors in zip(products, place, strict=True):
+        row[:] = square
         if convention.surge == "constant" and factors == ("u", "u"):
             row *= (state.speed / reference) ** 2 if bis else 1.0
         else:

@@ -34,9 +34,8 @@ def burg(x: Array, order: int) -> tuple[Array, Array]:
     power[:, 0] = np.mean(x * x, axis=-1)
     forward, backward = x[:, 1:], x[:, :-1]
     for p in range(order):
-        cross = np.einsum("cn,cn->c", forward, backward)
-        size = 0.5 * np.einsum("cn,cn->c", forward, forward)
-        size += 0.5 * np.einsum("cn,cn->c", backward, backward)
+        cross = np.vecdot(forward, backward)
+        size = 0.5 * (np.vecdot(forward, forward) + np.vecdot(backward, backward))
         k = np.divide(-cross, size, out=np.zeros(c), where=size > 0)
         reflection[:, p] = k
         power[:, p + 1] = power[:, p] * (1.0 - k * k)
@@ -81,7 +80,7 @@ def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
     filters[:, 0] = 1.0
     power = autocovariance[:, 0]
     for p in range(1, size):
-        top = np.einsum("ci,ci->c", filters[:, :p], autocovariance[:, p:0:-1])
+        top = np.vecdot(filters[:, :p], autocovariance[:, p:0:-1])
         k = np.divide(-top, power, out=np.zeros(c), where=power > 0)
         k = np.minimum(np.maximum(k, -limit), limit)
         filters[:, 1 : p + 1] += k[:, None] * filters[:, p - 1 :: -1]
