@@ -144,21 +144,19 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, known: Known | N
         if name in columns:
             facts |= {f"{name}_flat_{k}": v for k, v in flat_facts(columns[name]).items()}
             facts |= {f"{name}_{k}": v for k, v in hold_facts(columns[name]).items()}
-    values = np.concatenate(
-        [columns[name] for name in (*_HULL, "x", "y") if name in columns] or [EMPTY]
-    )
-    digest = _digest(values)
+    digest = _digest(*(columns[name] for name in (*_HULL, "x", "y") if name in columns))
     order = _usable(raw, columns)
     if len(order) < 16:
         return Summary(run=run, digest=digest, facts=facts)
-    t = raw[order]
-    clean = data if len(order) == len(raw) else data.isel(t=order)
+    whole = np.array_equal(order, np.arange(len(raw)))
+    t = raw if whole else raw[order]
+    clean = data if whole else data.isel(t=order)
     if campaign.kind == "free-running":
         free = {**free_facts(clean, t), **record_facts(run, campaign, clean, t)}
         return Summary(run=run, digest=digest, facts={**facts, **free})
-    forces = (
-        np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
-    )
+    forces = np.zeros((len(present), len(t)))
+    for row, name in zip(forces, present, strict=True):
+        row[:] = columns[name] if whole else columns[name][order]
     facts |= motion_facts(run, clean, t)
     facts |= carriage_facts(run, clean, t)
     tared = json.loads(data.attrs.get("tared", "{}"))
@@ -309,14 +307,20 @@ def _usable(t: Array, columns: Mapping[str, Array]) -> NDArray[np.intp]:
         if name in columns:
             good &= np.isfinite(columns[name])
     index = np.flatnonzero(good)
+    if np.all(np.diff(t[index]) > 0):
+        return index
     _, first = np.unique(t[index], return_index=True)
     return index[first]
 
 
-def _digest(values: Array) -> str:
-    if not values.size or not np.any(values):
+def _digest(*parts: Array) -> str:
+    """Of the values of the parts, one after another; empty where there is none but zero."""
+    if not any(np.any(part) for part in parts):
         return ""
-    return hashlib.sha256(np.ascontiguousarray(values).data).hexdigest()
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(np.ascontiguousarray(part).data)
+    return digest.hexdigest()
 
 
 def _scaled(values: Array) -> Array:
