@@ -72,20 +72,21 @@ def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
     -------
     filters : (c, p + 1) array
         The filters 1, a1, …, ap.
-    power : (c,) array
-        Innovation variances.
+    unexplained : (c,) array
+        Variance of the innovations over that of the process.
     """
     c, size = autocovariance.shape
     filters = np.zeros((c, size))
     filters[:, 0] = 1.0
-    power = autocovariance[:, 0]
+    unexplained = np.ones(c)
     for p in range(1, size):
         top = np.vecdot(filters[:, :p], autocovariance[:, p:0:-1])
+        power = autocovariance[:, 0] * unexplained
         k = np.divide(-top, power, out=np.zeros(c), where=power > 0)
         k = np.minimum(np.maximum(k, -limit), limit)
         filters[:, 1 : p + 1] += k[:, None] * filters[:, p - 1 :: -1]
-        power = power * (1.0 - k * k)
-    return filters, power
+        unexplained = unexplained * (1.0 - k * k)
+    return filters, unexplained
 
 
 def coefficients(reflection: Array) -> Array:

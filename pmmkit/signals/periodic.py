@@ -128,8 +128,8 @@ def _expect_and_fit(
         wrapped = covariance[:, -np.arange(p + 1)]
         wrapped[:, 0] = 0.0
         lagged = (circular - near * wrapped) / (1.0 - near)
-        filters, innovation = ar.levinson(lagged, limit)
-        covariance = ar.autocovariances(filters, innovation, m)
+        filters, unexplained = ar.levinson(lagged, limit)
+        covariance = ar.autocovariances(filters, lagged[:, 0] * unexplained, m)
         folded = (1.0 - share) * covariance
         folded[:, 1:] += share[1:] * covariance[:, :0:-1]
         before = expected
@@ -138,10 +138,7 @@ def _expect_and_fit(
         if np.all(np.abs(expected - before) <= 0.01 * before):
             break
     return _Fitted(
-        filters=filters,
-        unexplained=innovation / lagged[:, 0],
-        expected=expected,
-        covariance=covariance,
+        filters=filters, unexplained=unexplained, expected=expected, covariance=covariance
     )
 
 
