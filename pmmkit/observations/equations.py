@@ -150,8 +150,11 @@ def _shared(
 
 def _by_channel(names: Mapping[str, Sequence[str]], columns: Array) -> dict[str, Array]:
     """Columns of the derivatives of all channels, channel by channel."""
-    ends = np.cumsum([len(listed) for listed in names.values()])
-    return dict(zip(names, np.split(columns, ends[:-1], axis=1), strict=True))
+    ends = np.cumsum([len(listed) for listed in names.values()], dtype=np.intp)
+    return {
+        channel: columns[:, end - len(names[channel]) : end]
+        for channel, end in zip(names, ends.tolist(), strict=True)
+    }
 
 
 def _design(
