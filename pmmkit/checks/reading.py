@@ -7,7 +7,6 @@ import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
@@ -28,8 +27,8 @@ from pmmkit.checks.signs import axis_facts
 from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
-from pmmkit.numerics import Array, coefficients
-from pmmkit.signals import FourierBasis, Window, design_matrix
+from pmmkit.numerics import Array
+from pmmkit.signals import FourierBasis, Window
 from pmmkit.signals.harmonics import CycleSums, cycle_count, cycle_edges
 
 if TYPE_CHECKING:
@@ -43,6 +42,7 @@ MOTIONS: Final = ("u", "v", "r", "udot", "vdot", "rdot")
 _HULL: Final = ("X", "Y", "N", "K")
 _SKETCH: Final = 48
 _PARTS: Final = 12
+_GRID: Final = 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,15 +108,8 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
     )
     values = values[np.isfinite(values)]
     means = {name: float(part[0]) for name, part in cos.items()}
-    theta = np.linspace(0, 2 * np.pi, 64, endpoint=False)
-    try:
-        state = motion_at_phase(run, theta)
-    except DataError:
-        state = None
-    if state is not None:
-        found = _fit(theta, _stack(state))
-        for row, name in enumerate(MOTIONS):
-            cos[name], sin[name] = _split(found[row])
+    for name, (cosines, sines) in _nominal(run).items():
+        cos[name], sin[name] = cosines, sines
     return Summary(
         run=run,
         means=means,
@@ -228,9 +221,8 @@ def _oscillating(
     moving = slice(counted.travel.start, counted.travel.stop)
     project = counted.kept.projector[: 2 * ORDER + 1]
     found = dict(zip(names, map(_split, forces[:, part] @ project.T), strict=True))
-    found |= _split_motion(state, project, "")
-    with suppress(DataError):
-        found |= _split_motion(motion_at_phase(run, theta), project, "nominal_")
+    found |= _split_motion(state, project)
+    found |= {f"nominal_{name}": parts for name, parts in _nominal(run).items()}
     single, noise = _by_cycle(counted.basis.within(moving), forces[:, moving])
     count = max(counted.cycles.count, 1)
     gauges = _gauge_facts(t[part], forces[:, part], theta, names)
@@ -271,18 +263,18 @@ def _by_cycle(basis: FourierBasis, forces: Array) -> tuple[Array, Array]:
     return single[:, :, : 2 * ORDER + 1], np.median(noise, axis=0)
 
 
-def _split_motion(state: State, project: Array, prefix: str) -> dict[str, tuple[Array, Array]]:
+def _nominal(run: Run) -> dict[str, tuple[Array, Array]]:
+    """Harmonics of the motion that the test was set to; nothing where its settings do not say."""
+    basis = FourierBasis.at(np.linspace(0, 2 * np.pi, _GRID, endpoint=False), ORDER)
+    try:
+        return _split_motion(motion_at_phase(run, basis.phase), basis.projector)
+    except DataError:
+        return {}
+
+
+def _split_motion(state: State, project: Array) -> dict[str, tuple[Array, Array]]:
     """Harmonics of the motions, cosines and sines, by name."""
-    return {f"{prefix}{name}": _split(project @ getattr(state, name)) for name in MOTIONS}
-
-
-def _stack(state: State) -> Array:
-    return np.stack([np.asarray(getattr(state, name), float) for name in MOTIONS])
-
-
-def _fit(theta: Array, rows: Array) -> Array:
-    basis = design_matrix(theta, ORDER)
-    return coefficients(basis, rows)
+    return {name: _split(project @ getattr(state, name)) for name in MOTIONS}
 
 
 def _split(coefficients: Array) -> tuple[Array, Array]:

@@ -202,6 +202,8 @@ def move_motion(state: State, x: float) -> State:
     >>> move_motion(State.of(u=1.0, v=0.3, r=0.1), 2.0).v
     array([0.1])
     """
+    if x == 0.0:
+        return state
     return state.with_(v=state.v - x * state.r, vdot=state.vdot - x * state.rdot)
 
 
