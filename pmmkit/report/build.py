@@ -19,7 +19,8 @@ from pmmkit.report.drawn import drawn
 from pmmkit.report.loop import Loop, loop_answers
 from pmmkit.report.turning import Turns, changes, turning_section
 from pmmkit.report.words import flattened
-from pmmkit.workbench.page_file import Answers, page_file, state_of
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.page_room import Answers
 from pmmkit.workbench.pages.derivatives import derivatives_page
 from pmmkit.workbench.pages.sections import Place, told_page
 from pmmkit.workbench.pages.turning import track_page

@@ -11,7 +11,8 @@ from pmmkit.files import write_text
 from pmmkit.presentation import sections_of
 from pmmkit.report.checked import checked_section
 from pmmkit.validation.comparison import Comparison
-from pmmkit.workbench.page_file import Answers, page_file, state_of, with_runs, worst_first
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.page_room import Answers, with_runs, worst_first
 from pmmkit.workbench.pages.misfit import misfit_page
 from pmmkit.workbench.pages.one_run import run_page
 from pmmkit.workbench.pages.sections import Place, told_page

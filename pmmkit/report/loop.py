@@ -13,7 +13,8 @@ from pmmkit.loop import Session
 from pmmkit.loop.evidence import Fall
 from pmmkit.presentation import Section, sections_of
 from pmmkit.report.checked import checked_section
-from pmmkit.workbench.page_file import Answers, page_file, state_of
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.page_room import Answers
 from pmmkit.workbench.pages.fall import fall_page
 from pmmkit.workbench.pages.missing import missing_page
 from pmmkit.workbench.pages.sections import Place, told_page

@@ -8,7 +8,8 @@ from typing import Any
 
 from pmmkit.errors import PmmkitError
 from pmmkit.workbench.desk import Desk
-from pmmkit.workbench.page_file import Answers, fitted, page_file, with_runs, worst_first
+from pmmkit.workbench.page_file import page_file
+from pmmkit.workbench.page_room import Answers, asked_of, fitted, with_runs, worst_first
 
 
 def frozen_page(desk: Desk) -> str:
@@ -30,14 +31,14 @@ def answers(desk: Desk) -> Answers:
     campaigns = range(len(state.get("campaigns", ())) or 1)
     for number in range(count + 1):
         for of in campaigns:
-            found[_of(f"misfit {number}", of)] = desk.misfit(number, of)
+            found[asked_of(f"misfit {number}", of)] = desk.misfit(number, of)
     asked: Mapping[str, Callable[[], Any]] = {
         "missing": desk.missing,
         "fall": desk.fall,
         "turns": desk.turns,
-        **{_of("checks", of): partial(desk.checks, of) for of in campaigns},
-        **{_of("derivatives", of): partial(desk.derivatives, of) for of in campaigns},
-        **{_of("runs 0", of): partial(desk.runs, 0, of) for of in campaigns},
+        **{asked_of("checks", of): partial(desk.checks, of) for of in campaigns},
+        **{asked_of("derivatives", of): partial(desk.derivatives, of) for of in campaigns},
+        **{asked_of("runs 0", of): partial(desk.runs, 0, of) for of in campaigns},
     }
     for name, give in asked.items():
         try:
@@ -48,7 +49,7 @@ def answers(desk: Desk) -> Answers:
     for of in campaigns:
         found = with_runs(
             found,
-            worst_first(found[_of(f"misfit {count}", of)]),
+            worst_first(found[asked_of(f"misfit {count}", of)]),
             partial(_history, desk, of),
             partial(_asks_run, count, of),
             share=1.0 / (len(campaigns) - of),
@@ -61,9 +62,4 @@ def _history(desk: Desk, of: int, run: str, buckets: int) -> Any:
 
 
 def _asks_run(count: int, of: int, run: str) -> str:
-    return _of(f"run {run} {count}", of)
-
-
-def _of(asked: str, of: int) -> str:
-    """The words by which a page asks of a campaign; of the first it asks as if there were one."""
-    return f"{asked} {of}" if of else asked
+    return asked_of(f"run {run} {count}", of)

@@ -13,7 +13,8 @@ from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.models import save_model
 from pmmkit.presentation import Grid, Group, Picture, Section
-from pmmkit.workbench.page_file import MOST, fitted, page_file, size_of, state_of, with_runs
+from pmmkit.workbench.page_file import page_file, state_of
+from pmmkit.workbench.page_room import MOST, fitted, size_of, with_runs
 from pmmkit.workbench.pages.sections import Place, Symbol, told_page
 
 
@@ -109,6 +110,23 @@ def test_very_many_runs_keep_those_with_the_largest_errors():
     kept = [row["run"] for group in misfit["groups"] for row in group["rows"]]
     assert misfit["left_out"] == 20_000 - len(kept)
     assert kept == [f"r{i}" for i in range(20_000 - len(kept), 20_000)]
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_candidates_are_drawn_over_the_runs_with_the_largest_errors(several):
+    """Ten candidates over a thousand runs alone would be larger than a file may be."""
+    own = {f"r{i}": {"Y": [1.234567] * 30} for i in range(1000)}
+    table = {"overlays": dict.fromkeys("abcdefghij", own), "base": {}, "shares": {}}
+    missing = {"drawn": [table, table]} if several else table
+    answers = big(1000) | {"missing": missing}
+    answers |= {"misfit 0 1": answers["misfit 0"]} if several else {}
+    held = fitted(answers)
+    assert size_of(held) <= MOST
+    tables = held["missing"]["drawn"] if several else [held["missing"]]
+    for table in tables:
+        (runs,) = {tuple(sorted(item)) for item in table["overlays"].values()}
+        assert 50 < len(runs) < 1000
+        assert set(runs) == {f"r{i}" for i in range(1000 - len(runs), 1000)}
 
 
 def test_histories_are_as_fine_as_there_is_room_for():
