@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -135,6 +136,8 @@ KEYS = {
     "cfd": (CfdEntry,),
     "trial": (TrialEntry,),
     "uncertainty": (UncertainEntry,),
+    "report": (ReportEntry,),
+    "gauges": (GaugeEntry,),
     "corrections": (CorrectionEntry, SettingsEntry),
     "runs": (RunEntry, SettingsEntry),
     "settings": (SettingsEntry,),

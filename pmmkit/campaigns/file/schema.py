@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from pmmkit.campaigns.file.faults import fault_words, shown
+from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
@@ -337,6 +338,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "rudder": None,
     "trial": TrialEntry,
     "uncertainty": None,
+    "report": ReportEntry,
     "corrections": CorrectionEntry,
     "defaults": DefaultsEntry,
     "matrix": MatrixEntry,
@@ -413,6 +415,7 @@ def _keys(model: type[Entry], place: list[str]) -> list[str]:
         "tare": TareEntry,
         "U_SN": NumericalEntry,
         "columns": ColumnEntry,
+        "gauges": GaugeEntry,
     }
     if len(place) > 1 and place[0] in nested:
         return list(nested[place[0]].model_fields)
