@@ -73,12 +73,13 @@ def report(
     from pmmkit.errors import DataError
     from pmmkit.progress import shown
     from pmmkit.reduction import reduce_campaign
-    from pmmkit.report.captive import captive_document, write_document
+    from pmmkit.report.captive import captive_document, check_target, write_document
 
     ending = to.value if to else "docx" if template and output is None else "html"
     target = results_file(output, f"{stem(campaign)}-report.{ending}", read=[template])
     if to and target.suffix.lower() != f".{to.value}":
         raise typer.BadParameter(f"--to {to.value} and the output {target.name} contradict.")
+    check_target(target, template)
     opened = open_campaign(campaign, data=data)
     if opened.kind != "captive":
         raise DataError(

@@ -3,7 +3,7 @@
 from pmmkit.report.captive.build import STANDARDS, captive_document
 from pmmkit.report.captive.document import Chapter, Document, Item
 from pmmkit.report.captive.html import html_of
-from pmmkit.report.captive.write import FORMATS, write_document
+from pmmkit.report.captive.write import FORMATS, check_target, write_document
 
 __all__ = [
     "FORMATS",
@@ -12,6 +12,7 @@ __all__ = [
     "Document",
     "Item",
     "captive_document",
+    "check_target",
     "html_of",
     "write_document",
 ]

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from datetime import datetime
 from itertools import pairwise
 from statistics import median
 
+from pmmkit.campaigns.day import seconds_of
 from pmmkit.campaigns.run import FORCES, Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kinds
@@ -289,8 +289,8 @@ def procedure(reduction: Reduction) -> Chapter:
 
 def _starts(runs: Sequence[Run]) -> Item:
     """From the start of a run to that of the next, where their starts are known."""
-    starts = sorted(datetime.fromisoformat(run.started) for run in runs if run.started)
-    gaps = [(later - earlier).total_seconds() for earlier, later in pairwise(starts)]
+    starts = sorted(seconds_of(run.started) for run in runs if run.started)
+    gaps = [later - earlier for earlier, later in pairwise(starts)]
     return Item(
         what="Time from start to start [s]",
         value=f"{min(gaps):.0f} at least, median {median(gaps):.0f}" if gaps else None,

@@ -155,7 +155,9 @@ def uncertainty(reduction: Reduction) -> Chapter:
 def _shares(reduction: Reduction) -> Grid | None:
     """Which tests and which shared sources make the uncertainty of the linear derivatives [%]."""
     table = reduction.table
-    row = len(table.Fn) // 2
+    known = np.isfinite([table[name] for name in SHARED if name in table]).sum(axis=0)
+    best = np.flatnonzero(known == np.max(known, initial=0))
+    row = int(best[len(best) // 2])
     Fn = None if table.pooled else float(table.Fn[row])
     found = {}
     for name in SHARED:

@@ -25,9 +25,10 @@ DATE: Final = datetime(1980, 1, 1)
 """Of every part of the file, so that the same report gives the same bytes."""
 WHOLE: Final = 16.5
 """Width of text on A4 [cm]."""
+REPORT: Final = "[report] "
+"""How the keys of the texts begin that a template names."""
 BODY: Final = "PMMKIT-REPORT-BODY"
 """Stands where a template has ``{{ body }}`` until the chapters are put there."""
-INSTALL: Final = "Word needs what is not installed: pip install 'pmmkit[word]'."
 
 
 def word_bytes(document: Document, template: str | Path | None = None) -> bytes:
@@ -45,12 +46,10 @@ def word_bytes(document: Document, template: str | Path | None = None) -> bytes:
     Raises
     ------
     DataError
-        If the packages are not there, or the template is no Word document or cannot be filled.
+        If the template is no Word document or cannot be filled.
     """
-    try:
-        import docx
-    except ImportError as error:
-        raise DataError(INSTALL) from error
+    import docx
+
     if template is None:
         file = docx.Document()
         _own_style(file, document)
@@ -101,17 +100,12 @@ def fields_of(document: Document) -> dict[str, Any]:
     }
 
 
-REPORT: Final = "[report] "
-
-
 def _filled(document: Document, template: Path) -> WordFile:
     """The template with its fields filled, and the chapters in their place."""
-    try:
-        import docxtpl
-        from jinja2 import TemplateError
-        from jinja2.sandbox import SandboxedEnvironment
-    except ImportError as error:
-        raise DataError(INSTALL) from error
+    import docxtpl
+    from jinja2 import TemplateError
+    from jinja2.sandbox import SandboxedEnvironment
+
     try:
         made = docxtpl.DocxTemplate(template)
         made.render(_printable(fields_of(document)), SandboxedEnvironment(autoescape=True))
