@@ -23,8 +23,8 @@ class GaugeEntry(Entry):
 
     type: str | None = said("make and type", None)
     capacity: str | None = said("capacity, with its unit", None)
-    calibrated: Day | None = said("calibrated on, such as 2026-05-04", None)
-    certificate: str | None = said("certificate of the calibration", None)
+    calibrated: Day | None = said("date of the calibration, such as 2026-05-04", None)
+    certificate: str | None = said("its certificate", None)
 
 
 class ReportEntry(Entry):

@@ -13,6 +13,7 @@ from pmmkit.campaigns.run import FORCES, Campaign, Run
 from pmmkit.campaigns.settings import Settings
 from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.channels import CHANNEL_UNITS
+from pmmkit.models.stated_parts import SECTIONS
 from pmmkit.presentation import Cell, Grid, Group, Section, counted, number
 from pmmkit.reduction import Reduction, RunResult
 from pmmkit.report import tables
@@ -84,8 +85,7 @@ def ship_model(reduction: Reduction) -> Chapter:
             *of_report(campaign, "draught_forward", "draught_aft", "wetted_surface"),
             *of_report(campaign, "appendages", "turbulence_stimulation", "loading"),
             *of_report(campaign, "inertia_found"),
-            *of_part(campaign, "propeller"),
-            *of_part(campaign, "rudder"),
+            *(item for section in SECTIONS for item in of_part(campaign, section)),
         ],
     )
 
@@ -119,9 +119,9 @@ def mount(reduction: Reduction) -> Chapter:
     """
     campaign = reduction.campaign
     motions = [
-        ("moments refer to, forward of midship", campaign.moment_reference_x),
-        ("moments refer to, below the origin", campaign.moment_reference_z),
-        ("motions refer to, forward of midship", campaign.motion_reference_x),
+        ("Point of the moments, forward of midship", campaign.moment_reference_x),
+        ("Point of the moments, below the origin", campaign.moment_reference_z),
+        ("Point of the motions, forward of midship", campaign.motion_reference_x),
     ]
     return Chapter(
         title="Carriage and mount",
@@ -132,7 +132,7 @@ def mount(reduction: Reduction) -> Chapter:
                 value=", ".join(campaign.free) or None,
                 supply="[campaign] free",
             ),
-            *(Item(what=f"Point that {what} [m]", value=number(x)) for what, x in motions),
+            *(Item(what=f"{what} [m]", value=number(x)) for what, x in motions),
         ],
     )
 

@@ -141,22 +141,13 @@ class Document(Described):
         return f"{self.title}: {counted(len(self.numbered), 'chapter')}, {lacks} not supplied"
 
     def _sections(self) -> Sequence[Section]:
-        cover = Section(paragraphs=self.basis, tables=[grid_of(self.items)])
-        found = [cover]
-        for mark, chapter in self.numbered:
-            items = [grid_of(chapter.items)] if chapter.items else []
-            found.append(Section(title=f"{mark} {chapter.title}", tables=items))
-            found += chapter.sections
-        return found
-
-
-def grid_of(items: Sequence[Item]) -> Grid:
-    """Items as a table of two columns.
-
-    Parameters
-    ----------
-    items : sequence of Item
-        One at least.
-    """
-    rows = [[item.what, item.text] for item in items]
-    return Grid(head=["", ""], groups=[Group(rows=rows)], texts=(0, 1))
+        chapters = [f"{mark} {chapter.title}" for mark, chapter in self.numbered]
+        keys: dict[str, list[str]] = {}
+        for place, item in self.missing:
+            keys.setdefault(place, []).append(item.supply)
+        lacks = [f"{place}: {', '.join(own)}" for place, own in keys.items()]
+        return [
+            Section(paragraphs=[self.subtitle, *self.basis]),
+            Section(title="Chapters", points=chapters),
+            *([Section(title="Not supplied", points=lacks)] if lacks else []),
+        ]

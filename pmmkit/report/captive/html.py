@@ -16,6 +16,7 @@ from pmmkit.workbench.pages.sections import Symbol
 
 STYLE: Final = Path(__file__).with_name("style.css")
 TEXT: Final = ' class="text"'
+HEAD: Final = 'th scope="col"'
 MANY: Final = 6
 """Columns from which on a table has small letters."""
 
@@ -106,7 +107,7 @@ def _chapter(mark: str, chapter: Chapter) -> Iterable[str]:
 
 def _items(items: Sequence[Item]) -> str:
     rows = "".join(
-        f'<tr><td class="text">{html_text(item.what)}</td>'
+        f'<tr><th class="text" scope="row">{html_text(item.what)}</th>'
         f'<td class="text{" lack" if item.value is None else ""}">{html_text(item.text)}</td></tr>'
         for item in items
     )
@@ -135,13 +136,13 @@ def _table(table: Grid) -> str:
 
     def row(tag: str, cells: Sequence[Cell]) -> str:
         inside = (
-            f"<{tag}{TEXT if place in texts else ''}>{_cell(cell)}</{tag}>"
+            f"<{tag}{TEXT if place in texts else ''}>{_cell(cell)}</{tag[:2]}>"
             for place, cell in enumerate(cells)
         )
         return f"<tr>{''.join(inside)}</tr>"
 
     caption = f"<caption>{html_text(table.caption)}</caption>" if table.caption else ""
-    head = f"<thead>{row('th', table.head)}</thead>" if any(table.head) else ""
+    head = f"<thead>{row(HEAD, table.head)}</thead>" if any(table.head) else ""
     body = "".join(
         _group(group, len(table.head)) + "".join(row("td", cells) for cells in group.rows)
         for group in table.groups

@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import STATABLE
 from pmmkit.models.stated_parts import numbers_of, words_of
@@ -37,6 +36,8 @@ def of_report(campaign: Campaign, *keys: str) -> list[Item]:
     Customer: Yard
     Tank or basin: not supplied
     """
+    from pmmkit.campaigns.file.report_entry import ReportEntry
+
     fields = ReportEntry.model_fields
     return [
         Item(
@@ -114,6 +115,8 @@ def of_gauges(campaign: Campaign) -> list[Item]:
     campaign : Campaign
         The tests.
     """
+    from pmmkit.campaigns.file.report_entry import GaugeEntry
+
     gauges: Mapping[str, Mapping[str, Any]] = campaign.report.get("gauges", {})
     fields = {key: item.description or key for key, item in GaugeEntry.model_fields.items()}
     if not gauges:
