@@ -98,6 +98,7 @@ def report(
     say("Writing the report ...")
     made = captive_document(found, standard=standard.value)
     file = write_document(made, target, template=template)
+    judged = found.verdict
     missing = [
         {"chapter": place, "item": item.what, "key": item.supply} for place, item in made.missing
     ]
@@ -107,13 +108,14 @@ def report(
         "file": str(file),
         "chapters": [f"{mark} {chapter.title}" for mark, chapter in made.numbered],
         "not_supplied": missing,
-        "verdict": {"use": found.verdict.use, "reasons": list(found.verdict.reasons)},
+        "verdict": {"use": judged.use, "reasons": list(judged.reasons)},
     }
     keys = [item["key"] for item in missing]
     named = f": {', '.join(keys[:MOST])}{' …' if len(keys) > MOST else ''}" if keys else ""
     lines = [
         f"{counted(len(keys), 'item')} not supplied{named}",
         *(["The last chapter lists them with the keys of campaign.toml."] if keys else []),
+        f"Verdict: {judged.use}.",
         f"Report: {file.resolve()}",
     ]
-    return Outcome(content=content, lines=lines)
+    return Outcome(content=content, lines=lines, status=1 if judged.use == "not usable" else 0)

@@ -11,7 +11,7 @@ from pmmkit.bibliography import reference
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import UnknownNameError
 from pmmkit.reduction import Reduction
-from pmmkit.report.captive import campaign_chapters, result_chapters
+from pmmkit.report.captive import appendices, campaign_chapters, result_chapters
 from pmmkit.report.captive.document import Document, Item
 from pmmkit.report.captive.stated import of_report
 
@@ -109,7 +109,7 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
             result_chapters.uncertainty(reduction),
             result_chapters.checks(reduction),
             result_chapters.use(reduction),
-            result_chapters.runs(reduction),
-            result_chapters.origin(reduction, after.sources),
+            appendices.runs(reduction),
+            appendices.origin(reduction, after.sources),
         ],
     )

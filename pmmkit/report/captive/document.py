@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from pmmkit.presentation import Described, Grid, Group, Section, counted
@@ -151,3 +151,14 @@ class Document(Described):
             Section(title="Chapters", points=chapters),
             *([Section(title="Not supplied", points=lacks)] if lacks else []),
         ]
+
+
+def untitled(section: Section) -> Section:
+    """A section that stands under the title of its chapter.
+
+    Parameters
+    ----------
+    section : Section
+        What stands there.
+    """
+    return replace(section, title="")

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pmmkit.bibliography import reference
 from pmmkit.campaigns.test_kinds.registry import kinds
 from pmmkit.checks.finding import CheckFinding
 from pmmkit.conventions import Convention
@@ -16,8 +15,8 @@ from pmmkit.observations.blockage import speed_increase
 from pmmkit.presentation import Cell, Grid, Group, Section
 from pmmkit.reduction import Reduction
 from pmmkit.reduction.shares import contributions
-from pmmkit.report import pictures, sections, tables
-from pmmkit.report.captive.document import Chapter, Item
+from pmmkit.report import pictures, sections
+from pmmkit.report.captive.document import Chapter, Item, untitled
 from pmmkit.report.captive.stated import of_report, of_uncertainties
 from pmmkit.report.checked import checked_section
 from pmmkit.report.words import symbol
@@ -194,7 +193,7 @@ def checks(reduction: Reduction) -> Chapter:
     """
     findings: Sequence[CheckFinding] = reduction.findings
     section = checked_section(findings, list(pictures.of_findings(reduction)))
-    return Chapter(title=section.title, sections=[_untitled(section)])
+    return Chapter(title=section.title, sections=[untitled(section)])
 
 
 def use(reduction: Reduction) -> Chapter:
@@ -257,46 +256,3 @@ def _ranges(reduction: Reduction) -> list[Item]:
         ("Largest rudder angle [°]", rudder),
     )
     return [Item(what=what, value=f"{value:.3g}") for what, value in entries if value]
-
-
-def runs(reduction: Reduction) -> Chapter:
-    """Every run with its settings and what of its record counts.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        With its runs.
-    """
-    return Chapter(
-        title="Runs", sections=[Section(tables=[tables.settings(reduction)])], appendix=True
-    )
-
-
-def origin(reduction: Reduction, sources: Sequence[str]) -> Chapter:
-    """Sources, versions, files and their hashes.
-
-    Parameters
-    ----------
-    reduction : Reduction
-        What was found.
-    sources : sequence of str
-        Keys of the bibliography that the report names.
-    """
-    section = sections.provenance(reduction, None)
-    named = [f"{reference(key).cited}: {reference(key).title}." for key in sources]
-    return Chapter(
-        title=section.title,
-        sections=[_untitled(section), Section(title="Procedures named", points=named)],
-        appendix=True,
-    )
-
-
-def _untitled(section: Section) -> Section:
-    """A section that stands under the title of its chapter."""
-    return Section(
-        paragraphs=section.paragraphs,
-        points=section.points,
-        findings=section.findings,
-        tables=section.tables,
-        figures=section.figures,
-    )

@@ -8,6 +8,7 @@ from typing import Any
 
 from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.uncertainty import STATABLE
+from pmmkit.channels import CHANNEL_UNITS
 from pmmkit.models.stated_parts import numbers_of, words_of
 from pmmkit.presentation import number
 from pmmkit.report.captive.document import Item
@@ -167,6 +168,15 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
                 supply=f"[uncertainty] {kind.key}",
             )
         )
+    if campaign.cfd or campaign.numerical:
+        items += [
+            Item(
+                what=f"Numerical standard uncertainty U_SN of {channel} [{CHANNEL_UNITS[channel]}]",
+                value=_text(campaign.numerical.get(channel)),
+                supply=f"[cfd] U_SN, key {channel}",
+            )
+            for channel in channels
+        ]
     return items
 
 

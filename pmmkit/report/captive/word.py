@@ -207,7 +207,7 @@ def _section(file: WordFile, section: Section) -> None:
 
 
 def _items(file: WordFile, items: Sequence[Item]) -> None:
-    table = _new_table(file, len(items), 2)
+    table = _new_table(file, len(items), (42, 58))
     for row, item in zip(table.rows, items, strict=True):
         _write(row.cells[0].paragraphs[0], item.what)
         _write(row.cells[1].paragraphs[0], item.text, italic=item.value is None)
@@ -226,7 +226,7 @@ def _table(file: WordFile, table: Grid) -> None:
     for group in table.groups:
         rows += [("group", [group.title])] if group.title else []
         rows += [("row", cells) for cells in group.rows]
-    made = _new_table(file, len(rows), len(table.head))
+    made = _new_table(file, len(rows), _widths([cells for kind, cells in rows if kind != "group"]))
     texts = {0, *table.texts}
     for row, (kind, cells) in zip(made.rows, rows, strict=True):
         places = row.cells
@@ -241,9 +241,22 @@ def _table(file: WordFile, table: Grid) -> None:
     file.add_paragraph()
 
 
-def _new_table(file: WordFile, rows: int, columns: int) -> Table:
-    table = file.add_table(rows, columns)
+def _widths(rows: Sequence[Sequence[Cell]]) -> list[int]:
+    """Parts of the width that columns take: as their longest texts, within limits."""
+    columns = zip(*rows, strict=True)
+    return [min(max(6, *(len(cell or "") for cell in column)), 40) for column in columns]
+
+
+def _new_table(file: WordFile, rows: int, widths: Sequence[int]) -> Table:
+    from docx.shared import Cm
+
+    table = file.add_table(rows, len(widths))
     table.style = _style(file, "Table Grid")
+    for column, part in zip(table.columns, widths, strict=True):
+        width = Cm(WHOLE * part / sum(widths))
+        column.width = width
+        for cell in column.cells:
+            cell.width = width
     return table
 
 
