@@ -44,10 +44,8 @@ def runs(reduction: Reduction) -> Chapter:
 
 def _forces(results: Sequence[RunResult], parts: Sequence[tuple[str, str]]) -> Grid:
     """Parts of the forces of some runs with half of their 95 % intervals, as recorded."""
-    kept = [
-        (channel, part) for channel, part in parts if any(channel in x.measured for x in results)
-    ]
-    rows = [[x.run.id, *(_force(x, channel, part) for channel, part in kept)] for x in results]
+    kept = [part for part in parts if any(_force(result, *part) for result in results)]
+    rows = [[result.run.id, *(_force(result, *part) for part in kept)] for result in results]
     units = {channel: CHANNEL_UNITS[channel] for channel, _ in kept}
     told = ""
     if results[0].run.dynamic:

@@ -88,7 +88,7 @@ def _cover(document: Document) -> Iterable[str]:
     yield _items(document.items)
     yield '<div class="basis">' + "".join(f"<p>{html_text(x)}</p>" for x in document.basis)
     yield "</div>"
-    yield "<nav><h3>Contents</h3><ol>"
+    yield "<nav><h2>Contents</h2><ol>"
     for mark, chapter in document.numbered:
         title = html_text(chapter.title)
         yield f'<li><a href="#c{mark}"><b>{mark}</b>{title}</a></li>'
@@ -148,7 +148,7 @@ def _table(table: Grid) -> str:
         for group in table.groups
     )
     dense = ' class="dense"' if len(table.head) >= MANY else ""
-    return f'<div class="wide"><table{dense}>{caption}{head}<tbody>{body}</tbody></table></div>'
+    return f'<div class="wide" tabindex="0"><table{dense}>{caption}{head}<tbody>{body}</tbody></table></div>'
 
 
 def _group(group: Group, width: int) -> str:

@@ -25,6 +25,8 @@ DATE: Final = datetime(1980, 1, 1)
 """Of every part of the file, so that the same report gives the same bytes."""
 WHOLE: Final = 16.5
 """Width of text on A4 [cm]."""
+HIGHEST: Final = 0.85
+"""Part of the height of a page that a figure may have."""
 REPORT: Final = "[report] "
 """How the keys of the texts begin that a template names."""
 BODY: Final = "PMMKIT-REPORT-BODY"
@@ -248,16 +250,21 @@ def _widths(rows: Sequence[Sequence[Cell]]) -> list[int]:
 
 
 def _new_table(file: WordFile, rows: int, widths: Sequence[int]) -> Table:
-    from docx.shared import Cm
-
     table = file.add_table(rows, len(widths))
     table.style = _style(file, "Table Grid")
     for column, part in zip(table.columns, widths, strict=True):
-        width = Cm(WHOLE * part / sum(widths))
+        width = int(_inside(file)[0] * part / sum(widths))
         column.width = width
         for cell in column.cells:
             cell.width = width
     return table
+
+
+def _inside(file: WordFile) -> tuple[int, int]:
+    """Width and height of a page between its margins [EMU]."""
+    page = file.sections[-1]
+    width = page.page_width - page.left_margin - page.right_margin
+    return int(width), int(page.page_height - page.top_margin - page.bottom_margin)
 
 
 def _write(paragraph: Paragraph, text: str, *, bold: bool = False, italic: bool = False) -> None:
@@ -285,14 +292,14 @@ def _whole(row: Any, *, head: bool = False) -> None:
 
 
 def _figure(file: WordFile, figure: Picture) -> None:
-    from docx.shared import Cm
-
     if isinstance(figure, Drawn):
+        inside = _inside(file)
         wide, high = figure.figure.get_size_inches()
-        width = min(WHOLE * (0.6 if figure.narrow else 1.0), 22.0 * wide / high)
+        width = inside[0] * (0.6 if figure.narrow else 1.0)
+        width = min(width, HIGHEST * inside[1] * wide / high)
         place = file.add_paragraph()
         place.paragraph_format.keep_with_next = True
-        shape = place.add_run().add_picture(io.BytesIO(figure.png()), width=Cm(width))
+        shape = place.add_run().add_picture(io.BytesIO(figure.png()), width=int(width))
         shape._inline.docPr.set("descr", printable(figure.alt))
     file.add_paragraph().add_run(printable(figure.caption)).italic = True
 
