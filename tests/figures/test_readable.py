@@ -114,6 +114,7 @@ def collisions(figure):
     ]
 
 
+@pytest.mark.slow
 def test_what_the_phase_is_stands_clear_of_the_legend():
     theta = np.linspace(0.0, 2 * np.pi, 50)
     cycle = figures.Cycle(

@@ -149,7 +149,12 @@ def test_what_the_campaign_does_not_say_is_printed_and_listed_with_its_key(told)
 def test_what_is_supplied_stands_in_the_report_and_leaves_the_list(reduced, undrawn):
     report = {"customer": "A yard", "scale": 36.0, "authors": ["A", "B"], "propeller_fitted": "no"}
     gauge = {"gauges": {"Y1": {"capacity": "500 N", "calibrated": "2026-05-04"}}}
-    campaign = reduced.campaign.with_(report=report | gauge)
+    first, second, *others = reduced.campaign.runs
+    timed = (
+        first.with_(started="2026-05-04T09:00:00"),
+        second.with_(started="2026-05-05T09:20:00"),
+    )
+    campaign = reduced.campaign.with_(report=report | gauge, runs=(*timed, *others))
     document = captive_document(replace(reduced, campaign=campaign))
     values = {item.supply: item.value for item in items_of(document)}
     assert values["[report] customer"] == "A yard"
@@ -157,6 +162,8 @@ def test_what_is_supplied_stands_in_the_report_and_leaves_the_list(reduced, undr
     assert values["[report] authors"] == "A, B"
     assert values["[report.gauges.Y1] calibrated"] == "2026-05-04"
     assert values["[report.gauges.Y1] certificate"] is None
+    assert values["[report] tested"] == "2026-05-04 to 2026-05-05"
+    assert values["[[runs]] started"] == "87600 at least, median 87600"
     assert "[propeller]" not in values  # none is fitted: no particulars are asked for
     assert values["[rudder]"] is None
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
 from pmmkit.bibliography import reference
+from pmmkit.campaigns.run import Campaign
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import UnknownNameError
 from pmmkit.reduction import Reduction
@@ -59,6 +60,7 @@ COVER: Final = (
     "tested",
 )
 """Keys of ``[report]`` that stand on the cover."""
+TESTED: Final = "[report] tested"
 
 
 def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Document:
@@ -94,7 +96,7 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
     return Document(
         title=campaign.title or campaign.ship.name,
         subtitle="Report of captive model tests",
-        items=[*of_report(campaign, *COVER), *made],
+        items=[*(_dated(item, campaign) for item in of_report(campaign, *COVER)), *made],
         basis=after.basis,
         chapters=[
             campaign_chapters.technique(reduction),
@@ -113,3 +115,11 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
             appendices.origin(reduction, after.sources),
         ],
     )
+
+
+def _dated(item: Item, campaign: Campaign) -> Item:
+    """When the tests were made, by the starts of the runs where the report does not say it."""
+    days = sorted(run.started[:10] for run in campaign.runs if run.started)
+    if item.supply != TESTED or item.value is not None or not days:
+        return item
+    return replace(item, value=days[0] if days[0] == days[-1] else f"{days[0]} to {days[-1]}")

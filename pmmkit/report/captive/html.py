@@ -148,7 +148,8 @@ def _table(table: Grid) -> str:
         for group in table.groups
     )
     dense = ' class="dense"' if len(table.head) >= MANY else ""
-    return f'<div class="wide" tabindex="0"><table{dense}>{caption}{head}<tbody>{body}</tbody></table></div>'
+    inside = f"{caption}{head}<tbody>{body}</tbody>"
+    return f'<div class="wide" tabindex="0"><table{dense}>{inside}</table></div>'
 
 
 def _group(group: Group, width: int) -> str:
