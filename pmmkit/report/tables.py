@@ -254,13 +254,14 @@ class Particular:
         What it is, and its unit.
     value : float or None
         SI; None where it is not known.
-    key : str
+    table, key : str
         Where the campaign file states it.
     """
 
     what: str
     value: float | None
     unit: str
+    table: str
     key: str
 
 
@@ -272,26 +273,27 @@ def particulars_of(ship: Ship, water: Water) -> tuple[Particular, ...]:
     ship, water : Ship, Water
         Of a campaign.
     """
-    entries: Sequence[tuple[str, float | None, str, str]] = (
-        ("Length between perpendiculars L", ship.L, "m", "[ship] L"),
-        ("Breadth B", ship.B, "m", "[ship] B"),
-        ("Draught d", ship.d, "m", "[ship] d"),
-        ("Displaced volume", ship.volume, "m³", "[ship] volume"),
-        ("Block coefficient", ship.block, "–", "[ship] CB"),
-        ("Mass", ship.mass, "kg", "[ship] mass"),
-        ("Centre of gravity forward of midship", ship.xG, "m", "[ship] xG"),
-        ("Centre of gravity below the origin", ship.zG, "m", "[ship] zG"),
-        ("Metacentric height GM", ship.GM, "m", "[ship] GM"),
-        ("Yaw inertia about midship", ship.Izz, "kg m²", "[ship] Izz"),
-        ("Roll inertia", ship.Ixx, "kg m²", "[ship] Ix"),
-        ("Density of the water", water.rho, "kg/m³", "[water] rho"),
-        ("Kinematic viscosity", water.nu, "m²/s", "[water] nu"),
-        ("Water depth", water.depth, "m", "[water] depth"),
-        ("Width of the tank", water.tank_width, "m", "[water] tank_width"),
-        ("Depth of the tank", water.tank_depth, "m", "[water] tank_depth"),
+    entries: Sequence[tuple[str, float | None, str, str, str]] = (
+        ("Length between perpendiculars L", ship.L, "m", "ship", "L"),
+        ("Breadth B", ship.B, "m", "ship", "B"),
+        ("Draught d", ship.d, "m", "ship", "d"),
+        ("Displaced volume", ship.volume, "m³", "ship", "volume"),
+        ("Block coefficient", ship.block, "–", "ship", "CB"),
+        ("Mass", ship.mass, "kg", "ship", "mass"),
+        ("Centre of gravity forward of midship", ship.xG, "m", "ship", "xG"),
+        ("Centre of gravity below the origin", ship.zG, "m", "ship", "zG"),
+        ("Metacentric height GM", ship.GM, "m", "ship", "GM"),
+        ("Yaw inertia about midship", ship.Izz, "kg m²", "ship", "Izz"),
+        ("Roll inertia", ship.Ixx, "kg m²", "ship", "Ix"),
+        ("Density of the water", water.rho, "kg/m³", "water", "rho"),
+        ("Kinematic viscosity", water.nu, "m²/s", "water", "nu"),
+        ("Water depth", water.depth, "m", "water", "depth"),
+        ("Width of the tank", water.tank_width, "m", "water", "tank_width"),
+        ("Depth of the tank", water.tank_depth, "m", "water", "tank_depth"),
     )
     return tuple(
-        Particular(what=what, value=value, unit=unit, key=key) for what, value, unit, key in entries
+        Particular(what=what, value=value, unit=unit, table=table, key=key)
+        for what, value, unit, table, key in entries
     )
 
 

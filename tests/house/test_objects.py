@@ -58,7 +58,7 @@ def added():
 
 
 def document():
-    item = Item(what="Customer", value=None, supply="[report] customer")
+    item = Item(what="Customer", value=None, table="report", key="customer")
     chapter = Chapter(title="Ship model", items=[item])
     basis = ["It is structured after a procedure."]
     return Document(title="Tests", subtitle="Report", items=[], basis=basis, chapters=[chapter])

@@ -77,8 +77,8 @@ def small():
         title=HOSTILE,
         subtitle="Captive tests",
         items=[
-            Item(what="Customer", value=HOSTILE, supply="[report] customer"),
-            Item(what="Number", value=None, supply="[report] number"),
+            Item(what="Customer", value=HOSTILE, table="report", key="customer"),
+            Item(what="Number", value=None, table="report", key="number"),
         ],
         basis=["Structured after something."],
         chapters=[
@@ -125,10 +125,9 @@ class Read(HTMLParser):
 
 @pytest.mark.slow
 def test_every_key_of_the_table_report_is_printed_in_one_place(told):
-    keys = [f"[report] {name}" for name in ReportEntry.model_fields if name != "gauges"]
-    printed = [item.supply for item in items_of(told) if item.supply.startswith("[report] ")]
-    assert sorted(printed) == sorted(keys)
-    assert sum(item.supply.startswith("[report.gauges") for item in items_of(told)) == 1
+    printed = [item.key for item in items_of(told) if item.table == "report"]
+    assert sorted([*printed, "gauges"]) == sorted(ReportEntry.model_fields)
+    assert sum(item.table == "report.gauges.NAME" for item in items_of(told)) == 1
 
 
 @pytest.mark.slow

@@ -60,7 +60,6 @@ COVER: Final = (
     "tested",
 )
 """Keys of ``[report]`` that stand on the cover."""
-TESTED: Final = "[report] tested"
 
 
 def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Document:
@@ -120,6 +119,6 @@ def captive_document(reduction: Reduction, *, standard: str = "ittc") -> Documen
 def _dated(item: Item, campaign: Campaign) -> Item:
     """When the tests were made, by the starts of the runs where the report does not say it."""
     days = sorted(run.started[:10] for run in campaign.runs if run.started)
-    if item.supply != TESTED or item.value is not None or not days:
+    if item.key != "tested" or item.value is not None or not days:
         return item
     return replace(item, value=days[0] if days[0] == days[-1] else f"{days[0]} to {days[-1]}")

@@ -76,7 +76,7 @@ def ship_model(reduction: Reduction) -> Chapter:
     return Chapter(
         title="Ship model",
         items=[
-            Item(what="Ship", value=ship.name or None, supply="[ship] name"),
+            Item(what="Ship", value=ship.name or None, table="ship", key="name"),
             *of_report(campaign, "model_number", "scale", "model_material", "model_made"),
             *of_report(campaign, "hull_lines"),
             *of_particulars(campaign, "ship"),
@@ -130,7 +130,8 @@ def mount(reduction: Reduction) -> Chapter:
             Item(
                 what="Motions that the mount leaves free",
                 value=", ".join(campaign.free) or None,
-                supply="[campaign] free",
+                table="campaign",
+                key="free",
             ),
             *(Item(what=f"{what} [m]", value=number(x)) for what, x in motions),
         ],
@@ -294,7 +295,8 @@ def _starts(runs: Sequence[Run]) -> Item:
     return Item(
         what="Time from start to start [s]",
         value=f"{min(gaps):.0f} at least, median {median(gaps):.0f}" if gaps else None,
-        supply="[[runs]] started",
+        table="[runs]",
+        key="started",
     )
 
 

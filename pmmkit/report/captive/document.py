@@ -22,18 +22,25 @@ class Item:
         What it is, with its unit in brackets.
     value : str or None
         What is stated; None where the campaign does not say it.
-    supply : str
-        Where the campaign file takes it.
+    table, key : str
+        Where the campaign file takes it; empty where it follows from the runs.
 
     Examples
     --------
-    >>> print(Item(what="Customer", value=None, supply="[report] customer").text)
-    not supplied
+    >>> item = Item(what="Customer", value=None, table="report", key="customer")
+    >>> print(f"{item.text}: {item.supply}")
+    not supplied: [report] customer
     """
 
     what: str
     value: str | None
-    supply: str = ""
+    table: str = ""
+    key: str = ""
+
+    @property
+    def supply(self) -> str:
+        """Table and key as they stand in a campaign file."""
+        return f"[{self.table}] {self.key}".rstrip() if self.table else ""
 
     @property
     def text(self) -> str:
@@ -82,7 +89,7 @@ class Document(Described):
     --------
     >>> report = Document(
     ...     title="Drift tests", subtitle="Model 7", basis=["Ordered as agreed."],
-    ...     items=[Item(what="Customer", value=None, supply="[report] customer")],
+    ...     items=[Item(what="Customer", value=None, table="report", key="customer")],
     ...     chapters=[Chapter(title="Facility"), Chapter(title="Runs", appendix=True)])
     >>> [(mark, chapter.title) for mark, chapter in report.numbered]
     [('1', 'Facility'), ('2', 'What was not supplied'), ('A', 'Runs')]

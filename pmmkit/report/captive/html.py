@@ -65,7 +65,7 @@ def html_of(document: Document) -> str:
 
 def _pages(document: Document) -> str:
     """Size of the pages and what stands in their margins; the cover has none."""
-    number = next((item.value for item in document.items if item.supply.endswith(" number")), "")
+    number = next((item.value for item in document.items if item.key == "number"), None)
     return (
         "@page { size: A4; margin: 22mm 18mm 20mm; "
         f"@top-left {{ content: {_css(document.title)}; font: 8pt sans-serif; color: #5a5a5a; }} "

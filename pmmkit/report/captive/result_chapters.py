@@ -71,7 +71,8 @@ def _blockage(reduction: Reduction) -> Item:
     return Item(
         what="Blockage: water faster than the carriage by [%]",
         value=None if share is None else f"{100 * share:.2f} at the highest speed, {done}",
-        supply="[water] tank_width, tank_depth",
+        table="water",
+        key="tank_width, tank_depth",
     )
 
 

@@ -44,7 +44,8 @@ def of_report(campaign: Campaign, *keys: str) -> list[Item]:
         Item(
             what=_label(fields[key].description or key),
             value=_text(campaign.report.get(key)),
-            supply=f"[report] {key}",
+            table="report",
+            key=key,
         )
         for key in keys
     ]
@@ -64,10 +65,11 @@ def of_particulars(campaign: Campaign, table: str) -> list[Item]:
         Item(
             what=f"{item.what} [{item.unit}]",
             value=None if item.value is None else number(item.value, DIGITS),
-            supply=item.key,
+            table=item.table,
+            key=item.key,
         )
         for item in particulars_of(campaign.ship, campaign.water)
-        if item.key.startswith(f"[{table}]")
+        if item.table == table
     ]
 
 
@@ -92,19 +94,15 @@ def of_part(campaign: Campaign, section: str) -> list[Item]:
             if key in known
             else f"{section.capitalize()}: {key.replace('_', ' ')}",
             value=_text(value),
-            supply=f"[{section}] {key}",
+            table=section,
+            key=key,
         )
         for key, value in stated.items()
         if key in known or key in words_of(section)
     ]
     return [
         *fitted,
-        *(
-            rows
-            or [
-                Item(what=f"{section.capitalize()}: particulars", value=None, supply=f"[{section}]")
-            ]
-        ),
+        *(rows or [Item(what=f"{section.capitalize()}: particulars", value=None, table=section)]),
     ]
 
 
@@ -122,12 +120,13 @@ def of_gauges(campaign: Campaign) -> list[Item]:
     fields = {key: item.description or key for key, item in GaugeEntry.model_fields.items()}
     if not gauges:
         what, keys = ", ".join(fields.values()), ", ".join(fields)
-        return [Item(what=f"Gauges: {what}", value=None, supply=f"[report.gauges.NAME] {keys}")]
+        return [Item(what=f"Gauges: {what}", value=None, table="report.gauges.NAME", key=keys)]
     return [
         Item(
             what=f"Gauge {name}: {what}",
             value=_text(stated.get(key)),
-            supply=f"[report.gauges.{name}] {key}",
+            table=f"report.gauges.{name}",
+            key=key,
         )
         for name, stated in gauges.items()
         for key, what in fields.items()
@@ -165,7 +164,8 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
             Item(
                 what=f"Standard uncertainty of {kind.name.replace('_', ' ')}",
                 value="; ".join(told) or None,
-                supply=f"[uncertainty] {kind.key}",
+                table="uncertainty",
+                key=kind.key,
             )
         )
     if campaign.cfd or campaign.numerical:
@@ -173,7 +173,8 @@ def of_uncertainties(campaign: Campaign, channels: Sequence[str]) -> list[Item]:
             Item(
                 what=f"Numerical standard uncertainty U_SN of {channel} [{CHANNEL_UNITS[channel]}]",
                 value=_text(campaign.numerical.get(channel)),
-                supply=f"[cfd] U_SN, key {channel}",
+                table="cfd",
+                key=f"U_SN.{channel}",
             )
             for channel in channels
         ]

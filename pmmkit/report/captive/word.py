@@ -27,8 +27,6 @@ WHOLE: Final = 16.5
 """Width of text on A4 [cm]."""
 HIGHEST: Final = 0.85
 """Part of the height of a page that a figure may have."""
-REPORT: Final = "[report] "
-"""How the keys of the texts begin that a template names."""
 BODY: Final = "PMMKIT-REPORT-BODY"
 """Stands where a template has ``{{ body }}`` until the chapters are put there."""
 
@@ -88,11 +86,7 @@ def fields_of(document: Document) -> dict[str, Any]:
         "title": document.title,
         "subtitle": document.subtitle,
         "body": BODY,
-        "report": {
-            item.supply.removeprefix(REPORT): item.text
-            for item in every
-            if item.supply.startswith(REPORT)
-        },
+        "report": {item.key: item.text for item in every if item.table == "report"},
         "items": plain(document.items),
         "chapters": [
             {"number": mark, "title": chapter.title, "items": plain(chapter.items)}
