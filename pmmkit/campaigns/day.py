@@ -30,7 +30,7 @@ def places_in_day(runs: Sequence[Run]) -> tuple[float, ...]:
     (0.0, 0.5, 1.0)
     """
     if timed(runs):
-        instants = [_seconds(run.started) for run in runs]
+        instants = [seconds_of(run.started) for run in runs]
         span = max(instants) - min(instants)
         if span > 0:
             return tuple((instant - min(instants)) / span for instant in instants)
@@ -43,6 +43,18 @@ def timed(runs: Sequence[Run]) -> bool:
     return bool(runs) and all(run.started for run in runs)
 
 
-def _seconds(started: str) -> float:
+def seconds_of(started: str) -> float:
+    """When a run started, in seconds of one clock.
+
+    Parameters
+    ----------
+    started : str
+        ISO 8601; without a zone it counts as UTC.
+
+    Examples
+    --------
+    >>> seconds_of("2026-05-04T09:15:00") - seconds_of("2026-05-04T09:00:00")
+    900.0
+    """
     instant = datetime.fromisoformat(started)
     return (instant if instant.tzinfo else instant.replace(tzinfo=UTC)).timestamp()

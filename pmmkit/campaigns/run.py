@@ -199,6 +199,8 @@ class Campaign(Described):
         of the order by run [s].
     imo : mapping
         What ``[imo]`` says for the form of the IMO's explanatory notes.
+    report : mapping
+        What the test report says and nothing else here holds: customer, tank, gauges …
     numerical : mapping of str to float
         Numerical standard uncertainty per channel, ``U_SN`` [N, N m].
     folder : Path
@@ -225,6 +227,7 @@ class Campaign(Described):
     numerical: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     imo: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    report: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     folder: Path = Path()
     provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 

@@ -73,6 +73,22 @@ Form = Annotated[
     ),
 ]
 
+StructureName = Annotated[
+    str,
+    typer.Option(
+        "--structure",
+        help="Name of a structure, derivatives such as 'Yv Yv|v| Nv', or auto: the largest "
+        "that these runs determine.",
+    ),
+]
+Sets = Annotated[
+    Literal["each", "pooled"],
+    typer.Option("--fn", help="A set per Froude number, or one over all."),
+]
+Cycles = Annotated[
+    str | None,
+    typer.Option("--cycles", help="Cycles to take, such as 3 or 3-6; a test decides if absent."),
+]
 WorkerCount = Annotated[
     int | None,
     typer.Option(
@@ -137,6 +153,17 @@ def sound_campaigns(
 
     sound = [sound_campaign(path, data) for path in paths]
     return dict(zip(by_title([campaign for campaign, _ in sound]), sound, strict=True))
+
+
+def cycles_of(text: str | None) -> int | tuple[int, int] | None:
+    """Cycles out of text such as 3 or 3-6."""
+    if text is None:
+        return None
+    first, dash, last = text.partition("-")
+    try:
+        return (int(first), int(last)) if dash else int(first)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r}: write one cycle (3) or a range (3-6).") from None
 
 
 def where(workers: int | None, scheduler: str | None) -> int | str | None:

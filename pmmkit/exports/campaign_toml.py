@@ -99,6 +99,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         "rudder": campaign.rudder,
         "trial": _trial(campaign),
         "imo": dict(campaign.imo),
+        "report": campaign.report,
         "uncertainty": _uncertainty(campaign.uncertainty),
         "corrections": _corrections(campaign, kept),
         "runs": [

@@ -235,6 +235,7 @@ def over_a_cycle(cycles: Sequence[Cycle], *, channels: Sequence[str] = ("X", "Y"
             axes[-1, column].set_xlabel("phase θ [deg]")
             axes[-1, column].set_xlim(0, 360)
             axes[-1, column].set_xticks([0, 90, 180, 270, 360])
-        figure.supxlabel("θ = 0 where the displacement passes zero upwards", fontsize=9)
+        told = "θ = 0 where the displacement passes zero upwards"
+        figure.suptitle(told, x=0.01, ha="left", fontsize=9)
         style.legend_below(figure, list(axes.ravel()))
     return figure

@@ -1,7 +1,8 @@
-"""Reports: the page of the workbench as one HTML file, with what a command has worked out."""
+"""Reports: what a command has worked out as a page, and the test report of captive tests."""
 
 from pmmkit.models.reference import Reference, reference_of
 from pmmkit.report.build import report_html, write_report
+from pmmkit.report.captive import captive_document, write_document
 from pmmkit.report.comparison import write_comparison
 from pmmkit.report.free_running import write_free_diagnosis
 from pmmkit.report.loop import Loop, loop_of, write_diagnosis
@@ -12,6 +13,7 @@ __all__ = [
     "Loop",
     "Reference",
     "Turns",
+    "captive_document",
     "changes",
     "loop_of",
     "reference_of",
@@ -19,6 +21,7 @@ __all__ = [
     "turns_of",
     "write_comparison",
     "write_diagnosis",
+    "write_document",
     "write_free_diagnosis",
     "write_report",
     "write_seakeeping",

@@ -2,20 +2,46 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final
 
 from pmmkit.figures import svg
 from pmmkit.plotting.seen import seen
+from pmmkit.plotting.style import styled
 from pmmkit.presentation import Picture
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+DOTS: Final = 170
+"""Dots per inch of a figure where SVG is not taken."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn(Picture):
+    """A figure with what it was drawn from, for documents that take no SVG.
+
+    Parameters
+    ----------
+    figure : Figure
+        What is shown.
+    """
+
+    figure: Figure = field(repr=False, compare=False)
+
+    def png(self) -> bytes:
+        """The figure as PNG."""
+        buffer = io.BytesIO()
+        with styled():
+            self.figure.savefig(buffer, format="png", dpi=DOTS, metadata={"Software": None})
+        return buffer.getvalue()
+
 
 def drawn(
     figure: Figure, caption: str, *, facts: Iterable[str] = (), narrow: bool = False, file: str = ""
-) -> Picture:
+) -> Drawn:
     """A figure with its caption, and an alternative text from what it holds.
 
     Parameters
@@ -31,5 +57,5 @@ def drawn(
     file : str
         Name of the file in which it stands beside the page too.
     """
-    alt = " ".join([*facts, seen(figure)])
-    return Picture(svg=svg(figure), caption=caption, narrow=narrow, alt=alt or caption, file=file)
+    alt = " ".join([*facts, seen(figure)]) or caption
+    return Drawn(svg=svg(figure), caption=caption, narrow=narrow, alt=alt, file=file, figure=figure)

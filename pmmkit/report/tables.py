@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from pmmkit.campaigns.run import Campaign
 from pmmkit.campaigns.test_kinds.registry import kinds
+from pmmkit.checks.finding import name_runs
 from pmmkit.models.reference import Reference
 from pmmkit.presentation import Cell, Grid, Group, number, plus_minus
 from pmmkit.reduction import Reduction
 from pmmkit.report.words import symbol
+from pmmkit.ship import Ship, Water
 from pmmkit.tables import DerivativeTable
 from pmmkit.tables.compare import compare
 
@@ -205,6 +209,94 @@ def settings(reduction: Reduction) -> Grid:
     )
 
 
+def left_out(campaign: Campaign) -> list[Grid]:
+    """Runs that were left out, by reason; no table where there are none.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The tests.
+    """
+    reasons: dict[str, list[str]] = {}
+    for run, reason in campaign.excluded:
+        reasons.setdefault(reason, []).append(run.id)
+    rows = [[name_runs(ids, 30), reason] for reason, ids in reasons.items()]
+    head = ["Runs left out", "Because"]
+    return [Grid(head=head, groups=[Group(rows=rows)], texts=(0, 1))] if rows else []
+
+
+def corrections(campaign: Campaign) -> list[Grid]:
+    """What was done to the data because the campaign file says so; no table where nothing was.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        The tests.
+    """
+    every = (*campaign.runs, *(run for run, _ in campaign.excluded))
+    rows = dict.fromkeys(
+        (item.action, name_runs(item.runs), item.reason)
+        for run in every
+        for item in run.corrections
+    )
+    head = ["Correction", "Runs", "Reason"]
+    group = Group(rows=[list(item) for item in rows])
+    return [Grid(head=head, groups=[group], texts=(1, 2))] if rows else []
+
+
+@dataclass(frozen=True, kw_only=True)
+class Particular:
+    """A number of the model or of the water.
+
+    Parameters
+    ----------
+    what, unit : str
+        What it is, and its unit.
+    value : float or None
+        SI; None where it is not known.
+    table, key : str
+        Where the campaign file states it.
+    """
+
+    what: str
+    value: float | None
+    unit: str
+    table: str
+    key: str
+
+
+def particulars_of(ship: Ship, water: Water) -> tuple[Particular, ...]:
+    """The model as tested and the water, those too that are not known.
+
+    Parameters
+    ----------
+    ship, water : Ship, Water
+        Of a campaign.
+    """
+    entries: Sequence[tuple[str, float | None, str, str, str]] = (
+        ("Length between perpendiculars L", ship.L, "m", "ship", "L"),
+        ("Breadth B", ship.B, "m", "ship", "B"),
+        ("Draught d", ship.d, "m", "ship", "d"),
+        ("Displaced volume", ship.volume, "m³", "ship", "volume"),
+        ("Block coefficient", ship.block, "–", "ship", "CB"),
+        ("Mass", ship.mass, "kg", "ship", "mass"),
+        ("Centre of gravity forward of midship", ship.xG, "m", "ship", "xG"),
+        ("Centre of gravity below the origin", ship.zG, "m", "ship", "zG"),
+        ("Metacentric height GM", ship.GM, "m", "ship", "GM"),
+        ("Yaw inertia about midship", ship.Izz, "kg m²", "ship", "Izz"),
+        ("Roll inertia", ship.Ixx, "kg m²", "ship", "Ix"),
+        ("Density of the water", water.rho, "kg/m³", "water", "rho"),
+        ("Kinematic viscosity", water.nu, "m²/s", "water", "nu"),
+        ("Water depth", water.depth, "m", "water", "depth"),
+        ("Width of the tank", water.tank_width, "m", "water", "tank_width"),
+        ("Depth of the tank", water.tank_depth, "m", "water", "tank_depth"),
+    )
+    return tuple(
+        Particular(what=what, value=value, unit=unit, table=table, key=key)
+        for what, value, unit, table, key in entries
+    )
+
+
 def particulars(reduction: Reduction) -> Grid:
     """The model as tested, and the water.
 
@@ -214,19 +306,9 @@ def particulars(reduction: Reduction) -> Grid:
         With its campaign.
     """
     ship, water = reduction.campaign.ship, reduction.campaign.water
-    entries: Sequence[tuple[str, float | None, str]] = (
-        ("Length between perpendiculars L", ship.L, "m"),
-        ("Breadth B", ship.B, "m"),
-        ("Draught d", ship.d, "m"),
-        ("Displaced volume", ship.volume, "m³"),
-        ("Block coefficient", ship.block, "–"),
-        ("Mass", ship.mass, "kg"),
-        ("Centre of gravity forward of midship", ship.xG, "m"),
-        ("Yaw inertia about midship", ship.Izz, "kg m²"),
-        ("Density of the water", water.rho, "kg/m³"),
-        ("Water depth", water.depth, "m"),
-        ("Width of the tank", water.tank_width, "m"),
-        ("Depth of the tank", water.tank_depth, "m"),
-    )
-    rows = [[name, number(value, 6), unit] for name, value, unit in entries if value is not None]
+    rows = [
+        [item.what, number(item.value, 6), item.unit]
+        for item in particulars_of(ship, water)
+        if item.value is not None
+    ]
     return Grid(head=[ship.name, "", ""], groups=[Group(rows=rows)], texts=(2,))

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from pmmkit.campaigns.file.imo_table import ImoEntry
+from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -137,6 +138,8 @@ KEYS = {
     "trial": (TrialEntry,),
     "imo": (ImoEntry,),
     "uncertainty": (UncertainEntry,),
+    "report": (ReportEntry,),
+    "gauges": (GaugeEntry,),
     "corrections": (CorrectionEntry, SettingsEntry),
     "runs": (RunEntry, SettingsEntry),
     "settings": (SettingsEntry,),

@@ -114,6 +114,18 @@ def collisions(figure):
     ]
 
 
+@pytest.mark.slow
+def test_what_the_phase_is_stands_clear_of_the_legend():
+    theta = np.linspace(0.0, 2 * np.pi, 50)
+    cycle = figures.Cycle(
+        title="pure sway, Fn 0.2",
+        theta=theta,
+        samples={"Y": np.sin(theta)},
+        coefficients={"Y": np.array([0.0, 0.0, 1.0])},
+    )
+    assert collisions(figures.over_a_cycle([cycle], channels=["Y"])) == []
+
+
 def test_sets_of_several_effects_have_room_for_their_names():
     sets = [
         ("cubic_hull_terms", "modulus_sway_drag", "yaw_sway_coupling"),

@@ -22,6 +22,7 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
+from pmmkit.report.captive import Chapter, Document, Item
 from pmmkit.report.imo_form import form_of_model
 from pmmkit.seakeeping import (
     Measured,
@@ -64,6 +65,13 @@ def diagnosis():
 @cache
 def added():
     return session().add(diagnosis().findings[0], "it is large")
+
+
+def document():
+    item = Item(what="Customer", value=None, table="report", key="customer")
+    chapter = Chapter(title="Ship model", items=[item])
+    basis = ["It is structured after a procedure."]
+    return Document(title="Tests", subtitle="Report", items=[], basis=basis, chapters=[chapter])
 
 
 @cache
@@ -216,6 +224,7 @@ MADE = {
     "Parts": parts,
     "DerivativeTable": cache(lambda: reduction().table),
     "Reduction": reduction,
+    "Document": document,
     "Estimate": cache(lambda: reduction().estimates["regression"]),
     "Campaign": cache(lambda: reduction().campaign),
     "Run": cache(lambda: reduction().campaign.runs[-1]),
@@ -263,6 +272,7 @@ SAID = {
     "Trial": ("T1", "1040.0 m", "3.25 L", "4.5 L", "met", "5.0 m/s from 270°", "fixes jump"),
     "Parts": ("0.350 ± 0.020", "tank <2>", "7 runs", "C1 is assumed"),
     "DerivativeTable": ("Fn 0.217", "10³", "±", "½ρL²U²", "midship", "Yaw moment N", "regression"),
+    "Document": ("structured after", "1 Ship model", "2 What was not", "[report] customer"),
     "Estimate": ("by global regression", "±", "Derivatives"),
     "Reduction": ("63 runs", "wet <gauge>", "±", "Checks", "static drift"),
     "Campaign": ("static drift", "27", "0.145, 0.217, 0.290", "wet <gauge>", "999.1", "Y_gauge"),

@@ -390,6 +390,7 @@ def _assemble(
         numerical=MappingProxyType(top.numerical),
         trial=MappingProxyType(top.trial),
         imo=MappingProxyType(top.imo),
+        report=MappingProxyType(top.report),
         folder=place.parent,
         provenance=MappingProxyType(provenance),
     )

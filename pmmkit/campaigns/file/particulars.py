@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from pmmkit.campaigns.file.assembly import Setup
 from pmmkit.campaigns.file.imo_table import ImoEntry
+from pmmkit.campaigns.file.report_entry import ReportEntry
 from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -62,6 +63,7 @@ class Top:
     rudder: dict[str, Any]
     trial: dict[str, Any]
     imo: dict[str, Any]
+    report: dict[str, Any]
     uncertainty: tuple[TypeB, ...]
     corrections: tuple[Correction, ...]
     correction_labels: Mapping[int, str]
@@ -123,6 +125,7 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         rudder=_stated_part("rudder", raw, toml, problems),
         trial=_given(table("trial", TrialEntry)),
         imo=_given(table("imo", ImoEntry)),
+        report=table("report", ReportEntry).model_dump(exclude_defaults=True),
         uncertainty=_uncertainty(raw, toml, problems),
         corrections=corrections,
         correction_labels=labels,

@@ -14,6 +14,7 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 
 from pmmkit.campaigns.file.faults import fault_words, shown
 from pmmkit.campaigns.file.imo_table import ImoEntry
+from pmmkit.campaigns.file.report_entry import GaugeEntry, ReportEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
@@ -339,6 +340,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "trial": TrialEntry,
     "imo": ImoEntry,
     "uncertainty": None,
+    "report": ReportEntry,
     "corrections": CorrectionEntry,
     "defaults": DefaultsEntry,
     "matrix": MatrixEntry,
@@ -415,6 +417,7 @@ def _keys(model: type[Entry], place: list[str]) -> list[str]:
         "tare": TareEntry,
         "U_SN": NumericalEntry,
         "columns": ColumnEntry,
+        "gauges": GaugeEntry,
     }
     if len(place) > 1 and place[0] in nested:
         return list(nested[place[0]].model_fields)

@@ -10,7 +10,18 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
-from pmmkit.cli.options import Campaign, Data, Scheduler, WorkerCount, stem, where
+from pmmkit.cli.options import (
+    Campaign,
+    Cycles,
+    Data,
+    Scheduler,
+    Sets,
+    StructureName,
+    WorkerCount,
+    cycles_of,
+    stem,
+    where,
+)
 from pmmkit.cli.output import Outcome, say, words_of
 from pmmkit.cli.outputs import Force, Out, results_folder
 from pmmkit.presentation import aligned, counted, table_lines
@@ -48,13 +59,6 @@ class OddRuns(StrEnum):
     refuse = "refuse"
 
 
-class Fn(StrEnum):
-    """A set of derivatives per Froude number, or one over all speeds."""
-
-    each = "each"
-    pooled = "pooled"
-
-
 class Method(StrEnum):
     """How derivatives are found, or all ways side by side."""
 
@@ -74,17 +78,9 @@ class Fourier(StrEnum):
 
 def reduce(
     campaign: Campaign,
-    structure: Annotated[
-        str,
-        typer.Option(
-            help="Name of a structure, derivatives such as 'Yv Yv|v| Nv', or auto: the largest "
-            "that these runs determine."
-        ),
-    ] = "abkowitz3",
-    fn: Annotated[Fn, typer.Option(help="A set per Froude number, or one over all.")] = Fn.each,
-    cycles: Annotated[
-        str | None, typer.Option(help="Cycles to take, such as 3 or 3-6; a test decides if absent.")
-    ] = None,
+    structure: StructureName = "abkowitz3",
+    fn: Sets = "each",
+    cycles: Cycles = None,
     method: Annotated[
         Method,
         typer.Option(
@@ -150,8 +146,8 @@ def reduce(
         campaign,
         results_folder(out, f"{stem(campaign)}-reduced", read=[parts, reference], force=force),
         structure=structure,
-        fn=fn.value,
-        cycles=_cycles(cycles),
+        fn=fn,
+        cycles=cycles_of(cycles),
         method=method.value,
         library=library,
         fourier=fourier.value,
@@ -163,16 +159,6 @@ def reduce(
         executor=where(workers, scheduler),
         memory=memory,
     )
-
-
-def _cycles(text: str | None) -> int | tuple[int, int] | None:
-    if text is None:
-        return None
-    first, dash, last = text.partition("-")
-    try:
-        return (int(first), int(last)) if dash else int(first)
-    except ValueError:
-        raise typer.BadParameter(f"{text!r}: write one cycle (3) or a range (3-6).") from None
 
 
 def reduced(

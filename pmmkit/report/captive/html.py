@@ -1,0 +1,175 @@
+"""A test report as one HTML file that opens and prints by itself, on A4 with running heads."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from pmmkit.escaping import html_text, printable
+from pmmkit.presentation import ABSENT, Cell, Grid, Group, Picture, Section
+from pmmkit.report.captive.document import Chapter, Document, Item
+from pmmkit.version import __version__
+from pmmkit.workbench.pages.sections import Symbol
+
+STYLE: Final = Path(__file__).with_name("style.css")
+TEXT: Final = ' class="text"'
+HEAD: Final = 'th scope="col"'
+MANY: Final = 6
+"""Columns from which on a table has small letters."""
+
+
+def html_of(document: Document) -> str:
+    """A report as HTML.
+
+    Parameters
+    ----------
+    document : Document
+        What is written.
+
+    Returns
+    -------
+    str
+        Style and figures (SVG) inside, no script; its policy lets nothing run or load. A browser
+        prints it on A4, with title and page numbers in the margins where it knows them (Chromium
+        does).
+    """
+    style = STYLE.read_text("utf-8") + _pages(document)
+    digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+    policy = f"default-src 'none'; style-src 'sha256-{digest}'; img-src data:; base-uri 'none'"
+    return "\n".join(
+        (
+            "<!doctype html>",
+            '<html lang="en">',
+            "<head>",
+            '<meta charset="utf-8">',
+            f'<meta http-equiv="content-security-policy" content="{policy}">',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f'<meta name="generator" content="pmmkit {__version__}">',
+            f"<title>{html_text(document.title)}</title>",
+            f"<style>{style}</style>",
+            "</head>",
+            "<body>",
+            *_cover(document),
+            "<main>",
+            *(line for mark, chapter in document.numbered for line in _chapter(mark, chapter)),
+            "</main>",
+            "</body>",
+            "</html>",
+            "",
+        )
+    )
+
+
+def _pages(document: Document) -> str:
+    """Size of the pages and what stands in their margins; the cover has none."""
+    number = next((item.value for item in document.items if item.key == "number"), None)
+    return (
+        "@page { size: A4; margin: 22mm 18mm 20mm; "
+        f"@top-left {{ content: {_css(document.title)}; font: 8pt sans-serif; color: #5a5a5a; }} "
+        f"@top-right {{ content: {_css(number or '')}; font: 8pt sans-serif; color: #5a5a5a; }} "
+        '@bottom-right { content: counter(page) " / " counter(pages); font: 8pt sans-serif; } }\n'
+        '@page :first { @top-left { content: ""; } @top-right { content: ""; } '
+        '@bottom-right { content: ""; } }\n'
+    )
+
+
+def _css(text: str) -> str:
+    """A text as a string of CSS that cannot end: all but letters, digits and blanks by number."""
+    return '"' + "".join(x if x.isalnum() or x == " " else f"\\{ord(x):x} " for x in text) + '"'
+
+
+def _cover(document: Document) -> Iterable[str]:
+    yield '<header class="cover">'
+    yield f"<h1>{html_text(document.title)}</h1>"
+    yield f'<p class="subtitle">{html_text(document.subtitle)}</p>'
+    yield _items(document.items)
+    yield '<div class="basis">' + "".join(f"<p>{html_text(x)}</p>" for x in document.basis)
+    yield "</div>"
+    yield "<nav><h2>Contents</h2><ol>"
+    for mark, chapter in document.numbered:
+        title = html_text(chapter.title)
+        yield f'<li><a href="#c{mark}"><b>{mark}</b>{title}</a></li>'
+    yield "</ol></nav></header>"
+
+
+def _chapter(mark: str, chapter: Chapter) -> Iterable[str]:
+    kind = ' class="appendix"' if chapter.appendix else ""
+    yield f'<section><h2 id="c{mark}"{kind}>{mark} {html_text(chapter.title)}</h2>'
+    if chapter.items:
+        yield _items(chapter.items)
+    for section in chapter.sections:
+        yield from _section(section)
+    yield "</section>"
+
+
+def _items(items: Sequence[Item]) -> str:
+    rows = "".join(
+        f'<tr><th class="text" scope="row">{html_text(item.what)}</th>'
+        f'<td class="text{" lack" if item.value is None else ""}">{html_text(item.text)}</td></tr>'
+        for item in items
+    )
+    return f'<table class="items"><tbody>{rows}</tbody></table>'
+
+
+def _section(section: Section) -> Iterable[str]:
+    if section.title:
+        yield f"<h3>{html_text(section.title)}</h3>"
+    yield from (f"<p>{html_text(text)}</p>" for text in section.paragraphs)
+    if section.points:
+        yield "<ul>" + "".join(f"<li>{html_text(x)}</li>" for x in section.points) + "</ul>"
+    for found in section.findings:
+        runs = f" ({html_text(found['runs'])})" if found["runs"] else ""
+        remedy = f" {html_text(found['remedy'])}" if found["remedy"] else ""
+        yield (
+            f'<p class="finding {found["severity"]}"><b>{html_text(found["severity"])}: '
+            f"{html_text(found['check'])}</b>{runs}<br>{html_text(found['message'])}{remedy}</p>"
+        )
+    yield from map(_table, section.tables)
+    yield from map(_figure, section.figures)
+
+
+def _table(table: Grid) -> str:
+    texts = {0, *table.texts}
+
+    def row(tag: str, cells: Sequence[Cell]) -> str:
+        inside = (
+            f"<{tag}{TEXT if place in texts else ''}>{_cell(cell)}</{tag[:2]}>"
+            for place, cell in enumerate(cells)
+        )
+        return f"<tr>{''.join(inside)}</tr>"
+
+    caption = f"<caption>{html_text(table.caption)}</caption>" if table.caption else ""
+    head = f"<thead>{row(HEAD, table.head)}</thead>" if any(table.head) else ""
+    body = "".join(
+        _group(group, len(table.head)) + "".join(row("td", cells) for cells in group.rows)
+        for group in table.groups
+    )
+    dense = ' class="dense"' if len(table.head) >= MANY else ""
+    inside = f"{caption}{head}<tbody>{body}</tbody>"
+    return f'<div class="wide" tabindex="0"><table{dense}>{inside}</table></div>'
+
+
+def _group(group: Group, width: int) -> str:
+    if not group.title:
+        return ""
+    return f'<tr><th class="group" colspan="{width}">{html_text(group.title)}</th></tr>'
+
+
+def _cell(cell: Cell) -> str:
+    if isinstance(cell, Symbol):
+        return f"{html_text(cell.letter)}\N{WORD JOINER}<sub>{html_text(cell.below)}</sub>"
+    return ABSENT if cell is None else html_text(cell)
+
+
+def _figure(figure: Picture) -> str:
+    data = base64.b64encode(figure.svg.encode()).decode()
+    alt = html_text(printable(figure.alt or figure.caption))
+    narrow = ' class="narrow"' if figure.narrow else ""
+    return (
+        f"<figure{narrow}>"
+        f'<img src="data:image/svg+xml;base64,{data}" alt="{alt}">'
+        f"<figcaption>{html_text(figure.caption)}</figcaption></figure>"
+    )
