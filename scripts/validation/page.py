@@ -110,8 +110,18 @@ def one_table(title: str, figures: Sequence[Published]) -> str:
         f"### {title}",
         f"Published ({first.nature}): {source}.  \nOurs: {first.how}.",
         table(("", "published", "ours", "difference"), map(row, figures)),
+        *reasons(figures),
     ]
     return "\n\n".join(lines)
+
+
+def reasons(figures: Sequence[Published]) -> Iterable[str]:
+    """Why figures differ by more than the smallest share, where that is told."""
+    off = [figure for figure in figures if figure.why and figure.agrees > AGREES[0]]
+    for why in dict.fromkeys(figure.why for figure in off):
+        whole = all(figure.why == why for figure in figures)
+        names = ", ".join(figure.name for figure in off if figure.why == why)
+        yield f"Why: {why}" if whole else f"Why {names}: {why}"
 
 
 def row(figure: Published) -> Sequence[str]:

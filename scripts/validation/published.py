@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
@@ -130,3 +130,16 @@ def table(
         )
         for name, value in values.items()
     )
+
+
+def pairs(
+    rows: Iterable[tuple[float, float, float]],
+    first: str,
+    second: str,
+    label: Callable[[float], str],
+) -> Values:
+    """A table of two columns by name."""
+    values = {}
+    for at, one, other in rows:
+        values |= {f"{first}, {label(at)}": one, f"{second}, {label(at)}": other}
+    return values

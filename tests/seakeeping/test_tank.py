@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scripts.validation.waves import places, sailed
+from scripts.validation.tank import places, sailed
 from scripts.validation.wigley import AT_REST, L
 
 
