@@ -50,7 +50,7 @@ def page() -> str:
     shown = [
         HEAD.format(all=summary(everything)),
         counts("chain", CHAINS),
-        counts("figure", {told: of_nature(everything, x) for x, told in NATURES.items()}),
+        counts("what they are", {told: of_nature(everything, x) for x, told in NATURES.items()}),
         LIST + "\n" + differing(everything),
     ]
     for chain, figures in CHAINS.items():
