@@ -53,7 +53,7 @@ def coverage_factor(dof: ArrayLike, confidence: float) -> Array:
     return np.asarray(stdtrit(freedom, (1 + confidence) / 2), dtype=np.float64)
 
 
-def projector(basis: Array) -> Array:
+def projector(basis: Array, gram: Array | None = None) -> Array:
     """The least-squares map from samples to the coefficients of a basis.
 
     The normal equations serve where the basis is close to orthogonal (Fourier series over whole
@@ -63,6 +63,8 @@ def projector(basis: Array) -> Array:
     ----------
     basis : array (n, m)
         Columns, n much larger than m.
+    gram : array (m, m), optional
+        Their products, where they are known.
 
     Returns
     -------
@@ -75,14 +77,14 @@ def projector(basis: Array) -> Array:
     >>> np.round(projector(basis) @ (1 + 2 * np.sin(t)), 12)
     array([1., 2.])
     """
-    well = _gram(basis)
+    well = _scaled(basis.T @ basis if gram is None else gram)
     if well is not None:
         unit, scale = well
-        return np.linalg.solve(unit, (basis / scale).T) / scale[:, None]
+        return (np.linalg.inv(unit) / scale / scale[:, None]) @ basis.T
     return np.asarray(np.linalg.pinv(basis), dtype=np.float64)
 
 
-def coefficients(basis: Array, rows: Array) -> Array:
+def coefficients(basis: Array, rows: Array, gram: Array | None = None) -> Array:
     """Least-squares coefficients of each row of samples on a basis.
 
     Parameters
@@ -91,6 +93,8 @@ def coefficients(basis: Array, rows: Array) -> Array:
         Columns.
     rows : array (c, n)
         Records.
+    gram : array (m, m), optional
+        Products of the columns, where they are known.
 
     Returns
     -------
@@ -102,16 +106,15 @@ def coefficients(basis: Array, rows: Array) -> Array:
     >>> coefficients(basis, np.array([[1.0, 3.0, 5.0, 7.0]]))
     array([[1., 2.]])
     """
-    well = _gram(basis)
+    well = _scaled(basis.T @ basis if gram is None else gram)
     if well is not None:
         unit, scale = well
         return np.linalg.solve(unit, (rows @ basis / scale).T).T / scale
     return np.asarray(np.linalg.lstsq(basis, rows.T, rcond=None)[0].T, dtype=np.float64)
 
 
-def _gram(basis: Array) -> tuple[Array, Array] | None:
+def _scaled(gram: Array) -> tuple[Array, Array] | None:
     """Scaled normal matrix and the columns' lengths; None where it is ill-conditioned."""
-    gram = basis.T @ basis
     scale = np.sqrt(np.diagonal(gram))
     if not np.all(scale > 0):
         return None

@@ -197,6 +197,8 @@ class Campaign(Described):
     trial : mapping
         Sea trials: ``antenna_x``, ``antenna_y``, ``position_std`` [m], and ``order``, the instant
         of the order by run [s].
+    imo : mapping
+        What ``[imo]`` says for the form of the IMO's explanatory notes.
     numerical : mapping of str to float
         Numerical standard uncertainty per channel, ``U_SN`` [N, N m].
     folder : Path
@@ -222,6 +224,7 @@ class Campaign(Described):
     rudder: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     numerical: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     trial: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    imo: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
     folder: Path = Path()
     provenance: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 

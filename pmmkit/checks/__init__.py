@@ -33,7 +33,7 @@ from pmmkit.checks import (
 )
 from pmmkit.checks.agreement import examine as agreement
 from pmmkit.checks.finding import Check, CheckFinding, accepted, loudest_first, refuse
-from pmmkit.checks.reading import summarise
+from pmmkit.checks.reading import Known, summarise
 from pmmkit.checks.summary import Summary
 from pmmkit.errors import CampaignError, DataError, Problem
 from pmmkit.executors import Workers, each, opened
@@ -42,6 +42,7 @@ __all__ = [
     "CHECKS",
     "Check",
     "CheckFinding",
+    "Known",
     "Summary",
     "examine",
     "loudest_first",

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from pmmkit.checks.summary import Summary
 
 RESOLUTIONS: Final = (3600.0, 60.0, 10.0, 5.0, 1.0, 0.5, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
+HEAD: Final = 64
+"""First times, which tell most resolutions that are not those of the record."""
 GAP: Final = 5.0
 COARSE: Final = 0.05
 UNEVEN: Final = 0.05
@@ -57,7 +59,7 @@ def clock_facts(t: Array) -> Mapping[str, float]:
     multiples = (
         unit
         for unit in RESOLUTIONS
-        if np.all(np.abs(finite - np.rint(finite / unit) * unit) < rough)
+        if _are_multiples(finite[:HEAD], unit, rough) and _are_multiples(finite, unit, rough)
     )
     return facts | {
         "step": mean,
@@ -69,6 +71,10 @@ def clock_facts(t: Array) -> Mapping[str, float]:
         "even": float(np.mean(np.abs(steps - typical) <= 0.01 * typical)),
         "resolution": next(multiples, 0.0),
     }
+
+
+def _are_multiples(times: Array, unit: float, rough: float) -> bool:
+    return bool(np.all(np.abs(times - np.rint(times / unit) * unit) < rough))
 
 
 def examine_clock(_campaign: Campaign, summaries: Sequence[Summary]) -> Iterator[CheckFinding]:

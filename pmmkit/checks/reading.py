@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -26,8 +27,9 @@ from pmmkit.checks.signs import axis_facts
 from pmmkit.checks.summary import EMPTY, Summary
 from pmmkit.checks.track import free_facts, motion_facts
 from pmmkit.errors import DataError
-from pmmkit.numerics import Array, coefficients
-from pmmkit.signals import design_matrix
+from pmmkit.numerics import Array
+from pmmkit.signals import FourierBasis, Window
+from pmmkit.signals.harmonics import CycleSums, cycle_count, cycle_edges
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,9 +42,32 @@ MOTIONS: Final = ("u", "v", "r", "udot", "vdot", "rdot")
 _HULL: Final = ("X", "Y", "N", "K")
 _SKETCH: Final = 48
 _PARTS: Final = 12
+_GRID: Final = 64
 
 
-def summarise(run: Run, campaign: Campaign, *, counted: Counted | None = None) -> Summary:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Known:
+    """What was found in a history before, so that it is not sought again.
+
+    Parameters
+    ----------
+    channels : tuple of str
+        The forces that told it.
+    window : Window or None
+        The steady part of a static record.
+    counted : Counted or None
+        The whole cycles of an oscillating record.
+    motion : State
+        At the samples of window or cycles.
+    """
+
+    channels: tuple[str, ...]
+    window: Window | None
+    counted: Counted | None
+    motion: State
+
+
+def summarise(run: Run, campaign: Campaign, *, known: Known | None = None) -> Summary:
     """Read a run once and keep what the checks need.
 
     Parameters
@@ -51,8 +76,8 @@ def summarise(run: Run, campaign: Campaign, *, counted: Counted | None = None) -
         A run of the campaign.
     campaign : Campaign
         Its campaign.
-    counted : Counted, optional
-        The whole cycles of an oscillating record, where they are known.
+    known : Known, optional
+        What was found before.
 
     Returns
     -------
@@ -62,7 +87,7 @@ def summarise(run: Run, campaign: Campaign, *, counted: Counted | None = None) -
     """
     data = run.data
     if run.kind == "history":
-        return _of_history(run, campaign, data, counted)
+        return _of_history(run, campaign, data, known)
     if run.kind == "harmonics":
         return _of_harmonics(run, data)
     means = {name: float(data[name]) for name in FORCES if name in data}
@@ -83,15 +108,8 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
     )
     values = values[np.isfinite(values)]
     means = {name: float(part[0]) for name, part in cos.items()}
-    theta = np.linspace(0, 2 * np.pi, 64, endpoint=False)
-    try:
-        state = motion_at_phase(run, theta)
-    except DataError:
-        state = None
-    if state is not None:
-        found = _fit(theta, _stack(state))
-        for row, name in enumerate(MOTIONS):
-            cos[name], sin[name] = _split(found[row])
+    for name, (cosines, sines) in _nominal(run).items():
+        cos[name], sin[name] = cosines, sines
     return Summary(
         run=run,
         means=means,
@@ -103,7 +121,7 @@ def _of_harmonics(run: Run, data: xr.Dataset) -> Summary:
     )
 
 
-def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, counted: Counted | None) -> Summary:
+def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, known: Known | None) -> Summary:
     raw = np.asarray(data["t"].values, float)
     facts = {**clock_facts(raw), **density_facts(data), **axis_facts(data)}
     columns = {
@@ -119,21 +137,19 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, counted: Counted
         if name in columns:
             facts |= {f"{name}_flat_{k}": v for k, v in flat_facts(columns[name]).items()}
             facts |= {f"{name}_{k}": v for k, v in hold_facts(columns[name]).items()}
-    values = np.concatenate(
-        [columns[name] for name in (*_HULL, "x", "y") if name in columns] or [EMPTY]
-    )
-    digest = _digest(values)
+    digest = _digest(*(columns[name] for name in (*_HULL, "x", "y") if name in columns))
     order = _usable(raw, columns)
     if len(order) < 16:
         return Summary(run=run, digest=digest, facts=facts)
-    t = raw[order]
-    clean = data if len(order) == len(raw) else data.isel(t=order)
+    whole = np.array_equal(order, np.arange(len(raw)))
+    t = raw if whole else raw[order]
+    clean = data if whole else data.isel(t=order)
     if campaign.kind == "free-running":
         free = {**free_facts(clean, t), **record_facts(run, campaign, clean, t)}
         return Summary(run=run, digest=digest, facts={**facts, **free})
-    forces = (
-        np.stack([columns[name][order] for name in present]) if present else np.zeros((0, len(t)))
-    )
+    forces = np.zeros((len(present), len(t)))
+    for row, name in zip(forces, present, strict=True):
+        row[:] = columns[name] if whole else columns[name][order]
     facts |= motion_facts(run, clean, t)
     facts |= carriage_facts(run, clean, t)
     tared = json.loads(data.attrs.get("tared", "{}"))
@@ -148,10 +164,10 @@ def _of_history(run: Run, campaign: Campaign, data: xr.Dataset, counted: Counted
     }
     if not present:
         return Summary(**shared)
+    same = known if clean is data and known and known.channels == (*present,) else None
     if run.dynamic:
-        known = counted if clean is data and counted and counted.channels == (*present,) else None
-        return _oscillating(run, clean, t, present, forces, shared, known)
-    window = counted_window(run, clean, t, forces, present)
+        return _oscillating(run, clean, t, present, forces, shared, same)
+    window = (same and same.window) or counted_window(run, clean, t, forces, present)
     part = forces[:, window.start : window.stop]
     shared["facts"] = facts | _gauge_facts(t[window.start : window.stop], part, None, present)
     return Summary(
@@ -188,35 +204,34 @@ def _oscillating(
     names: list[str],
     forces: Array,
     shared: Mapping[str, Any],
-    counted: Counted | None,
+    known: Known | None,
 ) -> Summary:
     """Harmonics of the whole cycles without transient, and of each cycle."""
     try:
-        counted = counted or counted_cycles(run, data, t, forces, names)
-        travel, cycles = counted.travel, counted.cycles
-        moving = slice(travel.start, travel.stop)
-        state = measured_motion(run, data.isel(t=moving), t[moving])
+        if known is not None and known.counted is not None and known.counted.channels:
+            counted, state = known.counted, known.motion
+        else:
+            counted = counted_cycles(run, data, t, forces, names)
+            part = counted.cut
+            state = measured_motion(run, data.isel(t=part), t[part], counted.kept)
     except DataError:
         means = dict(zip(names, forces.mean(axis=1).tolist(), strict=True))
         return Summary(means=means, **shared)
-    part = slice(cycles.start, cycles.stop)
-    theta, motions = counted.theta, _stack(state)
-    inner = slice(part.start - moving.start, part.stop - moving.start)
-    rows = np.concatenate([forces[:, part], motions[:, inner]])
-    found = _fit(theta[part], rows)
-    cos, sin = {}, {}
-    for row, name in enumerate([*names, *MOTIONS]):
-        cos[name], sin[name] = _split(found[row])
-    nominal = _split_nominal(run, theta[part])
-    single, noise = _by_cycle(theta[moving], forces[:, moving])
-    count = max(cycles.count, 1)
-    gauges = _gauge_facts(t[part], forces[:, part], theta[part], names)
+    part, theta = counted.cut, counted.kept.phase
+    moving = slice(counted.travel.start, counted.travel.stop)
+    project = counted.kept.projector[: 2 * ORDER + 1]
+    found = dict(zip(names, map(_split, forces[:, part] @ project.T), strict=True))
+    found |= _split_motion(state, project)
+    found |= {f"nominal_{name}": parts for name, parts in _nominal(run).items()}
+    single, noise = _by_cycle(counted.basis.within(moving), forces[:, moving])
+    count = max(counted.cycles.count, 1)
+    gauges = _gauge_facts(t[part], forces[:, part], theta, names)
     more = {**shared, "facts": {**shared["facts"], **gauges}}
     hull = [(row, name) for row, name in enumerate(names) if name in _HULL]
     return Summary(
-        means={name: float(cos[name][0]) for name in names},
-        cos=cos | {name: part[0] for name, part in nominal.items()},
-        sin=sin | {name: part[1] for name, part in nominal.items()},
+        means={name: float(found[name][0][0]) for name in names},
+        cos={name: cosines for name, (cosines, _) in found.items()},
+        sin={name: sines for name, (_, sines) in found.items()},
         cycles={name: single[:, row] for row, name in hull} if len(single) else {},
         cycle_noise={name: float(noise[row]) for row, name in hull},
         harmonic_noise={name: float(noise[row]) / math.sqrt(count) for row, name in hull},
@@ -224,49 +239,42 @@ def _oscillating(
     )
 
 
-def _by_cycle(theta: Array, forces: Array) -> tuple[Array, Array]:
+def _by_cycle(basis: FourierBasis, forces: Array) -> tuple[Array, Array]:
     """Coefficients of each cycle (cycles, channels, 7), and the noise of a first harmonic.
 
     The noise is that of the residual of a fit of order 6 to each cycle, widened for the
     correlation of neighbouring samples.
     """
-    step = float(np.median(np.diff(theta)))
-    total = int((theta[-1] - theta[0] + 1.25 * step) / (2 * np.pi))
-    edges = np.searchsorted(theta, theta[0] + 2 * np.pi * np.arange(total + 1) - 0.25 * step)
-    single, noise = [], []
-    for start, stop in itertools.pairwise(edges):
-        if stop - start < 4 * ORDER + 4:
-            return np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
-        basis = design_matrix(theta[start:stop], min(2 * ORDER, (stop - start) // 4))
-        fitted = coefficients(basis, forces[:, start:stop]).T
-        rest = forces[:, start:stop].T - basis @ fitted
-        power = np.einsum("ij,ij->j", rest, rest)
-        lag = np.einsum("ij,ij->j", rest[1:], rest[:-1])
+    nothing = np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
+    edges = cycle_edges(basis.phase, cycle_count(basis.phase))
+    size = np.diff(edges)
+    if not size.size or size.min() < 4 * ORDER + 4:
+        return nothing
+    rows = basis.up_to(min(2 * ORDER, int(size.min()) // 4)).rows
+    single = CycleSums.of(forces, rows, edges).single
+    noise = []
+    for fitted, (start, stop) in zip(single, itertools.pairwise(edges), strict=True):
+        rest = forces[:, start:stop] - fitted @ rows[:, start:stop]
+        power = np.einsum("ij,ij->i", rest, rest)
+        lag = np.einsum("ij,ij->i", rest[:, 1:], rest[:, :-1])
         rho = np.clip(np.divide(lag, power, out=np.zeros_like(lag), where=power > 0), 0, 0.98)
-        free = max(stop - start - basis.shape[1], 1)
+        free = max(stop - start - len(rows), 1)
         noise.append(np.sqrt(2 * power / free / (stop - start) * (1 + rho) / (1 - rho)))
-        single.append(fitted[: 2 * ORDER + 1].T)
-    if not single:
-        return np.zeros((0, len(forces), 2 * ORDER + 1)), np.zeros(len(forces))
-    return np.stack(single), np.median(noise, axis=0)
+    return single[:, :, : 2 * ORDER + 1], np.median(noise, axis=0)
 
 
-def _split_nominal(run: Run, theta: Array) -> Mapping[str, tuple[Array, Array]]:
-    """Harmonics of the motion that the test was set to, under ``nominal_v`` and so on."""
+def _nominal(run: Run) -> dict[str, tuple[Array, Array]]:
+    """Harmonics of the motion that the test was set to; nothing where its settings do not say."""
+    basis = FourierBasis.at(np.linspace(0, 2 * np.pi, _GRID, endpoint=False), ORDER)
     try:
-        found = _fit(theta, _stack(motion_at_phase(run, theta)))
+        return _split_motion(motion_at_phase(run, basis.phase), basis.projector)
     except DataError:
         return {}
-    return {f"nominal_{name}": _split(found[row]) for row, name in enumerate(MOTIONS)}
 
 
-def _stack(state: State) -> Array:
-    return np.stack([np.asarray(getattr(state, name), float) for name in MOTIONS])
-
-
-def _fit(theta: Array, rows: Array) -> Array:
-    basis = design_matrix(theta, ORDER)
-    return coefficients(basis, rows)
+def _split_motion(state: State, project: Array) -> dict[str, tuple[Array, Array]]:
+    """Harmonics of the motions, cosines and sines, by name."""
+    return {name: _split(project @ getattr(state, name)) for name in MOTIONS}
 
 
 def _split(coefficients: Array) -> tuple[Array, Array]:
@@ -291,14 +299,20 @@ def _usable(t: Array, columns: Mapping[str, Array]) -> NDArray[np.intp]:
         if name in columns:
             good &= np.isfinite(columns[name])
     index = np.flatnonzero(good)
+    if np.all(np.diff(t[index]) > 0):
+        return index
     _, first = np.unique(t[index], return_index=True)
     return index[first]
 
 
-def _digest(values: Array) -> str:
-    if not values.size or not np.any(values):
+def _digest(*parts: Array) -> str:
+    """Of the values of the parts, one after another; empty where there is none but zero."""
+    if not any(np.any(part) for part in parts):
         return ""
-    return hashlib.blake2b(np.ascontiguousarray(values).tobytes(), digest_size=16).hexdigest()
+    digest = hashlib.sha256()
+    for part in parts:
+        digest.update(np.ascontiguousarray(part).data)
+    return digest.hexdigest()
 
 
 def _scaled(values: Array) -> Array:

@@ -65,6 +65,14 @@ Spread = Annotated[
     ),
 ]
 
+Form = Annotated[
+    Path | None,
+    typer.Option(
+        "--form",
+        help="File with the table [imo]: what the form of the IMO asks for besides (docs/imo.md).",
+    ),
+]
+
 WorkerCount = Annotated[
     int | None,
     typer.Option(
@@ -142,7 +150,8 @@ def stem(path: str | Path) -> str:
     """Name for a folder of results: that of the campaign's folder, or of the file."""
     full = Path(path).resolve()
     named = full.parent if full.name == "campaign.toml" else full
-    return named.stem if named.suffix in (".toml", ".h5", ".hdf5", ".nc", ".csv") else named.name
+    files = (".toml", ".h5", ".hdf5", ".nc", ".csv", ".mgf")
+    return named.stem if named.suffix in files else named.name
 
 
 def stated(**settings: Any) -> dict[str, Any]:

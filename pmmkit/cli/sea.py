@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from pmmkit.cli.speeds import typed_list
+
 if TYPE_CHECKING:
     from pmmkit.models.model import Model
-    from pmmkit.seakeeping import Hull, MotionInWaves, Sea
+    from pmmkit.seakeeping import Hull, MotionInWaves, Rao, Sea
     from pmmkit.simulation.track import Track
 
 WaveHeight = Annotated[
@@ -18,6 +22,13 @@ WaveHeight = Annotated[
 WavePeriod = Annotated[
     float | None,
     typer.Option(help="Their peak period in s, from which strip theory finds the forces."),
+]
+WaveSpeeds = Annotated[
+    str | None,
+    typer.Option(
+        help="Speeds of the ship at which the drift is found, such as '0,8,15 kn'; if absent at "
+        "rest and that of the approach."
+    ),
 ]
 WAVES = "Waves need a height and a peak period: write --wave-height 3 --wave-period 8."
 
@@ -33,41 +44,95 @@ def stated_sea(height: float | None, period: float | None) -> Sea | None:
     return sea("bretschneider", Hs=height, Tp=period)
 
 
-def carried(model: Model, sea: Sea | None, name: str, speed: float, from_deg: float) -> Model:
-    """A model that feels the mean drift of a sea: by its own table, else by strip theory."""
+@dataclass(frozen=True, kw_only=True)
+class Carried:
+    """A model in a sea.
+
+    Parameters
+    ----------
+    model : Model
+        That feels its mean drift; the one that was given in a calm.
+    motions : Rao or None
+        From which the drift was found; None where the model has a table of its own.
+    notes : tuple of str
+        What there is to say of the sea.
+    """
+
+    model: Model
+    motions: Rao | None = None
+    notes: tuple[str, ...] = ()
+
+
+def carried(
+    model: Model,
+    sea: Sea | None,
+    name: str,
+    speed: float,
+    from_deg: float,
+    speeds: str | None = None,
+) -> Carried:
+    """A model that feels the mean drift of a sea: by its own table, else by strip theory.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    sea : Sea or None
+        None is a calm.
+    name : str
+        As the model was asked for, which may be that of a hull too.
+    speed : float
+        Of the approach [m/s].
+    from_deg : float
+        Where the waves come from [deg].
+    speeds : str, optional
+        Those of the table, as they were typed.
+    """
+    from pmmkit.identification.seas import other_period
     from pmmkit.models.roles import parts_of
 
     if sea is None:
-        return model
+        if speeds is not None:
+            raise typer.BadParameter(WAVES)
+        return Carried(model=model)
     own = parts_of(model, "waves")
     if own:
-        return model.with_values(own[0], Hs=sea.Hs, from_deg=from_deg)
+        if speeds is not None:
+            raise typer.BadParameter("The model has its table of drift: leave --wave-speeds out.")
+        told = other_period(model, [sea.Tp], "this sea has")
+        rough = model.with_values(own[0], Hs=sea.Hs, from_deg=from_deg)
+        return Carried(model=rough, notes=(told,) if told else ())
     from pmmkit.seakeeping import in_waves
 
-    return in_waves(model, sea, speed=speed, from_deg=from_deg, hull=_hull(model, name))
+    motions = _motions(model, sea, name, _table(speeds, model) or speed)
+    return Carried(model=in_waves(model, sea, motions=motions, from_deg=from_deg), motions=motions)
 
 
 def first_order(
-    track: Track, model: Model, sea: Sea, name: str, from_deg: float, seed: int
+    track: Track, rough: Carried, sea: Sea, name: str, from_deg: float, seed: int
 ) -> MotionInWaves:
     """Motions at the frequency of the waves along a track."""
-    from pmmkit.seakeeping import frequencies, rao, superposed
+    from pmmkit.seakeeping import superposed
 
-    hull = _hull(model, name)
-    found = rao(
-        hull,
-        speeds=[0.0, track.speed],
-        headings_deg=range(0, 181, 10),
-        omega=frequencies(hull.L, sea),
-        rho=model.water.rho,
-        g=model.water.g,
-    )
+    found = rough.motions or _motions(rough.model, sea, name, track.speed)
     return superposed(track, found, sea, from_deg=from_deg, seed=seed)
 
 
-def new_notes(model: Model, before: Model) -> list[str]:
-    """What a model has to say beyond what it said before."""
-    return [f"note: {text}" for text in model.notes if text not in before.notes]
+def _motions(model: Model, sea: Sea, name: str, speed: float | Sequence[float]) -> Rao:
+    from pmmkit.seakeeping import motions_in
+
+    return motions_in(model, sea, speed=speed, hull=_hull(model, name))
+
+
+def _table(speeds: str | None, model: Model) -> list[float]:
+    typed = typed_list(speeds) if speeds is not None else ()
+    return [item.of(model.ship, model.water) for item in typed]
+
+
+def new_notes(rough: Carried, before: Model) -> list[str]:
+    """What a model in a sea has to say beyond what it said in a calm."""
+    fresh = [text for text in rough.model.notes if text not in before.notes]
+    return [f"note: {text}" for text in (*fresh, *rough.notes)]
 
 
 def _hull(model: Model, name: str) -> Hull:

@@ -164,7 +164,12 @@ CROSSFLOW_DRAG: Final = Effect(
             table=True,
         ),
         Parameter(
-            name="CD_station", text="factor of CD at each station", form=_TABLE, table=True, low=0.0
+            name="CD_station",
+            text="factor of CD at each station",
+            form=_TABLE,
+            table=True,
+            low=0.0,
+            over=("station",),
         ),
     ),
     options={"form": ("full", "without-sway"), "shape": ("constant", "table", "ends")},

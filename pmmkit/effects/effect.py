@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any, Final, Literal, get_args
 
@@ -67,6 +69,9 @@ class Parameter:
         Values outside are refused.
     table : bool
         Whether it holds a list of any length instead of one number.
+    over : tuple of str
+        Of a list: the lists, ascending, at whose values it stands; over two, a row over the second
+        for each value of the first, one after the other.
     typical : float or None
         Usual size, signed where nature has a sign; None for what no diagnosis looks for.
     grid : tuple of float
@@ -89,6 +94,7 @@ class Parameter:
     low: float = -1e12
     high: float = 1e12
     table: bool = False
+    over: tuple[str, ...] = ()
     typical: float | None = None
     grid: tuple[float, ...] = ()
     continuous: bool = True
@@ -425,4 +431,31 @@ class Effect(Described):
         missing = [name for name in self.required(options) if name not in values]
         if missing:
             found.append(f"{self.name} lacks {', '.join(missing)}.")
+        return [*found, *self._table_problems(values, options)]
+
+    def _table_problems(
+        self, values: Mapping[str, object], options: Mapping[str, str]
+    ) -> list[str]:
+        """Lists that do not ascend, or are not as long as those over which they stand."""
+        chosen = self.chosen(options)
+        lists = {
+            item.name: value
+            for item in self.parameters
+            if (item.form is None or chosen[item.form[0]] in item.form[1:])
+            and isinstance(value := values.get(item.name), tuple)
+        }
+        found = []
+        for axis in dict.fromkeys(x for item in self.parameters for x in item.over if x in lists):
+            if any(b <= a for a, b in pairwise(lists[axis])):
+                found.append(f"{axis} of {self.name} must ascend.")
+        for item in self.parameters:
+            axes = [axis for axis in item.over if axis in lists]
+            if not axes or item.name not in lists:
+                continue
+            size = math.prod(len(lists[axis]) for axis in axes)
+            if len(lists[item.name]) != size:
+                found.append(
+                    f"{item.name} of {self.name} has {len(lists[item.name])} numbers; "
+                    f"{' times '.join(axes)} ask for {size}."
+                )
         return found

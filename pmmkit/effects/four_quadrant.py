@@ -231,6 +231,8 @@ def force(
 _POLYNOMIAL: Final = ("characteristics", "polynomial")
 _TABLE: Final = ("characteristics", "table")
 _ASTERN: Final = ("astern", "table")
+_ANGLES: Final = ("beta_deg",)
+_ADVANCES: Final = ("J_astern",)
 FOUR_QUADRANT_PROPELLER: Final = Effect(
     name="four_quadrant_propeller",
     family="propeller",
@@ -274,10 +276,18 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
             table=True,
         ),
         Parameter(
-            name="CT", text="T over ½ρ(VA² + (0.7πnD)²)πD²/4 at each angle", form=_TABLE, table=True
+            name="CT",
+            text="T over ½ρ(VA² + (0.7πnD)²)πD²/4 at each angle",
+            form=_TABLE,
+            table=True,
+            over=_ANGLES,
         ),
         Parameter(
-            name="CQ", text="Q over ½ρ(VA² + (0.7πnD)²)πD³/4 at each angle", form=_TABLE, table=True
+            name="CQ",
+            text="Q over ½ρ(VA² + (0.7πnD)²)πD³/4 at each angle",
+            form=_TABLE,
+            table=True,
+            over=_ANGLES,
         ),
         Parameter(
             name="J_astern",
@@ -286,10 +296,18 @@ FOUR_QUADRANT_PROPELLER: Final = Effect(
             table=True,
         ),
         Parameter(
-            name="Yp", text="side force over ½ρn²D⁴ with n < 0 at each J", form=_ASTERN, table=True
+            name="Yp",
+            text="side force over ½ρn²D⁴ with n < 0 at each J",
+            form=_ASTERN,
+            table=True,
+            over=_ADVANCES,
         ),
         Parameter(
-            name="Np", text="moment over ½ρn²D⁴L with n < 0 at each J", form=_ASTERN, table=True
+            name="Np",
+            text="moment over ½ρn²D⁴L with n < 0 at each J",
+            form=_ASTERN,
+            table=True,
+            over=_ADVANCES,
         ),
         Parameter(name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99),
         Parameter(

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from functools import reduce
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
-from pmmkit.conventions import CHANNELS, Convention, force_unit, parse_derivative, speed_unit
+from pmmkit.conventions import CHANNELS, Convention, bare, force_unit, parse_derivative, speed_unit
 from pmmkit.effects.effect import Effect, Parameter
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
@@ -54,6 +54,35 @@ Monomial = tuple[tuple[int, ...], Mapping[str, Any]]
 """Places of the factors, and by channel the coefficients of X, Y [N] and N, K [N m] at 1 m/s."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Regressors:
+    """What derivatives multiply; those that differ by their unit alone share one product.
+
+    Parameters
+    ----------
+    products : array (k, n)
+        The products at n instants, for a unit of 1 N or 1 N m at 1 m/s.
+    place : tuple of int (p,)
+        Product of each derivative.
+    unit : array (p,)
+        By which it is multiplied.
+    """
+
+    products: Array
+    place: tuple[int, ...]
+    unit: Array
+
+    @property
+    def columns(self) -> Array:
+        """What each derivative multiplies at the instants, array (n, p)."""
+        return self.of(self.products.T)
+
+    def of(self, products: Array) -> Array:
+        """Columns (m, p) of the derivatives from columns (m, k) of the products."""
+        found: Array = products[:, list(self.place)] * self.unit
+        return found
+
+
 def regressors(
     names: Sequence[str],
     state: State,
@@ -94,6 +123,27 @@ def regressors(
     ...            convention=Convention(), approach_speed=2.0)
     array([[32000., 32000.]])
     """
+    return shared_regressors(
+        names, state, ship=ship, water=water, convention=convention, approach_speed=approach_speed
+    ).columns
+
+
+def shared_regressors(
+    names: Sequence[str],
+    state: State,
+    *,
+    ship: Ship,
+    water: Water,
+    convention: Convention,
+    approach_speed: float | Array,
+) -> Regressors:
+    """As `regressors`, each product computed once whatever channels have it.
+
+    Parameters
+    ----------
+    names, state, ship, water, convention, approach_speed
+        As in `regressors`.
+    """
     U = state.speed if convention.U == "instantaneous" else np.full_like(state.u, approach_speed)
     pressure = {
         channel: force_unit(
@@ -108,38 +158,45 @@ def regressors(
         )
         for channel in {"X", *(name[0] for name in names)}
     }
+    bis = convention.system == "bis"
     speed = speed_unit(convention.system, L=ship.L, g=water.g, U=1.0)
-    reference = U if convention.system != "bis" else np.full_like(U, speed)
+    reference = np.full_like(U, speed) if bis else U
+    square = np.ones_like(U) if bis else U**2
     surge = state.u - approach_speed if convention.surge == "delta-u" else state.u
     sway = -1.0 if convention.sway == "beta" else 1.0
     rudder = 1.0 if convention.rudder_positive == "starboard" else -1.0
     along, over = ship.L / reference, ship.L / reference**2
-    square = np.ones_like(U) if convention.system == "bis" else U**2
-    primed = {
-        "0": np.ones_like(U),
-        "u": surge / reference,
-        "v": sway * state.v / reference,
-        "r": state.r * along,
-        "p": state.p * along,
-        "phi": state.phi,
-        "d": rudder * state.delta,
-        "T": state.thrust / (pressure["X"] * square),
-        "udot": state.udot * over,
-        "vdot": sway * state.vdot * over,
-        "rdot": state.rdot * over * ship.L,
-        "pdot": state.pdot * over * ship.L,
+    primed: dict[str, Callable[[], Array]] = {
+        "u": lambda: surge / reference,
+        "v": lambda: sway * state.v / reference,
+        "r": lambda: state.r * along,
+        "p": lambda: state.p * along,
+        "phi": lambda: state.phi,
+        "d": lambda: rudder * state.delta,
+        "T": lambda: state.thrust / (pressure["X"] * square),
+        "udot": lambda: state.udot * over,
+        "vdot": lambda: sway * state.vdot * over,
+        "rdot": lambda: state.rdot * over * ship.L,
+        "pdot": lambda: state.pdot * over * ship.L,
     }
-    values = {f"|{name}|": np.abs(primed[name]) for name in ("u", "v", "r", "p", "d")} | primed
-    columns = []
-    for name in names:
-        factors = parse_derivative(name).factors
+    own = [parse_derivative(name).factors for name in names]
+    place = {factors: number for number, factors in enumerate(dict.fromkeys(own))}
+    needed = {factor for factors in place for factor in factors if factor != "0"}
+    values = {name: primed[name]() for name in {bare(factor) for factor in needed}}
+    values |= {factor: np.abs(values[bare(factor)]) for factor in needed if bare(factor) != factor}
+    products = np.empty((len(place), len(U)))
+    for row, factors in zip(products, place, strict=True):
+        row[:] = square
         if convention.surge == "constant" and factors == ("u", "u"):
-            bis = convention.system == "bis"
-            product = (state.speed / reference) ** 2 if bis else values["0"]
+            row *= (state.speed / reference) ** 2 if bis else 1.0
         else:
-            product = reduce(np.multiply, (values[factor] for factor in factors))
-        columns.append(pressure[name[0]] * square * product)
-    return np.stack(columns, axis=1) if columns else np.empty((len(U), 0))
+            for factor in factors:
+                row *= values.get(factor, 1.0)
+    return Regressors(
+        products=products,
+        place=tuple(place[factors] for factors in own),
+        unit=np.array([pressure[name[0]] for name in names]),
+    )
 
 
 def in_channel(names: Sequence[str], channel: str) -> list[str]:

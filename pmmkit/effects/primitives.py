@@ -18,6 +18,7 @@ __all__ = [
     "exp",
     "fabs",
     "interpolate",
+    "interpolate_rows",
     "maximum",
     "minimum",
     "over_arrays",
@@ -69,6 +70,59 @@ def interpolate(x: float, xs: Sequence[float], ys: Sequence[float]) -> float:
     return slope * (x - xs[low]) + ys[low]
 
 
+def interpolate_rows(
+    x: float, xs: Sequence[float], y: float, ys: Sequence[float], rows: Sequence[float]
+) -> float:
+    """Straight lines both ways in a table, constant beyond its edges.
+
+    Parameters
+    ----------
+    x, y : float
+        Where.
+    xs, ys : sequence of float
+        Two or more each, ascending.
+    rows : sequence of float
+        The table: a row over `ys` for each of `xs`, one after the other.
+
+    Examples
+    --------
+    >>> table = (0.0, 1.0, 2.0, 10.0, 21.0, 32.0)
+    >>> [interpolate_rows(x, (0.0, 4.0), 0.5, (0.0, 1.0, 2.0), table) for x in (0.0, 2.0, 9.0)]
+    [0.5, 8.0, 15.5]
+    """
+    row, column = 0, 0
+    while row < len(xs) - 2 and x > xs[row + 1]:
+        row += 1
+    while column < len(ys) - 2 and y > ys[column + 1]:
+        column += 1
+    down = minimum(maximum((x - xs[row]) / (xs[row + 1] - xs[row]), 0.0), 1.0)
+    along = minimum(maximum((y - ys[column]) / (ys[column + 1] - ys[column]), 0.0), 1.0)
+    at = row * len(ys) + column
+    below = at + len(ys)
+    first = rows[at] + along * (rows[at + 1] - rows[at])
+    second = rows[below] + along * (rows[below + 1] - rows[below])
+    return first + down * (second - first)
+
+
+def _rows_of_arrays(x: Any, xs: Any, y: Any, ys: Any, rows: Any) -> Any:
+    """`interpolate_rows` at many places at once."""
+    import numpy as np
+
+    table = np.reshape(rows, (len(xs), len(ys)))
+
+    def cell(value: Any, ends: Any) -> tuple[Any, Any]:
+        marks = np.asarray(ends, dtype=float)
+        low = np.clip(np.searchsorted(marks, value) - 1, 0, marks.size - 2)
+        share = (value - marks[low]) / (marks[low + 1] - marks[low])
+        return low, np.clip(share, 0.0, 1.0)
+
+    (row, down), (column, along) = cell(x, xs), cell(y, ys)
+    first, second = (
+        table[i, column] + along * (table[i, column + 1] - table[i, column]) for i in (row, row + 1)
+    )
+    return first + down * (second - first)
+
+
 def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
     """The function of an effect, taking arrays.
 
@@ -94,12 +148,13 @@ def over_arrays(function: Callable[..., Any]) -> Callable[..., Any]:
         "maximum": np.maximum,
         "minimum": np.minimum,
         "interpolate": np.interp,
+        "interpolate_rows": _rows_of_arrays,
     }
     made: Callable[..., Any] = rebound(function, arrays, lambda copy: copy)
     return made
 
 
-_OWN: Final = {where, maximum, minimum, interpolate}
+_OWN: Final = {where, maximum, minimum, interpolate, interpolate_rows}
 
 
 def rebound(

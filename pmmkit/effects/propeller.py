@@ -158,8 +158,8 @@ PROPELLER: Final = Effect(
         Parameter(
             name="J", text="advance ratios of the tables, ascending", form=_TABLE, table=True
         ),
-        Parameter(name="KT", text="KT at each J", form=_TABLE, table=True),
-        Parameter(name="KQ", text="KQ at each J", form=_TABLE, table=True),
+        Parameter(name="KT", text="KT at each J", form=_TABLE, table=True, over=("J",)),
+        Parameter(name="KQ", text="KQ at each J", form=_TABLE, table=True, over=("J",)),
         Parameter(
             name="wp", text="wake fraction straight ahead", low=-0.99, high=0.99, uncertain=True
         ),

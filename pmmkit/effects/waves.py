@@ -6,7 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from pmmkit.effects.effect import Effect, Parameter
-from pmmkit.effects.primitives import atan2, cos, fabs, interpolate, minimum, pi, sin, where
+from pmmkit.effects.primitives import (
+    atan2,
+    cos,
+    fabs,
+    interpolate,
+    interpolate_rows,
+    pi,
+    sin,
+    where,
+)
 from pmmkit.effects.seen import Move, Vessel
 
 
@@ -25,14 +34,11 @@ def drift(
     kx: float,
     ky: float,
     kn: float,
-    speed: float,
+    speeds: Sequence[float],
     angle_deg: Sequence[float],
     DX: Sequence[float],
     DY: Sequence[float],
     DN: Sequence[float],
-    DX_rest: Sequence[float],
-    DY_rest: Sequence[float],
-    DN_rest: Sequence[float],
 ) -> tuple[float, float, float]:
     """X, Y [N] and N [N m] of a sea past midship.
 
@@ -40,13 +46,13 @@ def drift(
     -----
     X = kx ρgHs² L DX, Y = ky ρgHs² L DY, N = kn ρgHs² L² DN, over the angle γ from which the waves
     come, from the bow, positive to starboard. Waves from starboard push to port: DY < 0. Tables
-    reach over 0 to 180°; waves from port mirror them. ``speeds``: beside the tables at ``speed``
-    stand those of the ship at rest, and between both lies a straight line in U, as in short waves,
-    which meet the ship the more often the faster it goes; beyond ``speed`` it is held.
-    ``reflected``: waves that are short beside
-    the ship, whose energy a wall sends back, DX = -(B/L) cos γ |cos γ|/16,
-    DY = -sin γ |sin γ|/16, and no moment. A sea that a record states, ``wave_height`` [m] from
-    ``wave_direction`` [rad], stands for ``Hs`` and ``from_deg``; a height below zero states none.
+    reach over 0 to 180°; waves from port mirror them. ``speeds``: a row over the angles for each
+    of ``speeds``, between which lie straight lines in U, as in short waves, which meet the ship
+    the more often the faster it goes; below the first and beyond the last they are held.
+    ``reflected``: waves that are short beside the ship, whose energy a wall sends back,
+    DX = -(B/L) cos γ |cos γ|/16, DY = -sin γ |sin γ|/16, and no moment. A sea that a record states,
+    ``wave_height`` [m] from ``wave_direction`` [rad], stands for ``Hs`` and ``from_deg``; a height
+    below zero states none.
 
     Examples
     --------
@@ -54,7 +60,7 @@ def drift(
 
     >>> none = (0.0,)
     >>> X, Y, N = drift(5.0, 0.0, 100.0, 20.0, 1025.0, 9.81, -1.0, 0.0, 0, 4.0, 90.0, 1.0, 1.0,
-    ...                 1.0, 5.0, *[none] * 7)
+    ...                 1.0, *[none] * 5)
     >>> round(Y / 1e3)
     -1006
     """
@@ -72,14 +78,14 @@ def drift(
     angle = atan2(across, ahead)
     degrees = fabs(angle) * 180.0 / pi
     side = where(angle < 0.0, -size, size)
-    x = interpolate(degrees, angle_deg, DX)
-    y = interpolate(degrees, angle_deg, DY)
-    n = interpolate(degrees, angle_deg, DN)
     if coefficients == 2:
-        slower = 1.0 - minimum(U / speed, 1.0)
-        x += slower * (interpolate(degrees, angle_deg, DX_rest) - x)
-        y += slower * (interpolate(degrees, angle_deg, DY_rest) - y)
-        n += slower * (interpolate(degrees, angle_deg, DN_rest) - n)
+        x = interpolate_rows(U, speeds, degrees, angle_deg, DX)
+        y = interpolate_rows(U, speeds, degrees, angle_deg, DY)
+        n = interpolate_rows(U, speeds, degrees, angle_deg, DN)
+    else:
+        x = interpolate(degrees, angle_deg, DX)
+        y = interpolate(degrees, angle_deg, DY)
+        n = interpolate(degrees, angle_deg, DN)
     return kx * size * x, ky * side * y, kn * side * L * n
 
 
@@ -104,6 +110,7 @@ def together(_: Vessel) -> Mapping[str, Move]:
 
 _TABLE: Final = ("coefficients", "table", "speeds")
 _SPEEDS: Final = ("coefficients", "speeds")
+_PLACES: Final = ("speeds", "angle_deg")
 WAVE_DRIFT: Final = Effect(
     name="wave_drift",
     family="environment",
@@ -155,15 +162,31 @@ WAVE_DRIFT: Final = Effect(
             form=_TABLE,
             table=True,
         ),
-        Parameter(name="DX", text="X over ρgHs²L, ahead positive", form=_TABLE, table=True),
-        Parameter(name="DY", text="Y over ρgHs²L, to starboard positive", form=_TABLE, table=True),
         Parameter(
-            name="DN", text="N over ρgHs²L², bow to starboard positive", form=_TABLE, table=True
+            name="speeds",
+            text="at which the tables stand, ascending: a row over the angles for each",
+            unit="m/s",
+            low=0.0,
+            form=_SPEEDS,
+            table=True,
         ),
-        Parameter(name="speed", text="of these tables", unit="m/s", low=1e-9, form=_SPEEDS),
-        Parameter(name="DX_rest", text="DX of the ship at rest", form=_SPEEDS, table=True),
-        Parameter(name="DY_rest", text="DY of the ship at rest", form=_SPEEDS, table=True),
-        Parameter(name="DN_rest", text="DN of the ship at rest", form=_SPEEDS, table=True),
+        Parameter(
+            name="DX", text="X over ρgHs²L, ahead positive", form=_TABLE, table=True, over=_PLACES
+        ),
+        Parameter(
+            name="DY",
+            text="Y over ρgHs²L, to starboard positive",
+            form=_TABLE,
+            table=True,
+            over=_PLACES,
+        ),
+        Parameter(
+            name="DN",
+            text="N over ρgHs²L², bow to starboard positive",
+            form=_TABLE,
+            table=True,
+            over=_PLACES,
+        ),
         Parameter(
             name="Tp",
             text="peak period of the waves that the tables are for; 0 where it is not known",
@@ -178,6 +201,6 @@ WAVE_DRIFT: Final = Effect(
     outputs=("X", "Y", "N"),
     sources=("faltinsen_1980",),
     remark="reflection of short waves; tables are those of `pmmkit.seakeeping.drift_table`, at one "
-    "speed or two, and at one period of the waves",
+    "speed or several, and at one period of the waves",
 )
 EFFECTS: Final = (WAVE_DRIFT,)

@@ -116,6 +116,7 @@ def windage(vessel: Vessel) -> Mapping[str, float]:
 
 _SIMPLE: Final = ("coefficients", "simple")
 _TABLE: Final = ("coefficients", "table", "table-with-roll")
+_ANGLES: Final = ("angle_deg",)
 WIND: Final = Effect(
     name="wind",
     family="environment",
@@ -167,16 +168,29 @@ WIND: Final = Effect(
             form=_TABLE,
             table=True,
         ),
-        Parameter(name="CX", text="at each angle, ahead positive", form=_TABLE, table=True),
-        Parameter(name="CY", text="at each angle, to starboard positive", form=_TABLE, table=True),
         Parameter(
-            name="CN", text="at each angle, bow to starboard positive", form=_TABLE, table=True
+            name="CX", text="at each angle, ahead positive", form=_TABLE, table=True, over=_ANGLES
+        ),
+        Parameter(
+            name="CY",
+            text="at each angle, to starboard positive",
+            form=_TABLE,
+            table=True,
+            over=_ANGLES,
+        ),
+        Parameter(
+            name="CN",
+            text="at each angle, bow to starboard positive",
+            form=_TABLE,
+            table=True,
+            over=_ANGLES,
         ),
         Parameter(
             name="CK",
             text="at each angle, starboard side down positive",
             form=("coefficients", "table-with-roll"),
             table=True,
+            over=_ANGLES,
         ),
     ),
     options={"coefficients": ("simple", "table", "table-with-roll")},

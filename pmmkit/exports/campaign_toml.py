@@ -98,6 +98,7 @@ def campaign_text(campaign: Campaign, entries: Mapping[str, Mapping[str, Any]]) 
         "propeller": campaign.propeller,
         "rudder": campaign.rudder,
         "trial": _trial(campaign),
+        "imo": dict(campaign.imo),
         "uncertainty": _uncertainty(campaign.uncertainty),
         "corrections": _corrections(campaign, kept),
         "runs": [

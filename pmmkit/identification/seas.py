@@ -39,28 +39,40 @@ def sea_notes(model: Model, records: Sequence[FreeRecord]) -> tuple[str, ...]:
     stated = [item for item in records if item.wave_height is not None]
     if not waves or not stated:
         return ()
-    notes = []
-    given = model.parts[waves[0]].values.get("Tp", 0.0)
-    made_for = given if isinstance(given, float) else 0.0
-    off = {
-        item.wave_period
-        for item in stated
-        if item.wave_period is not None
-        and made_for > 0.0
-        and not 1 / ONE_SEA <= item.wave_period / made_for <= ONE_SEA
-    }
-    if off:
-        told = ", ".join(f"{period:g} s" for period in sorted(off))
-        notes.append(
-            f"The model's drift of waves is for a peak period of {made_for:g} s, the records state "
-            f"{told}: make the table anew for their sea (pmmkit seakeeping --tp)."
-        )
+    periods = {item.wave_period for item in stated if item.wave_period is not None}
+    other = other_period(model, sorted(periods), "the records state")
+    notes = [other] if other else []
     if all(_one_side(item) for item in stated):
         notes.append(
             "Wind and waves come from one side in all records: their forces are not told apart. "
             "Swell from another side, a change of the wind, or a wind that the model knows does."
         )
     return tuple(notes)
+
+
+def other_period(model: Model, periods: Sequence[float], told: str) -> str:
+    """That the drift of a model is for waves of another period; empty where it is not.
+
+    Parameters
+    ----------
+    model : Model
+        With a part for waves.
+    periods : sequence of float
+        Peak periods of what it sails in [s].
+    told : str
+        Words before these periods.
+    """
+    (waves, *_) = parts_of(model, "waves")
+    made_for = model.parts[waves].values.get("Tp", 0.0)
+    if not isinstance(made_for, float) or made_for <= 0.0:
+        return ""
+    off = [f"{x:g} s" for x in periods if not 1 / ONE_SEA <= x / made_for <= ONE_SEA]
+    if not off:
+        return ""
+    return (
+        f"The model's drift of waves is for a peak period of {made_for:g} s, {told} "
+        f"{', '.join(off)}: make the table anew for their sea (pmmkit seakeeping --tp)."
+    )
 
 
 def _one_side(record: FreeRecord) -> bool:

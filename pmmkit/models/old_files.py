@@ -1,13 +1,13 @@
-"""Files of the first release: what their history says in sentences, as steps."""
+"""Older files: a history in sentences as steps, a drift at rest and at a speed as one table."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from pmmkit.effects.catalogue import is_fault
-from pmmkit.models.step import Step
+from pmmkit.models.step import Step, Value
 
 _ADDED: Final = re.compile(
     r"Added (?P<effect>[^:(]+?)(?: \((?P<why>.*)\))?: error of left-out conditions "
@@ -54,3 +54,32 @@ def _step(line: str) -> Step:
         campaign=found["tests"],
         note=found["why"] or "",
     )
+
+
+def drift_over_speeds(values: Mapping[str, Value]) -> dict[str, Value]:
+    """Values of the mean drift of waves, of which older files state those at rest apart.
+
+    Parameters
+    ----------
+    values : mapping
+        Of a part; what holds no ``DX_rest`` is left as it is.
+
+    Examples
+    --------
+    >>> rest, moving = ("DX_rest", "DY_rest", "DN_rest"), ("DX", "DY", "DN")
+    >>> old = dict.fromkeys(rest, (0.0, 0.1)) | dict.fromkeys(moving, (0.2, 0.3)) | {"speed": 8.0}
+    >>> new = drift_over_speeds(old)
+    >>> new["speeds"], new["DN"], "DX_rest" in new
+    ((0.0, 8.0), (0.0, 0.1, 0.2, 0.3), False)
+    """
+    found, speed = dict(values), values.get("speed")
+    tables = {name: (values.get(f"{name}_rest"), values.get(name)) for name in ("DX", "DY", "DN")}
+    if not isinstance(speed, float):
+        return found
+    for name, (rest, moving) in tables.items():
+        if not isinstance(rest, tuple) or not isinstance(moving, tuple):
+            return dict(values)
+        found[name] = (*rest, *moving)
+        del found[f"{name}_rest"]
+    del found["speed"]
+    return found | {"speeds": (0.0, speed)}

@@ -16,7 +16,7 @@ from pmmkit.errors import DataError, ModelError, Problem, UnknownNameError
 from pmmkit.escaping import quoted
 from pmmkit.files import write_text
 from pmmkit.models.model import Model, Part
-from pmmkit.models.old_files import steps_of_sentences
+from pmmkit.models.old_files import drift_over_speeds, steps_of_sentences
 from pmmkit.models.records import FileReader, entries
 from pmmkit.models.step import Step, Value
 from pmmkit.ship_library import read_ship, read_water, ship_file, ships
@@ -265,7 +265,7 @@ def _part(reader: FileReader, effect: str, data: Mapping[str, Any]) -> Part:
     }
     return Part(
         effect=effect,
-        values=MappingProxyType(values),
+        values=MappingProxyType(drift_over_speeds(values)),
         std=MappingProxyType({k: x for k, x in std.items() if isinstance(x, float)}),
         options=reader.words(data, "options", f"{place}.options"),
         source=reader.text(data, "source", f"{place}."),

@@ -13,7 +13,7 @@ from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
 from pmmkit.conventions import Convention, bare, parse_derivative
-from pmmkit.effects.hull import regressors
+from pmmkit.effects.hull import Regressors, shared_regressors
 from pmmkit.effects.state import State
 from pmmkit.numerics import Array
 from pmmkit.observations.prepare import Prepared, RunResult
@@ -126,16 +126,34 @@ def regressors_of(
     convention : Convention
         Meaning of the derivatives.
     """
+    shared = _shared(names, motion, speed, campaign, convention)
+    return _by_channel(names, shared.columns)
+
+
+def _shared(
+    names: Mapping[str, Sequence[str]],
+    motion: State,
+    speed: float,
+    campaign: Campaign,
+    convention: Convention,
+) -> Regressors:
+    """What the derivatives of all channels multiply."""
+    return shared_regressors(
+        [name for listed in names.values() for name in listed],
+        motion,
+        ship=campaign.ship,
+        water=campaign.water,
+        convention=convention,
+        approach_speed=speed,
+    )
+
+
+def _by_channel(names: Mapping[str, Sequence[str]], columns: Array) -> dict[str, Array]:
+    """Columns of the derivatives of all channels, channel by channel."""
+    ends = np.cumsum([len(listed) for listed in names.values()], dtype=np.intp)
     return {
-        channel: regressors(
-            listed,
-            motion,
-            ship=campaign.ship,
-            water=campaign.water,
-            convention=convention,
-            approach_speed=speed,
-        )
-        for channel, listed in names.items()
+        channel: columns[:, end - len(names[channel]) : end]
+        for channel, end in zip(names, ends.tolist(), strict=True)
     }
 
 
@@ -147,16 +165,13 @@ def _design(
     campaign: Campaign,
     convention: Convention,
 ) -> dict[str, Array]:
-    """Harmonics of what each derivative multiplies, channel by channel."""
-    columns = regressors_of(names, motion, speed, campaign, convention)
-    return {channel: _projected(projection, own) for channel, own in columns.items()}
-
-
-def _projected(projection: Array, columns: Array) -> Array:
-    """Harmonics of the columns, exact zeros where only rounding is left."""
-    harmonics = projection @ columns
-    rounding = ROUNDING * np.abs(columns).max(axis=0, initial=0.0)
-    return np.where(np.abs(harmonics) > rounding, harmonics, 0.0)
+    """Harmonics of what each derivative multiplies, exact zeros where only rounding is left."""
+    shared = _shared(names, motion, speed, campaign, convention)
+    harmonics = projection @ shared.products.T
+    products = shared.products
+    largest = np.maximum(products.max(axis=1, initial=0.0), -products.min(axis=1, initial=0.0))
+    known = np.where(np.abs(harmonics) > ROUNDING * largest, harmonics, 0.0)
+    return _by_channel(names, shared.of(known))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

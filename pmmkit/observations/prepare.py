@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pmmkit.campaigns.motion.counted import Counted, counted_cycles, counted_window
+from pmmkit.campaigns.motion.counted import FITTED, Counted, counted_cycles, counted_window
 from pmmkit.campaigns.motion.inertia import Rig, force_of_water
 from pmmkit.campaigns.motion.kinematics import measured_motion, move_motion, nominal_motion
 from pmmkit.campaigns.run import Campaign, Run
@@ -22,6 +22,7 @@ from pmmkit.presentation import WIDE
 from pmmkit.signals import (
     Harmonics,
     Mean,
+    Window,
     design_matrix,
     estimate_frequency,
     harmonics,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 CycleChoice = int | tuple[int, int] | None
-ORDER = 5
+ORDER = FITTED
 GRID = 120
 """Points of the one-cycle grid on which motions without a record are evaluated."""
 SLIP = math.radians(5)
@@ -118,6 +119,8 @@ class Prepared:
         Time at which the record begins [s].
     phase : array (n,) or None
         Phase of the displacement at the samples of an oscillating record [rad].
+    window : Window or None
+        The steady part of a static record.
     counted : Counted or None
         The whole cycles of an oscillating record whose period the campaign states rightly.
     """
@@ -128,6 +131,7 @@ class Prepared:
     t: Array
     begin: float = 0.0
     phase: Array | None = None
+    window: Window | None = None
     counted: Counted | None = None
 
     def motion_at_midship(self, rig: Rig) -> State:
@@ -260,6 +264,7 @@ def _from_history(
         motion=measured_motion(run, steady, times[cut]),
         t=times[cut],
         begin=float(times[0]),
+        window=window,
     )
 
 
@@ -286,11 +291,10 @@ def _from_cycles(
     times = np.asarray(data["t"].values, float)
     record = np.stack([np.asarray(data[name].values, float) for name in channels])
     counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
-    kept = counted.cycles
-    cut = slice(kept.start, kept.stop)
+    cut = counted.cut
     notes: tuple[str, ...] = ()
     nominal = run.settings.omega
-    if nominal is not None and kept.count >= 3:
+    if nominal is not None and counted.cycles.count >= 3:
         own, deviation = estimate_frequency(times[cut], record[:, cut], nominal)
         slip = abs(own - nominal) * (times[cut][-1] - times[cut][0])
         if abs(own - nominal) > max(5 * deviation, 1e-3 * nominal) and slip > SLIP:
@@ -300,15 +304,11 @@ def _from_cycles(
             )
             run = run.with_(settings=replace(run.settings, period=2 * math.pi / own))
             counted = counted_cycles(run, data, times, record, channels, cycles=cycles)
-            kept = counted.cycles
-            cut = slice(kept.start, kept.stop)
+            cut = counted.cut
     part = data.isel(t=cut)
-    theta = counted.theta[cut]
-    if integrated:
-        projection = trapezoid_projector(theta, ORDER)
-    else:
-        projection = projector(design_matrix(theta, ORDER))
-    found: Harmonics | None = harmonics(theta, record[:, cut], order=ORDER) if noise else None
+    kept, basis = counted.cycles, counted.kept
+    projection = trapezoid_projector(basis.phase, ORDER) if integrated else basis.projector
+    found: Harmonics | None = harmonics(basis, record[:, cut], order=ORDER) if noise else None
     fitted = None if integrated or found is None else found.coefficients
     values = record[:, cut] @ projection.T if fitted is None else fitted
     scatter = None if found is None else found.scatter
@@ -326,15 +326,15 @@ def _from_cycles(
             cycles=kept.count,
             scatter={} if scatter is None else dict(zip(channels, scatter, strict=True)),
             frequency=run.settings.omega,
-            extras=_extras(part, np.full(len(theta), 1 / len(theta))),
+            extras=_extras(part, np.full(len(basis.phase), 1 / len(basis.phase))),
             notes=notes,
             ramp=counted.travel.reason,
         ),
         projection=projection,
-        motion=measured_motion(run, part, times[cut]),
+        motion=measured_motion(run, part, times[cut], basis),
         t=times[cut],
         begin=float(times[0]),
-        phase=theta,
+        phase=basis.phase,
         counted=None if notes else counted,
     )
 

@@ -47,9 +47,9 @@ class Restricted:
     whole : array (q, q)
         Products of all columns.
     own : array (runs, k, k)
-        Products of what each run draws for itself, at size one.
+        What each run draws for itself, at size one, in an orthonormal basis of that.
     across : array (runs, k, q)
-        Products of that with all columns.
+        Products of that basis with all columns.
     model, floor : int
         How many columns the model and the floor have.
     back : array (p, model)
@@ -85,16 +85,26 @@ class Restricted:
     def _gram(self, sizes: Array) -> tuple[Array, Array]:
         """Products under the covariance of noise and scatter, and the log determinant of it.
 
-        Each run takes its own share off the sums of all (Woodbury).
+        Each run takes its own share off the sums of all (Woodbury). In its orthonormal basis no
+        weight of a share is above one, so that they are summed by one product of matrices.
         """
-        scaled = sizes[:, None, :, None] * self.own * sizes[:, None, None, :]
-        root = _cholesky(np.eye(sizes.shape[1]) + scaled)
-        taken = _forward(root, sizes[:, None, :, None] * self.across)
-        flat = taken.reshape(len(sizes), -1, taken.shape[-1])
-        gram = self.whole - np.swapaxes(flat, 1, 2) @ flat
+        k, q = self.own.shape[-1], len(self.whole)
+        rows, columns = np.tril_indices(k)
+        own, across = np.swapaxes(self.own, 0, 1), np.swapaxes(self.across, 0, 1)
+        inverse, logs = _inverse((own[rows] * own[columns]) @ sizes.T**2, k)
+        shares = np.where(rows == columns, 1.0, 0.0)[:, None, None] - inverse
+        shares[rows != columns] *= 2.0
+        taken = np.zeros((len(sizes), q * q))
+        held = max(1, CHUNK // (len(rows) * q * q))
+        for begin in range(0, len(self.own), held):
+            part = slice(begin, begin + held)
+            products = across[rows, part, :, None] * across[columns, part, None]
+            weights = shares[:, part].reshape(-1, len(sizes))
+            taken += weights.T @ products.reshape(-1, q * q)
+        square = taken.reshape(-1, q, q)
+        gram = self.whole - 0.5 * (square + np.swapaxes(square, 1, 2))
         diagonal = np.arange(self.model, self.model + self.floor)
         gram[:, diagonal, diagonal] += 1.0
-        logs = np.log(np.diagonal(root, axis1=-2, axis2=-1)).sum(axis=(1, 2))
         return gram, logs
 
     def _likelihood(self, sizes: Array) -> Array:
@@ -113,28 +123,45 @@ class Restricted:
         return found
 
 
-def _cholesky(matrices: Array) -> Array:
-    """Lower Cholesky factors of very many very small matrices (…, k, k).
+def _inverse(products: Array, k: int) -> tuple[Array, Array]:
+    """Inverses of I plus very many very small symmetric matrices, and half their log determinants.
 
-    Row by row over all at once: a call of LAPACK for each takes longer than its few products.
+    Parameters
+    ----------
+    products : array (k (k + 1) / 2, runs, g)
+        Lower triangles, row by row.
+
+    Returns
+    -------
+    inverse : array (k (k + 1) / 2, runs, g)
+    logs : array (g,)
+        Summed over the runs.
+
+    Notes
+    -----
+    Cholesky's factors element by element over all at once: a call of LAPACK for each takes longer
+    than its few products.
     """
-    root = np.zeros_like(matrices)
-    for i in range(matrices.shape[-1]):
-        for j in range(i + 1):
-            rest = matrices[..., i, j] - np.sum(root[..., i, :j] * root[..., j, :j], axis=-1)
-            root[..., i, j] = np.sqrt(rest) if i == j else rest / root[..., j, j]
-    return root
-
-
-def _forward(root: Array, right: Array) -> Array:
-    """Solution of root x = right for very many small lower factors, arrays (…, k, k), (…, k, q)."""
-    found = np.empty_like(right)
-    for i in range(root.shape[-1]):
-        rest = right[..., i, :]
-        for j in range(i):
-            rest = rest - root[..., i, j, None] * found[..., j, :]
-        found[..., i, :] = rest / root[..., i, i, None]
-    return found
+    pairs = [(i, j) for i in range(k) for j in range(i + 1)]
+    root: dict[tuple[int, int], Array] = {}
+    for (i, j), product in zip(pairs, products, strict=True):
+        rest = product + float(i == j)
+        for n in range(j):
+            rest -= root[i, n] * root[j, n]
+        root[i, j] = np.sqrt(rest) if i == j else rest / root[j, j]
+    back = {(i, i): 1.0 / root[i, i] for i in range(k)}
+    for i, j in pairs:
+        if i != j:
+            found = np.zeros_like(products[0])
+            for n in range(j, i):
+                found -= root[i, n] * back[n, j]
+            back[i, j] = found * back[i, i]
+    inverse = np.zeros_like(products)
+    for own, (i, j) in zip(inverse, pairs, strict=True):
+        for n in range(i, k):
+            own += back[n, i] * back[n, j]
+    logs: Array = np.sum([np.log(root[i, i]).sum(axis=0) for i in range(k)], axis=0)
+    return inverse, logs
 
 
 def restricted(
@@ -158,22 +185,25 @@ def restricted(
     p, q = model.shape[1], features.shape[1]
     basis = orthonormal(white[:, :p])
     A = np.column_stack([basis, white[:, p : p + q + 1]])
-    sums = [
-        (np.swapaxes(Z, 1, 2) @ Z, np.swapaxes(Z, 1, 2) @ A[at])
-        for at in alike(channel)
-        for Z in [white[at][:, :, p + q + 1 :]]
-    ]
+    drawn = [_in_own_basis(white[at][:, :, p + q + 1 :], A[at]) for at in alike(channel)]
     length = np.linalg.norm(white[:, :p], axis=0)
     unit = np.where(length > 0, length, 1.0)
     back = np.linalg.pinv(basis.T @ (white[:, :p] / unit), rcond=1e-9) / unit[:, None]
     return Restricted(
         whole=A.T @ A,
-        own=np.concatenate([x for x, _ in sums]),
-        across=np.concatenate([x for _, x in sums]),
+        own=np.concatenate([x for x, _ in drawn]),
+        across=np.concatenate([x for _, x in drawn]),
         model=basis.shape[1],
         floor=q,
         back=back,
     )
+
+
+def _in_own_basis(own: Array, columns: Array) -> tuple[Array, Array]:
+    """Columns (runs, m, k) in an orthonormal basis of them, and products of it with others."""
+    basis, factor = np.linalg.qr(own)
+    short = ((0, 0), (0, own.shape[2] - factor.shape[1]), (0, 0))
+    return np.pad(factor, short), np.pad(np.swapaxes(basis, 1, 2) @ columns, short)
 
 
 def estimated_scatter(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from pmmkit.plotting import style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_NOTHING: Final = 1e-9
 
 
 def over_wave_length(
@@ -46,6 +48,8 @@ def over_wave_length(
                     label=figure_text(name),
                 )
             axis.set_ylabel(label)
+            if all(np.nanmax(np.abs(values), initial=0.0) < _NOTHING for values in curves.values()):
+                axis.set_ylim(0.0, 1.0)
         axes[-1].set_xlabel("wave length / ship length")
         axes[-1].set_xlim(0.0, min(longest, float(np.max(ratio))))
         style.legend_below(figure, [*axes], 3)
@@ -74,6 +78,34 @@ def over_time(t: Array, panels: Mapping[str, Array]) -> Figure:
             axis.set_ylabel(label)
         axes[-1].set_xlabel("time [s]")
         axes[-1].set_xlim(t[0], t[-1])
+    return figure
+
+
+def beside_measured(panels: Mapping[str, tuple[Array, Array, Array, Array]]) -> Figure:
+    """Measured points with twice their standard uncertainty, beside a computed curve.
+
+    Parameters
+    ----------
+    panels : mapping of str to (array, array, array, array)
+        Frequencies of encounter [rad/s], measured, standard uncertainty and computed values by
+        the label of the ordinate.
+
+    Returns
+    -------
+    Figure
+    """
+    with style.styled():
+        figure = style.canvas(2.1 * len(panels) + 0.9)
+        axes = np.atleast_1d(figure.subplots(len(panels), 1, sharex=True))
+        for axis, (label, (omega, measured, std, computed)) in zip(
+            axes, panels.items(), strict=True
+        ):
+            axis.errorbar(omega, measured, 2 * std, fmt="o", color=style.INK, label="measured")
+            axis.plot(omega, computed, color=style.colour(0), label="computed")
+            axis.set_ylabel(label)
+            axis.set_ylim(bottom=0.0)
+        axes[-1].set_xlabel("frequency of encounter [rad/s]")
+        style.legend_below(figure, [axes[0]], 2)
     return figure
 
 

@@ -347,7 +347,7 @@ def _alike(blocks: Sequence[Block]) -> list[tuple[list[int], bool]]:
 def _believed(noise: Sequence[Array], blocks: Sequence[Block]) -> list[Array]:
     """Noise of a run far quieter than the others of its gauge, such as a dead one, drawn up."""
     stated = [place for place, block in enumerate(blocks) if block.covariance is not None]
-    levels = {place: float(np.mean(np.diagonal(noise[place]))) for place in stated}
+    levels = {place: float(np.trace(noise[place])) / len(noise[place]) for place in stated}
     least = QUIETEST**2 * float(np.median(list(levels.values()))) if levels else 0.0
     return [
         covariance + (least - levels[place]) * np.eye(len(covariance))

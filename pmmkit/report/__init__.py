@@ -5,6 +5,7 @@ from pmmkit.report.build import report_html, write_report
 from pmmkit.report.comparison import write_comparison
 from pmmkit.report.free_running import write_free_diagnosis
 from pmmkit.report.loop import Loop, loop_of, write_diagnosis
+from pmmkit.report.seakeeping import write_seakeeping
 from pmmkit.report.turning import Turns, changes, turns_of
 
 __all__ = [
@@ -20,4 +21,5 @@ __all__ = [
     "write_diagnosis",
     "write_free_diagnosis",
     "write_report",
+    "write_seakeeping",
 ]

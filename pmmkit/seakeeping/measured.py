@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,9 +14,11 @@ from pmmkit.errors import DataError
 from pmmkit.numerics import Array, rms
 from pmmkit.presentation import Described, Grid, Group, Section, number
 from pmmkit.seakeeping.arrays import Complex
-from pmmkit.seakeeping.asked import nearest
 from pmmkit.seakeeping.transfer import Rao
 from pmmkit.signals import estimate_frequency, harmonics
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _ORDER: Final = 3
 _COHERENT: Final = 0.3
@@ -155,6 +157,15 @@ class RaoComparison(Described):
     std: Array
     computed: Array
 
+    def to_pandas(self) -> pd.DataFrame:
+        """One row for each frequency [rad/s; m/m or rad/m]."""
+        import pandas as pd
+
+        columns = {"encounter": self.encounter, "measured": self.measured, "std": self.std}
+        return pd.DataFrame(
+            {"motion": self.mode, **columns, "computed": self.computed, "score": self.score}
+        )
+
     @property
     def score(self) -> Array:
         """Difference over the standard uncertainty of the measurement."""
@@ -201,8 +212,7 @@ def beside(
     RaoComparison
         Of the frequencies that both have.
     """
-    a = nearest(rao.speed, speed, "speed [m/s]")
-    b = nearest(np.degrees(rao.heading), heading_deg, "heading_deg")
+    a, b = rao.case(speed, heading_deg)
     encounter = rao.encounter[a, b]
     if (np.diff(encounter) <= 0.0).any():
         raise DataError(

@@ -35,6 +35,7 @@ def rao(
     waves: float | Sea | None = None,
     rho: float = 1025.0,
     g: float = 9.81,
+    strips: Strips | None = None,
 ) -> Rao:
     """Motions of a ship in regular deep-water waves by strip theory.
 
@@ -58,6 +59,8 @@ def rao(
         `loading` with damping that grows with the rate, which is made linear there.
     rho, g : float
         Density [kg/m³], gravity [m/s²].
+    strips : Strips, optional
+        Of the same hull, solved before up to the frequencies of encounter that are asked here.
 
     Returns
     -------
@@ -72,7 +75,9 @@ def rao(
     U, beta, w = _axes(hull, speeds, headings_deg, omega, g)
     mass = loading_of(hull) if loading is None else loading
     encounter = w - np.multiply.outer(np.multiply.outer(U, np.cos(beta)), w**2) / g
-    strips = strips_of(hull, float(np.abs(encounter).max()), g=g)
+    highest = float(np.abs(encounter).max())
+    if strips is None or strips.hull is not hull or strips.omega[-1] < highest or strips.g != g:
+        strips = strips_of(hull, highest, g=g)
     slow = np.abs(encounter) < SLOW * math.sqrt(g / hull.L)
     safe = np.where(slow, SLOW * math.sqrt(g / hull.L), encounter)
     excited = excitation(strips, U, beta, w, safe)

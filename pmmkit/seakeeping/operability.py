@@ -20,6 +20,7 @@ from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.transfer import MODES, Rao
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 LIMITS: Final[Mapping[str, float]] = MappingProxyType(
@@ -64,6 +65,14 @@ class Operability(Described):
     def share(self) -> float:
         """Share of the speeds and headings at which nothing is too much."""
         return float(np.mean(self.worst <= 1.0))
+
+    def to_pandas(self) -> pd.DataFrame:
+        """One row for each speed [m/s] and heading [deg]: each value over its limit."""
+        import pandas as pd
+
+        U, heading = np.meshgrid(self.speed, self.heading_deg, indexing="ij")
+        ratios = {name: values.ravel() for name, values in self.ratios.items()}
+        return pd.DataFrame({"speed": U.ravel(), "heading_deg": heading.ravel(), **ratios})
 
     def plot(self) -> Figure:
         """The largest ratio over heading, a line for each speed, with the limit at 1."""

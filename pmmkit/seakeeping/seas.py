@@ -64,7 +64,7 @@ class Sea(Described):
 
     def __post_init__(self) -> None:
         wrong = [
-            f"{name} = {value:g} must be a {'positive ' if name != 'Hs' else ''}finite number."
+            f"{name} = {value:g} must be {'0 or more' if name == 'Hs' else 'positive'} and finite."
             for name, value in (("Hs", self.Hs), ("Tp", self.Tp), ("gamma", self.gamma))
             if not math.isfinite(value) or value < 0.0 or (value == 0.0 and name != "Hs")
         ]

@@ -14,6 +14,7 @@ from pmmkit.numerics import Array
 from pmmkit.plotting.waves import over_wave_length
 from pmmkit.presentation import Described, Grid, Group, Section, counted
 from pmmkit.seakeeping.arrays import Complex, Flags
+from pmmkit.seakeeping.asked import nearest
 from pmmkit.seakeeping.loading import Loading
 from pmmkit.seakeeping.strips import Strips
 
@@ -114,6 +115,19 @@ class Rao(Described):
             ]
         )
 
+    def case(self, speed: float | None, heading_deg: float | None) -> tuple[int, int]:
+        """Places of a speed and a heading that were computed; of the only ones where not stated.
+
+        Parameters
+        ----------
+        speed, heading_deg : float or None
+            [m/s, deg].
+        """
+        return (
+            nearest(self.speed, speed, "speed [m/s]"),
+            nearest(np.degrees(self.heading), heading_deg, "heading_deg"),
+        )
+
     def cases(self) -> list[str]:
         """Speeds and headings in words, in the order of the arrays."""
         return [
@@ -147,7 +161,15 @@ class Rao(Described):
             data[f"{mode}_phase"] = (axes, np.angle(self.motion[number]), lead)
         frequency = "sea_surface_wave_angular_frequency"
         coords = {
-            "speed": ("speed", self.speed, {"units": "m s-1", "long_name": "speed of the ship"}),
+            "speed": (
+                "speed",
+                self.speed,
+                {
+                    "units": "m s-1",
+                    "standard_name": "platform_speed_wrt_sea_water",
+                    "long_name": "speed of the ship",
+                },
+            ),
             "heading": (
                 "heading",
                 np.degrees(self.heading),

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from pmmkit.signals.cycles import Cycles, whole_cycles
 from pmmkit.signals.frequency import estimate_frequency
-from pmmkit.signals.harmonics import Harmonics, design_matrix, harmonics, trapezoid_harmonics
+from pmmkit.signals.harmonics import (
+    FourierBasis,
+    Harmonics,
+    design_matrix,
+    harmonics,
+    trapezoid_harmonics,
+)
 from pmmkit.signals.noise import Mean, steady_mean
 from pmmkit.signals.rest import Rest, head_rest
 from pmmkit.signals.steady import Window, steady_window
@@ -12,6 +18,7 @@ from pmmkit.signals.travel import Travel, at_speed, in_step
 
 __all__ = [
     "Cycles",
+    "FourierBasis",
     "Harmonics",
     "Mean",
     "Rest",

@@ -34,9 +34,8 @@ def burg(x: Array, order: int) -> tuple[Array, Array]:
     power[:, 0] = np.mean(x * x, axis=-1)
     forward, backward = x[:, 1:], x[:, :-1]
     for p in range(order):
-        cross = np.einsum("cn,cn->c", forward, backward)
-        size = 0.5 * np.einsum("cn,cn->c", forward, forward)
-        size += 0.5 * np.einsum("cn,cn->c", backward, backward)
+        cross = np.vecdot(forward, backward)
+        size = 0.5 * (np.vecdot(forward, forward) + np.vecdot(backward, backward))
         k = np.divide(-cross, size, out=np.zeros(c), where=size > 0)
         reflection[:, p] = k
         power[:, p + 1] = power[:, p] * (1.0 - k * k)
@@ -61,20 +60,33 @@ def without_bias(reflection: Array, n: int) -> Array:
     return np.asarray(-np.clip(moved, -limit, limit))
 
 
-def levinson(autocovariance: Array, limit: float) -> Array:
-    """Reflection coefficients from the autocovariances at lags 0 to p, (c, p), within ±limit."""
+def levinson(autocovariance: Array, limit: float) -> tuple[Array, Array]:
+    """The autoregressions that have the autocovariances at lags 0 to p, arrays (c, p + 1).
+
+    Parameters
+    ----------
+    limit : float
+        Largest reflection coefficient.
+
+    Returns
+    -------
+    filters : (c, p + 1) array
+        The filters 1, a1, …, ap.
+    unexplained : (c,) array
+        Variance of the innovations over that of the process.
+    """
     c, size = autocovariance.shape
-    coefficients = np.zeros((c, size))
-    coefficients[:, 0] = 1.0
-    power = autocovariance[:, 0]
-    reflection = np.zeros((c, size - 1))
+    filters = np.zeros((c, size))
+    filters[:, 0] = 1.0
+    unexplained = np.ones(c)
     for p in range(1, size):
-        top = np.einsum("ci,ci->c", coefficients[:, :p], autocovariance[:, p:0:-1])
-        k = np.clip(np.divide(-top, power, out=np.zeros(c), where=power > 0), -limit, limit)
-        coefficients[:, 1 : p + 1] += k[:, None] * coefficients[:, p - 1 :: -1]
-        power = power * (1.0 - k * k)
-        reflection[:, p - 1] = k
-    return reflection
+        top = np.vecdot(filters[:, :p], autocovariance[:, p:0:-1])
+        power = autocovariance[:, 0] * unexplained
+        k = np.divide(-top, power, out=np.zeros(c), where=power > 0)
+        k = np.minimum(np.maximum(k, -limit), limit)
+        filters[:, 1 : p + 1] += k[:, None] * filters[:, p - 1 :: -1]
+        unexplained = unexplained * (1.0 - k * k)
+    return filters, unexplained
 
 
 def coefficients(reflection: Array) -> Array:
@@ -91,5 +103,6 @@ def coefficients(reflection: Array) -> Array:
 def autocovariances(filters: Array, power: Array, lags: int) -> Array:
     """Autocovariances (c, lags) at lags 0, 1, … of autoregressions with innovations `power`."""
     length = 1 << int(4 * lags - 1).bit_length()
-    spectrum = power[:, None] / np.abs(np.fft.rfft(filters, length, axis=-1)) ** 2
+    response = np.fft.rfft(filters, length, axis=-1)
+    spectrum = power[:, None] / (response.real**2 + response.imag**2)
     return np.fft.irfft(spectrum, length, axis=-1)[:, :lags]

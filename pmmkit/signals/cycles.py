@@ -11,7 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
 from pmmkit.numerics import Array
-from pmmkit.signals.harmonics import cycle_count, cycle_edges, design_matrix, per_cycle
+from pmmkit.signals.harmonics import (
+    CycleSums,
+    FourierBasis,
+    basis_of,
+    cycle_count,
+    cycle_edges,
+    design_matrix,
+)
 from pmmkit.signals.periodic import TURN, fit_noise, phase_cells, weighted_covariance
 from pmmkit.signals.record import as_record
 
@@ -52,7 +59,11 @@ class Cycles:
 
 
 def whole_cycles(
-    t: ArrayLike, theta: ArrayLike, y: ArrayLike, *, cycles: int | tuple[int, int] | None = None
+    t: ArrayLike,
+    theta: ArrayLike | FourierBasis,
+    y: ArrayLike,
+    *,
+    cycles: int | tuple[int, int] | None = None,
 ) -> Cycles:
     """Whole cycles of an oscillating record, without those that are transient.
 
@@ -60,9 +71,9 @@ def whole_cycles(
     ----------
     t : (n,) array
         Time, increasing [s].
-    theta : (n,) array
+    theta : (n,) array or FourierBasis
         Phase of the motion, increasing by 2π a cycle; steps may differ, and it need not start
-        at 0 [rad].
+        at 0 [rad]. A basis that is there already saves its computation.
     y : (c, n) array
         Channels.
     cycles : int or (int, int), optional
@@ -99,7 +110,8 @@ def whole_cycles(
     'took cycle 3 of 5, as asked'
     """
     time, values = as_record(t, y)
-    phase, values = as_record(theta, values, name="theta")
+    given = theta.phase if isinstance(theta, FourierBasis) else theta
+    phase, values = as_record(given, values, name="theta")
     total = cycle_count(phase)
     covered = (phase[-1] - phase[0]) / TURN
     if total < 1:
@@ -117,7 +129,7 @@ def whole_cycles(
                 f"A cycle has only {np.diff(edges).min()} samples: at least {2 * REMOVED + 2} "
                 "are needed to compare cycles. State the cycles to use."
             )
-        first, last = _settled(phase, values, edges)
+        first, last = _settled(basis_of(phase, theta, REMOVED), values, edges)
         reason = _reason(first, last, total, covered)
     return Cycles(int(edges[first]), int(edges[last]), last - first, first, reason)
 
@@ -151,19 +163,29 @@ def _reason(first: int, last: int, total: int, covered: float) -> str:
     return f"kept {_cycles(first, last)} of {total}; left out {' and '.join(parts)}"
 
 
-def _settled(phase: Array, values: Array, edges: Ints) -> tuple[int, int]:
+def _settled(basis: FourierBasis, values: Array, edges: Ints) -> tuple[int, int]:
     """The cycles [first, last) that agree with one another."""
-    rows = design_matrix(phase[: edges[-1]], REMOVED).T
-    single = per_cycle(values[:, : edges[-1]], rows, edges)[:, :, : 2 * COMPARED + 1]
+    record = _Record(basis, values, edges, CycleSums.of(values, basis.rows, edges))
+    single = record.sums.single[:, :, : 2 * COMPARED + 1]
     last = edges.size - 1
-    first = _first_settled(phase, values, rows, edges, single)
+    first = _first_settled(record, single)
     if last - first >= 3:
         before = np.arange(first, last - 1)
-        noise = _noise(phase, values, rows, edges[first:last], last - first)
+        noise = _noise(record, first, last - 1, last - first)
         if _differs(single[last - 1], single[before], noise, after=False):
             last -= 1
-            first = _first_settled(phase, values, rows, edges[: last + 1], single[:last])
+            first = _first_settled(record, single[:last])
     return first, last
+
+
+@dataclass(frozen=True)
+class _Record:
+    """Channels (c, n) with the Fourier basis at their samples and the sums over their cycles."""
+
+    basis: FourierBasis
+    values: Array
+    edges: Ints
+    sums: CycleSums
 
 
 @dataclass(frozen=True)
@@ -175,26 +197,25 @@ class _Noise:
     chance: float
 
 
-def _first_settled(phase: Array, values: Array, rows: Array, edges: Ints, single: Array) -> int:
-    last = edges.size - 1
+def _first_settled(record: _Record, single: Array) -> int:
+    last = len(single)
     half = last - max(2, math.ceil(2 * last / 3))
     noise = None
     for first in range(last - 1):
         if noise is None or first + 1 > half:
-            noise = _noise(phase, values, rows, edges[max(half, first + 1) :], last - first)
+            noise = _noise(record, max(half, first + 1), last, last - first)
         if not _differs(single[first], single[first + 1 :], noise, after=True):
             return first
     return last - 1
 
 
-def _noise(phase: Array, values: Array, rows: Array, edges: Ints, longest: int) -> _Noise:
-    """Noise of the cycles between the edges, with autocovariances over `longest` cycles."""
-    count = edges.size - 1
-    part = slice(edges[0], edges[-1])
-    columns, inside = rows[:, part], values[:, part]
-    fitted = np.linalg.solve(columns @ columns.T, columns @ inside.T).T
-    rest = inside - fitted @ columns
-    start, a_cycle = phase_cells(phase[part], count)
+def _noise(record: _Record, first: int, last: int, longest: int) -> _Noise:
+    """Noise of the cycles [first, last), with autocovariances over `longest` cycles."""
+    count = last - first
+    part = slice(record.edges[first], record.edges[last])
+    inside = record.values[:, part]
+    rest = inside - record.sums.together(first, last) @ record.basis.rows[:, part]
+    start, a_cycle = phase_cells(record.basis.phase[part], count)
     cells = np.add.reduceat(rest, start, axis=-1) / np.diff(start, append=rest.shape[-1])
     cells = cells[:, : a_cycle * count]
     cells = np.pad(cells, ((0, 0), (0, a_cycle * count - cells.shape[-1])))

@@ -20,6 +20,12 @@ A_CYCLE: Final = 64
 """Samples a cycle that the record is condensed to."""
 RANGE: Final = 0.25
 """How far from the nominal frequency is looked, as a fraction of it."""
+STEPS: Final = 30
+"""Gauss-Newton steps at most."""
+NEAR: Final = 1e-3
+"""Length of the last step, over the standard uncertainty."""
+FAR: Final = 10 * NEAR
+"""The same over that of samples which all err alike: more than any noise allows."""
 SIGNIFICANT: Final = 25.0
 """Variance ratio below which a record is held not to oscillate at the frequency."""
 
@@ -114,13 +120,12 @@ def _searched(time: Array, values: Array, omega: float) -> float:
     covered = (time[-1] - time[0]) * omega / TURN
     points = 2 * math.ceil(RANGE * covered / 0.1) + 1
     tried = omega * np.linspace(1.0 - RANGE, 1.0 + RANGE, points)
-    left = []
-    for candidate in tried:
-        rows = design_matrix(candidate * time, ORDER).T
-        seen = values @ rows.T
-        explained = np.sum(seen * np.linalg.solve(rows @ rows.T, seen.T).T, axis=-1)
-        rest = np.sum(values**2, axis=-1) - explained
-        left.append(float(np.sum(np.log(np.maximum(rest, 1e-12 * time.size)))))
+    rows = design_matrix(np.outer(tried, time).ravel(), ORDER).reshape(points, time.size, -1)
+    seen = values @ rows
+    gram = np.swapaxes(rows, 1, 2) @ rows
+    explained = np.sum(seen * np.swapaxes(np.linalg.solve(gram, np.swapaxes(seen, 1, 2)), 1, 2), -1)
+    rest = np.sum(values**2, axis=-1) - explained
+    left = np.sum(np.log(np.maximum(rest, 1e-12 * time.size)), axis=-1)
     return _refined(time, values, float(tried[int(np.argmin(left))]))[0]
 
 
@@ -129,7 +134,7 @@ def _refined(time: Array, values: Array, omega: float) -> tuple[float, float, fl
     n = np.arange(1, ORDER + 1)
     limit = 0.3 * TURN / (time[-1] - time[0])
     std, ratio = math.inf, 0.0
-    for _ in range(30):
+    for left in reversed(range(STEPS)):
         rows = design_matrix(omega * time, ORDER).T
         inverse = np.linalg.inv(rows @ rows.T)
         fitted = values @ rows.T @ inverse
@@ -148,8 +153,11 @@ def _refined(time: Array, values: Array, omega: float) -> tuple[float, float, fl
         omega += step
         explained = np.max(np.mean(values**2, axis=-1) / variance[:, 0] - 1.0)
         ratio = float(explained) * (time.size - 2 * ORDER - 1) / (2 * ORDER)
+        alike = math.sqrt(float(np.mean(score**2))) * time.size / information
+        if left and abs(step) > FAR * alike:
+            continue  # too long a step to be the last, whatever the noise
         noise, _ = mean_noise(score[None, :])
         std = math.sqrt(float(noise[0])) * time.size / information
-        if abs(step) < 1e-14 * omega + 1e-3 * std:
+        if abs(step) < 1e-14 * omega + NEAR * std:
             break
     return omega, max(std, 1e-15 * omega), ratio

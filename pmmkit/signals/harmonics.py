@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pmmkit.errors import DataError
-from pmmkit.numerics import Array
+from pmmkit.numerics import Array, projector
 from pmmkit.signals.periodic import (
     TURN,
     between_harmonics,
@@ -63,6 +64,58 @@ class Harmonics:
         return np.asarray(np.sqrt(np.diagonal(self.covariance, axis1=-2, axis2=-1)))
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FourierBasis:
+    """1, cos θ, sin θ, cos 2θ, sin 2θ, … at the samples of a record, for all that is fitted there.
+
+    Attributes
+    ----------
+    phase : (n,) array
+        θ [rad].
+    rows : (2 order + 1, n) array
+        The functions.
+    """
+
+    phase: Array
+    rows: Array
+
+    @classmethod
+    def at(cls, phase: Array, order: int) -> FourierBasis:
+        """Up to some harmonic.
+
+        Examples
+        --------
+        >>> FourierBasis.at(np.zeros(1), 2).rows.T
+        array([[1., 1., 0., 1., 0.]])
+        """
+        return cls(phase=phase, rows=_rows(phase, order))
+
+    @property
+    def order(self) -> int:
+        """Highest harmonic."""
+        return len(self.rows) // 2
+
+    def within(self, part: slice | NDArray[np.bool_]) -> FourierBasis:
+        """At some of the samples."""
+        return FourierBasis(phase=self.phase[part], rows=self.rows[:, part])
+
+    def up_to(self, order: int) -> FourierBasis:
+        """Without the harmonics above `order`."""
+        if order == self.order:
+            return self
+        return FourierBasis(phase=self.phase, rows=self.rows[: 2 * order + 1])
+
+    @cached_property
+    def gram(self) -> Array:
+        """Products of the functions, (2 order + 1, 2 order + 1)."""
+        return self.rows @ self.rows.T
+
+    @cached_property
+    def projector(self) -> Array:
+        """The least-squares map (2 order + 1, n) from samples to coefficients."""
+        return projector(self.rows.T, self.gram)
+
+
 def design_matrix(theta: ArrayLike, order: int) -> Array:
     """Columns 1, cos θ, sin θ, cos 2θ, sin 2θ, … at each phase.
 
@@ -88,12 +141,18 @@ def design_matrix(theta: ArrayLike, order: int) -> Array:
 def _rows(phase: Array, order: int) -> Array:
     rows = np.empty((2 * order + 1, phase.size))
     rows[0] = 1.0
-    first = np.cos(phase) + 1j * np.sin(phase)
-    turned = np.ones_like(first)
-    for n in range(1, order + 1):
-        turned = turned * first
-        rows[2 * n - 1] = turned.real
-        rows[2 * n] = turned.imag
+    if order == 0:
+        return rows
+    np.cos(phase, out=rows[1])
+    np.sin(phase, out=rows[2])
+    cosine, sine = rows[1:3]
+    beside = np.empty(phase.size)
+    for n in range(2, order + 1):
+        (c, s), (before, aside) = rows[2 * n - 1 : 2 * n + 1], rows[2 * n - 3 : 2 * n - 1]
+        np.multiply(before, cosine, out=c)
+        c -= np.multiply(aside, sine, out=beside)
+        np.multiply(before, sine, out=s)
+        s += np.multiply(aside, cosine, out=beside)
     return rows
 
 
@@ -111,13 +170,21 @@ def cycle_edges(phase: Array, count: int) -> Ints:
     return edges
 
 
-def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
+def basis_of(phase: Array, theta: ArrayLike | FourierBasis, order: int) -> FourierBasis:
+    """The Fourier basis of some order, from one that is given or at the phases."""
+    if isinstance(theta, FourierBasis):
+        return theta.up_to(order)
+    return FourierBasis.at(phase, order)
+
+
+def harmonics(theta: ArrayLike | FourierBasis, y: ArrayLike, *, order: int = 5) -> Harmonics:
     """Harmonics by least squares on the actual phase, with their covariance.
 
     Parameters
     ----------
-    theta : (n,) array
-        Phase of the motion, increasing by 2π a cycle; steps may differ [rad].
+    theta : (n,) array or FourierBasis
+        Phase of the motion, increasing by 2π a cycle; steps may differ [rad]. A basis that is
+        there already, of this order or above, saves its computation.
     y : (c, n) array
         Channels, over at least one whole cycle.
     order : int
@@ -149,15 +216,16 @@ def harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Harmonics:
     >>> bool(np.all(found.std < 1e-12))
     True
     """
-    phase, values = as_record(theta, y, name="theta", least=2 * order + 2)
+    given = theta.phase if isinstance(theta, FourierBasis) else theta
+    phase, values = as_record(given, y, name="theta", least=2 * order + 2)
     count = cycle_count(phase)
     if count < 1:
         raise DataError(
             f"The record covers {(phase[-1] - phase[0]) / TURN:.2f} cycles: "
             "harmonics need at least one whole cycle."
         )
-    rows = _rows(phase, order)
-    inverse = _inverse(rows @ rows.T)
+    basis = basis_of(phase, theta, order)
+    rows, inverse = basis.rows, _inverse(basis.gram)
     coefficients = values @ rows.T @ inverse
     coefficients = coefficients + (values - coefficients @ rows) @ rows.T @ inverse
     rest = values - coefficients @ rows
@@ -220,18 +288,45 @@ def _uncertainty(
 def _scatter(phase: Array, values: Array, rows: Array, count: int) -> Array | None:
     if count < 2:
         return None
-    single = per_cycle(values, rows, cycle_edges(phase, count))
+    single = CycleSums.of(values, rows, cycle_edges(phase, count)).single
     return np.asarray(np.std(single, axis=0, ddof=1))
 
 
-def per_cycle(values: Array, rows: Array, edges: Ints) -> Array:
-    """Coefficients of single cycles, (cycles, c, p), from the rows of the design matrix."""
-    gram, right = [], []
-    for i, j in itertools.pairwise(edges):
-        columns = rows[:, i:j]
-        gram.append(columns @ columns.T)
-        right.append(columns @ values[:, i:j].T)
-    return np.linalg.solve(np.stack(gram), np.stack(right)).transpose(0, 2, 1)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CycleSums:
+    """What least squares need of each of k cycles.
+
+    Attributes
+    ----------
+    gram : (k, p, p) array
+        Products of the functions of the basis.
+    right : (k, p, c) array
+        Products with the channels.
+    """
+
+    gram: Array
+    right: Array
+
+    @classmethod
+    def of(cls, values: Array, rows: Array, edges: Ints) -> CycleSums:
+        """From channels (c, n), the rows (p, n) of a basis, and the k + 1 edges of the cycles."""
+        parts = [slice(i, j) for i, j in itertools.pairwise(edges)]
+        return cls(
+            gram=np.stack([rows[:, part] @ rows[:, part].T for part in parts]),
+            right=np.stack([rows[:, part] @ values[:, part].T for part in parts]),
+        )
+
+    @property
+    def single(self) -> Array:
+        """Coefficients of the single cycles, (k, c, p)."""
+        single = np.linalg.solve(self.gram, self.right).transpose(0, 2, 1)
+        return np.asarray(single, np.float64)
+
+    def together(self, first: int, last: int) -> Array:
+        """Coefficients (c, p) of the cycles [first, last) taken as one record."""
+        part = slice(first, last)
+        gram, right = self.gram[part].sum(axis=0), self.right[part].sum(axis=0)
+        return np.asarray(np.linalg.solve(gram, right).T, np.float64)
 
 
 def trapezoid_harmonics(theta: ArrayLike, y: ArrayLike, *, order: int = 5) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -86,8 +87,8 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
     covariance = np.zeros((c, m))
     covariance[:, 0] = power
     for p in range(1, (MAX_ORDER if count > 1 else 1) + 1):
-        reflection, expected, covariance = _expect_and_fit(observed, noise, expected, covariance, p)
-        filters = ar.coefficients(reflection)[-1]
+        found = _expect_and_fit(observed, noise, expected, covariance, p)
+        expected, covariance = found.expected, found.covariance
         ratio = observed[:, noise] / np.maximum(expected[:, noise], TINY)
         scale = ratio.mean(axis=-1)
         misfit = 2.0 * np.sum(
@@ -96,29 +97,39 @@ def fit_noise(rest: Array, count: int, order: int, lags: int) -> tuple[Array, Ar
         score = misfit + PENALTY * p * bins / max(bins - p - 2, 1)
         better = score < best
         best[better] = score[better]
-        innovation = scale * np.prod(1.0 - reflection**2, axis=-1) * covariance[:, 0]
-        gamma[better] = ar.autocovariances(filters[better], innovation[better], lags)
-        dof[better] = _degrees(filters[better], m, noise, np.arange(order + 1) * count)
+        filters = found.filters[better]
+        innovation = scale * found.unexplained * covariance[:, 0]
+        gamma[better] = ar.autocovariances(filters, innovation[better], lags)
+        dof[better] = _degrees(filters, m, noise, np.arange(order + 1) * count)
     return gamma, dof
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Fitted:
+    """Autoregressions of records, with the share of the variance that is innovation, and what they
+    lead to expect: periodogram and autocovariances."""
+
+    filters: Array
+    unexplained: Array
+    expected: Array
+    covariance: Array
 
 
 def _expect_and_fit(
     observed: Array, noise: NDArray[np.bool_], expected: Array, covariance: Array, p: int
-) -> tuple[Array, Array, Array]:
+) -> _Fitted:
     m = covariance.shape[-1]
     share = np.arange(m) / m
     near = share[: p + 1]
     limit = 1.0 - 0.5 / m
-    reflection = np.zeros((covariance.shape[0], p))
     for _ in range(STEPS):
         filled = np.where(noise, observed, expected)
         circular = np.fft.irfft(filled, m, axis=-1)[:, : p + 1]
         wrapped = covariance[:, -np.arange(p + 1)]
         wrapped[:, 0] = 0.0
         lagged = (circular - near * wrapped) / (1.0 - near)
-        reflection = ar.levinson(lagged, limit)
-        innovation = lagged[:, 0] * np.prod(1.0 - reflection**2, axis=-1)
-        covariance = ar.autocovariances(ar.coefficients(reflection)[-1], innovation, m)
+        filters, unexplained = ar.levinson(lagged, limit)
+        covariance = ar.autocovariances(filters, lagged[:, 0] * unexplained, m)
         folded = (1.0 - share) * covariance
         folded[:, 1:] += share[1:] * covariance[:, :0:-1]
         before = expected
@@ -126,7 +137,9 @@ def _expect_and_fit(
         expected = np.maximum(expected, 1e-9 * lagged[:, :1])
         if np.all(np.abs(expected - before) <= 0.01 * before):
             break
-    return reflection, expected, covariance
+    return _Fitted(
+        filters=filters, unexplained=unexplained, expected=expected, covariance=covariance
+    )
 
 
 def _degrees(filters: Array, m: int, noise: NDArray[np.bool_], at: Ints) -> Array:

@@ -96,11 +96,17 @@ def head_rest(t: ArrayLike, y: ArrayLike, surge: int = 0) -> Rest | None:
         return None
     level = values[:, :first].mean(axis=1)
     noise = values[:, :first].std(axis=1)
+    head = values[:, : int(LARGEST * n) + STEP]
+    sums = np.insert(np.cumsum(head, axis=1), 0, 0.0, axis=1)
+    away = np.abs((sums[:, STEP:] - sums[:, :-STEP]) / STEP - level[:, None])
+    chance = SIGMAS * noise * np.sqrt(1.0 / STEP + 1.0 / first)
+    widest = np.maximum(chance, SHARE * np.ptp(values, axis=1))
+    soon = int(np.searchsorted(time, time[0] + (1.0 - MARGIN) * LEAST_S))
+    if np.any(away[:, :soon] > widest[:, None]):
+        return None
     low, high = np.percentile(values, [5.0, 95.0], axis=1)
-    sums = np.insert(np.cumsum(values, axis=1), 0, 0.0, axis=1)
-    means = (sums[:, STEP:] - sums[:, :-STEP]) / STEP
-    limit = np.maximum(SIGMAS * noise * np.sqrt(1.0 / STEP + 1.0 / first), SHARE * (high - low))
-    moved = np.any(np.abs(means - level[:, None]) > limit[:, None], axis=0)
+    limit = np.maximum(chance, SHARE * (high - low))
+    moved = np.any(away > limit[:, None], axis=0)
     if not moved.any():
         return None
     start = int(np.argmax(moved))

@@ -245,7 +245,7 @@ class Batch:
             return joined, np.concatenate([status for _, status in parts])
         structure, k = self._packed(names, values)
         settings = settings_for(
-            structure, self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
+            self.model.ship.L, self.speed, self.gear, self.rtol, self.revolutions
         )
         results, status = run_ships(
             structure, stacked(k, len(values)), self.plan, settings, jobs=executor, advance=advance

@@ -155,6 +155,9 @@ class Plan:
         Largest ordered angle with its sign [rad].
     settles : bool
         Whether the end is to be steady.
+    revolutions_rate : float, optional
+        Rate at which the revolutions go to their order, over those of the approach [1/s]; by
+        default what is usual, or what a part ``shaft`` gives.
     name : str
         Of the manoeuvre, which fills it in.
     metrics : tuple of Metric
@@ -166,6 +169,7 @@ class Plan:
     measure: Callable[[ProbeResults], Mapping[str, Any]] = field(compare=False)
     rudder: float = 0.0
     settles: bool = False
+    revolutions_rate: float | None = None
     name: str = ""
     metrics: tuple[Metric, ...] = METRICS
 

@@ -50,8 +50,8 @@ class Gear:
     rudder_lag : float
         Time constant near the order [s]; 0 goes at the rate to the end.
     revolutions_rate : float
-        Rate of the revolutions, over those of the approach, where no effect ``shaft`` moves
-        them [1/s].
+        Rate of the revolutions, or of their order where an effect ``shaft`` moves them, over
+        those of the approach [1/s].
     bucket_rate : float
         [1/s]
     """
@@ -175,22 +175,16 @@ class History:
 
 
 def settings_for(
-    structure: Structure,
-    L: float,
-    speed: float,
-    gear: Gear,
-    rtol: float,
-    revolutions: float | None = None,
+    L: float, speed: float, gear: Gear, rtol: float, revolutions: float | None = None
 ) -> list[float]:
     """The settings of the integrator, in the order of `SettingField`."""
-    shaft = "n" in structure.states
     values = {
         SettingField.rtol: rtol,
         SettingField.longest: LONGEST_STEP * L / speed,
         SettingField.speed: speed,
         SettingField.rudder_rate: gear.rudder_rate,
         SettingField.rudder_lag: gear.rudder_lag,
-        SettingField.revolutions_rate: INSTANT if shaft else gear.revolutions_rate,
+        SettingField.revolutions_rate: gear.revolutions_rate,
         SettingField.revolutions_lag: 0.0,
         SettingField.bucket_rate: gear.bucket_rate,
         SettingField.bucket_lag: 0.0,
@@ -241,7 +235,7 @@ def run_plan(
     if fast is None:
         fast = _INTERPRETED[ready.structure] >= ENOUGH
     functions = ready.functions(fast=fast)
-    settings: Any = settings_for(ready.structure, ready.L, ready.speed, gear, rtol, revolutions)
+    settings: Any = settings_for(ready.L, ready.speed, gear, rtol, revolutions)
     orders: Any = plan.orders_array if fast else plan.orders
     count = len(plan.phases)
     events: Any = [0.0] * (len(EventField) * (count + 1))

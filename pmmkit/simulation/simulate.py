@@ -282,10 +282,12 @@ def gear_of(model: Model, plan: Plan, pace: float, rate_deg: float | None, lag: 
         raise DataError(
             f"Model {model.name!r} states no rate of the steering gear; give rudder_rate_deg."
         )
+    shaft = any("n" in part.known.states for part in model.parts.values())
+    usual = INSTANT if shaft else pace / REVERSAL
     return Gear(
         rudder_rate=math.radians(rate) if rate is not None else INSTANT,
         rudder_lag=lag,
-        revolutions_rate=pace / REVERSAL,
+        revolutions_rate=usual if plan.revolutions_rate is None else plan.revolutions_rate,
         bucket_rate=pace / REVERSAL,
     )
 

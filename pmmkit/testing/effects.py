@@ -125,7 +125,8 @@ class _Case:
         for item in effect.parameters:
             usual = item.grid[len(item.grid) // 2] if item.grid else item.typical
             plain = item.default if item.default is not None else usual
-            found[item.name] = (0.0, 0.0) if item.table else plain or 0.0
+            table = (0.0, 0.0) * max(len(item.over), 1)
+            found[item.name] = table if item.table else plain or 0.0
         options = effect.chosen(part.options if part is not None else {})
         return {
             **found,

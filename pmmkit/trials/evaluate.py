@@ -12,15 +12,19 @@ import numpy as np
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING, ZIGZAG
 from pmmkit.errors import DataError, Problem
+from pmmkit.simulation.imo.conditions import rudder_condition, said
+from pmmkit.simulation.imo.full_astern import FullAstern, measured_astern
 from pmmkit.trials.circle import Circle, fit_circle
+from pmmkit.trials.conditions import trial_conditions
 from pmmkit.trials.current import Current, mean_current
+from pmmkit.trials.equal_headings import equal_headings
 from pmmkit.trials.measures import of_stopping, of_turning, of_zigzag
 from pmmkit.trials.orders import Order, astern_order, held_until, rudder_orders
 from pmmkit.trials.path import path_of
 from pmmkit.trials.record import Record, read_record
 from pmmkit.trials.surroundings import noise_of, true_wind
 from pmmkit.trials.table import Trial
-from pmmkit.trials.verdicts import conditions_of, verdicts_of
+from pmmkit.trials.verdicts import verdicts_of
 
 JUDGED: Final = (TURNING.name, ZIGZAG.name, STOPPING.name)
 """Tests that are evaluated."""
@@ -36,6 +40,8 @@ class _Part:
     orders: tuple[Order, ...]
     circle: Circle | None
     notes: tuple[str, ...]
+    drift: Current | None = None
+    turned_deg: float = math.nan
 
 
 def evaluate_trials(
@@ -148,28 +154,51 @@ def _part(run: Run, campaign: Campaign, given: float | None) -> _Part:
     record = read_record(run)
     notes = list(record.notes)
     orders = _orders(run, record, given, notes)
-    circle = None
+    circle, drift, turned = None, None, math.nan
     if run.kind_of_test is TURNING:
         delta = record.others.get("delta")
         end = float(record.t[-1]) if delta is None else held_until(record.t, delta, orders[0])
         inside = (record.t >= orders[0].t) & (record.t <= end)
-        held = (part[inside] for part in (record.t, record.x, record.y, record.psi))
+        held = [part[inside] for part in (record.t, record.x, record.y, record.psi)]
         try:
             if np.count_nonzero(inside) < 2:
                 raise DataError("The record ends with the order.")
+            drift = equal_headings(*held)
+            turned = math.degrees(float(np.abs(held[-1] - held[-1][0]).max()))
             circle = fit_circle(*held, pace=campaign.ship.L / run.settings.speed)
             circle = replace(
                 circle, current=replace(circle.current, origin=f"turning circle {run.id}")
             )
         except DataError as error:
             notes.append(f"No current from this turn. {error}")
-    return _Part(run=run, record=record, orders=tuple(orders), circle=circle, notes=tuple(notes))
+    return _Part(
+        run=run,
+        record=record,
+        orders=tuple(orders),
+        circle=circle,
+        notes=tuple(notes),
+        drift=drift,
+        turned_deg=turned,
+    )
 
 
 def _rudder_rate(orders: Sequence[Order]) -> float:
     """The usual rate of the rudder [deg/s]; NaN where it steps."""
     rate = float(np.median([order.rate for order in orders]))
     return math.degrees(rate) if math.isfinite(rate) else math.nan
+
+
+def _engine(part: _Part, stopped: float) -> tuple[float, FullAstern | None]:
+    """Revolutions of the approach [1/s], and what the engine did in a stop."""
+    n, order = part.record.others.get("n"), part.orders[0].t
+    if n is None:
+        return math.nan, None
+    before = part.record.t <= order
+    ahead = float(np.median(n[before])) if before.any() else math.nan
+    if part.run.kind_of_test is not STOPPING or not ahead > 0.0 or math.isnan(stopped):
+        return ahead, None
+    until = (part.record.t >= order) & (part.record.t <= order + stopped)
+    return ahead, measured_astern(part.record.t[until] - order, n[until], ahead)
 
 
 def _orders(run: Run, record: Record, given: float | None, notes: list[str]) -> list[Order]:
@@ -262,13 +291,10 @@ def _trial(
         found = of_stopping(path, part.orders[0], notes)
     metrics, std = found.frozen()
     wind = true_wind(record, path)
-    conditions = conditions_of(
-        L=ship.L,
-        draught=ship.d,
-        depth=campaign.water.depth,
-        wind=None if wind is None else wind.speed,
-        current_known=current is not None,
+    around = trial_conditions(
+        campaign, speed=approach.speed, wind=None if wind is None else wind.speed, current=current
     )
+    ahead, engine = _engine(part, found.values.get("time_to_stop", math.nan))
     return Trial(
         run=run.id,
         test=run.test,
@@ -291,9 +317,14 @@ def _trial(
             speed=approach.speed,
             rudder_deg=level,
             switch_deg=math.degrees(abs(switch)),
-            conditions=conditions,
+            conditions=said(around),
+            full_astern=engine,
         ),
+        conditions=((*around, rudder_condition(level)) if run.kind_of_test is TURNING else around),
+        revolutions=ahead,
         current=current,
+        equal_headings=part.drift,
+        turned_deg=part.turned_deg,
         wind=wind,
         noise=noise,
         notes=tuple(notes),

@@ -13,6 +13,7 @@ from pmmkit.metrics import IN_LENGTHS, in_metres, metric_of, told, unit_of
 from pmmkit.numerics import Array
 from pmmkit.presentation import ABSENT, WIDE, Described, Grid, Group, Section
 from pmmkit.simulation.imo import Verdict
+from pmmkit.simulation.imo.conditions import Condition
 from pmmkit.trials.current import Current
 from pmmkit.trials.noise import PositionNoise
 
@@ -71,8 +72,16 @@ class Trial(Described):
         them.
     verdicts : tuple of Verdict
         Criteria of IMO MSC.137(76) that the run is judged by.
+    conditions : tuple of Condition
+        What the standard asks of a trial, and what this one was.
+    revolutions : float
+        Of the approach [1/s]; NaN where they were not recorded.
     current : Current or None
         The current that was removed.
+    equal_headings : Current or None
+        The same by the drift between equal headings of a turn of 540° or more, to compare with.
+    turned_deg : float
+        Change of heading of a turning circle [deg].
     wind : Wind or None
         Mean true wind.
     noise : PositionNoise
@@ -104,7 +113,11 @@ class Trial(Described):
     std: Mapping[str, float]
     rudder_rate_deg: float = math.nan
     verdicts: tuple[Verdict, ...] = ()
+    conditions: tuple[Condition, ...] = ()
+    revolutions: float = math.nan
     current: Current | None = None
+    equal_headings: Current | None = None
+    turned_deg: float = math.nan
     wind: Wind | None = None
     noise: PositionNoise = field(default_factory=lambda: PositionNoise(fast=0.0))
     notes: tuple[str, ...] = ()
@@ -164,8 +177,14 @@ class Trial(Described):
                 f"Current {self.current.speed:.3f} ± {WIDE * self.current.speed_std:.3f} m/s to "
                 f"{self.current.direction_deg:03.0f}° ({self.current.origin})"
             )
+        if self.equal_headings is not None:
+            words.append(
+                f"By the drift of equal headings {self.equal_headings.speed:.3f} m/s to "
+                f"{self.equal_headings.direction_deg:03.0f}°"
+            )
         if self.wind is not None:
             words.append(f"Wind {self.wind}")
+        words += [item.full_astern.words for item in self.verdicts if item.full_astern]
         conditions = dict.fromkeys(text for item in self.verdicts for text in item.conditions)
         notes = [*self.notes, *conditions]
         return [
@@ -219,7 +238,13 @@ class Trial(Described):
             "orders": list(self.orders),
             "metrics": dict(self.metrics),
             "std": dict(self.std),
+            "revolutions": self.revolutions,
             "current": None if self.current is None else self.current.to_dict(),
+            "equal_headings": (
+                None if self.equal_headings is None else self.equal_headings.to_dict()
+            ),
+            "turned_deg": self.turned_deg,
+            "conditions": [asdict(item) for item in self.conditions],
             "wind": None if self.wind is None else asdict(self.wind),
             "noise": asdict(self.noise),
             "imo": [asdict(verdict) for verdict in self.verdicts],

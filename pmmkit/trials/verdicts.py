@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final
 
 from pmmkit.campaigns.test_kinds.free_running import STOPPING, TURNING
 from pmmkit.campaigns.test_kinds.registry import kind_of
 from pmmkit.metrics import Criterion, criteria
-from pmmkit.simulation.imo import LARGE, SHORTEST, Verdict, judge, turning_conditions
-
-CALM: Final = 10.7
-"""Upper end of Beaufort 5 [m/s]: the standard asks for calm weather."""
-DEEP: Final = 4.0
-"""Depth over draught of deep water in the standard."""
+from pmmkit.simulation.imo import LARGE, Verdict, judge, turning_conditions
+from pmmkit.simulation.imo.full_astern import FullAstern
+from pmmkit.simulation.imo.verdict import side_of
 
 
 def verdicts_of(
@@ -28,6 +24,7 @@ def verdicts_of(
     rudder_deg: float,
     switch_deg: float = math.nan,
     conditions: tuple[str, ...] = (),
+    full_astern: FullAstern | None = None,
 ) -> tuple[Verdict, ...]:
     """Every criterion that a run of that kind is judged by.
 
@@ -43,6 +40,8 @@ def verdicts_of(
         Rudder angle, and heading at which a zigzag switches [deg].
     conditions : tuple of str
         What the run does not fulfil.
+    full_astern : FullAstern, optional
+        Of a stop: what the engine did.
 
     Returns
     -------
@@ -79,12 +78,13 @@ def verdicts_of(
             scale=f"as measured, L = {L:.4g} m",
             manoeuvre=words,
             conditions=conditions,
+            side=side_of(rudder_deg) if kind.turns_rudder else "",
         )
         spread = std.get(verdict.metric, math.nan)
         if math.isfinite(verdict.value) and spread > 0:
             probability = 0.5 * (1.0 + math.erf(verdict.margin / spread / math.sqrt(2.0)))
             verdict = replace(verdict, probability=probability)
-        found.append(verdict)
+        found.append(replace(verdict, full_astern=full_astern))
     return tuple(found)
 
 
@@ -97,41 +97,3 @@ def _applies(criterion: Criterion, test: str, rudder: float, switch: float) -> b
     settings = criterion.settings
     heading = settings.get("switch_deg", settings.get("heading_deg", math.nan))
     return abs(rudder - settings["rudder_deg"]) < 1.0 and abs(switch - heading) < 0.5
-
-
-def conditions_of(
-    *, L: float, draught: float, depth: float | None, wind: float | None, current_known: bool
-) -> tuple[str, ...]:
-    """Conditions of the standard that a trial does not fulfil, or that its record does not show.
-
-    Parameters
-    ----------
-    L, draught : float
-        Of the ship [m].
-    depth, wind : float or None
-        Of the water [m]; mean true wind [m/s].
-    current_known : bool
-        Whether the current was removed.
-
-    Examples
-    --------
-    >>> conditions_of(L=170.0, draught=5.1, depth=15.0, wind=5.0, current_known=True)[0]
-    'The standard asks for deep water, more than 4 draughts; this is 2.9.'
-    """
-    found = []
-    if L < SHORTEST:
-        found.append(f"The standard is for ships of 100 m and more; this one has L = {L:.4g} m.")
-    if depth is not None and depth < DEEP * draught:
-        found.append(
-            f"The standard asks for deep water, more than 4 draughts; this is "
-            f"{depth / draught:.1f}."
-        )
-    if wind is not None and wind > CALM:
-        found.append(f"The standard asks for calm weather; the wind is {wind:.1f} m/s.")
-    if not current_known:
-        found.append("The current is not known: the lengths are over ground.")
-    found.append(
-        "The approach speed must be at least 90 % of the speed at 85 % of the engine's output, "
-        "and the ship loaded and on even keel; the record does not show that."
-    )
-    return tuple(found)

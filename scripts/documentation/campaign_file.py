@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from pmmkit.campaigns.file.imo_table import ImoEntry
 from pmmkit.campaigns.file.schema import (
     CorrectionEntry,
     DefaultsEntry,
@@ -134,6 +135,7 @@ KEYS = {
     "tare": (TareEntry,),
     "cfd": (CfdEntry,),
     "trial": (TrialEntry,),
+    "imo": (ImoEntry,),
     "uncertainty": (UncertainEntry,),
     "corrections": (CorrectionEntry, SettingsEntry),
     "runs": (RunEntry, SettingsEntry),

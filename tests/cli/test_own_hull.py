@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -35,31 +37,27 @@ def test_drift_sway_and_yaw_alone_end_in_a_turn(tmp_path, capsys):
 
 
 @pytest.mark.slow
-def test_the_tests_of_hmri_alone_turn_the_kvlcc2(shared_data, datasets, tmp_path, capsys):
+def test_the_tests_of_hmri_alone_turn_the_kvlcc2(hmri):
     """Hull, propeller and rudder of one captive programme. Free-running models of this ship turned
     in 3.0 to 3.4 lengths (SIMMAN); Yasukawa and Yoshimura's own, of 7 m, in 3.1."""
-    status, told, _ = said(
-        capsys, "reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg",
-        "--out", tmp_path / "found",
-    )  # fmt: skip
-    assert status == 0
+    folder, told = hmri
     (turn,) = told["turns"]
     assert 2.7 < turn["tactical_diameter_L"] < 3.4
     assert 2.7 < turn["advance_L"] < 3.4
-    model = pk.load_model(tmp_path / "found" / "model.toml")
+    model = pk.load_model(folder / "model.toml")
     assert model.part("rudder_mmg").source_of("gamma_positive").startswith("measured")
     assert model.part("rudder_mmg").source_of("lR").startswith("empirical")
 
 
 @pytest.mark.slow
 def test_one_laboratorys_tests_against_anothers_zigzags_by_five_commands(
-    shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
+    hmri, shared_data, datasets, tmp_path, capsys, monkeypatch, undrawn
 ):
     """HMRI's captive tests, HSVA's thirteen zigzags; nothing is tuned to them. A script with the
     published rudder differs by 1.8°, 3.4°, 3.2° rms in the overshoots (docs/kvlcc2_zigzags.md)."""
     monkeypatch.chdir(tmp_path)
+    shutil.copytree(hmri[0], "kvlcc2_hmri-reduced")
     for words in (
-        ["reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg"],
         ["scale", "kvlcc2_hmri-reduced/model.toml", "--length", "7", "--froude-only"],
         ["model", "set", "model-ship/model.toml", "propeller.D=0.204", "rudder.rate_deg_s=15.8",
          "--because", "HSVA's propeller and gear", "--out", "hsva.toml"],

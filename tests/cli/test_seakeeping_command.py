@@ -13,6 +13,8 @@ import pmmkit as pk
 import pmmkit.ship_library
 from pmmkit.cli import main
 from pmmkit.errors import DataError
+from pmmkit.seakeeping import motions
+from pmmkit.seakeeping.strips import strips_of
 from pmmkit.validation import comparison
 
 SEA = ["--hs", "4", "--tp", "9.7"]
@@ -40,6 +42,7 @@ def test_a_library_ship_has_motions_responses_and_added_resistance(tmp_path, cap
     with xr.open_dataset(tmp_path / "out" / "rao.nc") as data:
         assert data["heave_amplitude"].dims == ("speed", "heading", "omega")
         assert data["pitch_amplitude"].attrs["units"] == "rad m-1"
+        assert data["speed"].attrs["standard_name"] == "platform_speed_wrt_sea_water"
         stored = data["heave_amplitude"].to_numpy().ravel()
     with (tmp_path / "out" / "rao.csv").open(newline="") as file:
         rows = [*csv.DictReader(file)]
@@ -58,6 +61,9 @@ def test_a_hull_from_offsets(tmp_path, monkeypatch, capsys):
     assert main([*order, "--gyration", "6,25,25", "--gm", "1"]) == 0
     assert "Fn 0.200" in capsys.readouterr().out
     assert (tmp_path / "boat-seakeeping" / "rao.svg").exists()
+    page = (tmp_path / "boat-seakeeping" / "report.html").read_text(encoding="utf-8")
+    assert "boat in waves" in page
+    assert "What each leaves out" in page
 
 
 @pytest.mark.slow
@@ -83,6 +89,14 @@ def test_the_drift_of_a_sea_goes_into_a_model_file(tmp_path, capsys):
         (["kvlcc2", "--gyration", "1,2"], 2, "roll,pitch,yaw"),
         (["kvlcc2", *SEA, "--place", "bow"], 2, "name,x"),
         (["kvlcc9"], 1, "kvlcc2"),
+        (["kvlcc2", "--spreading", "2"], 2, "--hs"),
+        (["kvlcc2", "--hs", "-3", "--tp", "8"], 1, "Hs = -3 must be 0 or more"),
+        (["kvlcc2", "--sea-state", "12"], 2, "there are 0, 1"),
+        (["kvlcc2", *SEA, "--sea-state", "5"], 2, "in place of"),
+        (["kvlcc2", "--bilge-keels", "0,0"], 2, "state a sea"),
+        (["kvlcc2", *SEA, "--bilge-keels", "0.4"], 2, "breadth,length"),
+        (["kvlcc2", *SEA, "--bilge-keels", "0,0", "--roll-damping", "0.1"], 2, "leave"),
+        (["kvlcc2", "--record", "none.csv"], 1, "none.csv"),
     ],
 )
 def test_a_wrong_request_says_what_to_write(options, status, says, tmp_path, monkeypatch, capsys):
@@ -105,6 +119,51 @@ def test_a_turn_in_a_sea_drifts_and_rolls(tmp_path, capsys):
     elevation = np.array([float(row["elevation"]) for row in rows])
     assert 4 * np.std(elevation) == pytest.approx(4.0, rel=0.2)
     assert set(rows[0]) == {"t", "x", "y", "psi", "phi", "heave", "pitch", "elevation"}
+
+
+@pytest.fixture
+def computed(monkeypatch):
+    """How often sections were solved."""
+    hulls = []
+
+    def counted(hull, *given, **options):
+        hulls.append(hull)
+        return strips_of(hull, *given, **options)
+
+    monkeypatch.setattr(motions, "strips_of", counted)
+    return hulls
+
+
+@pytest.mark.slow
+def test_drift_and_motion_come_from_one_strip_theory(computed, tmp_path, capsys):
+    """At the speeds that are asked for; a model with a table of its own needs it for motions."""
+    order = ["simulate", "s175-3dof", "--speed", "8", "--rudder-deg", "20", "--duration", "60"]
+    waves = ["--wave-height", "4", "--wave-period", "8", "--no-figures"]
+    speeds = ["--wave-speeds", "0,5,8"]
+    assert main([*order, *waves, *speeds, "--wave-motion", "--out", str(tmp_path / "a")]) == 0
+    assert len(computed) == 1
+    assert "at 0, 5, 8 m/s" in capsys.readouterr().out
+    plain = pk.ship_library.ship_file("s175-3dof").read_text(encoding="utf-8")
+    own = tmp_path / "own.toml"
+    own.write_text(f"{plain}\n{TABLE}", encoding="utf-8")
+    order[1] = str(own)
+    assert main([*order, *waves, "--out", str(tmp_path / "b")]) == 0
+    assert len(computed) == 1
+    assert "peak period of 12 s, this sea has 8 s" in capsys.readouterr().out
+    assert main([*order, *waves, *speeds]) == 2
+    assert "leave --wave-speeds out" in capsys.readouterr().err
+
+
+TABLE = """[effects.wave_drift.options]
+coefficients = "table"
+[effects.wave_drift.values]
+Hs = 3.0
+Tp = 12.0
+angle_deg = [0.0, 180.0]
+DX = [-0.03, 0.01]
+DY = [0.0, 0.0]
+DN = [0.0, 0.0]
+"""
 
 
 @pytest.mark.parametrize(
@@ -143,7 +202,7 @@ def test_records_of_a_model_are_compared_in_the_sea_that_is_typed(tmp_path, monk
     assert rough.ship.L == 7.0
     drift = rough.values("wave_drift")
     assert (drift["Hs"], drift["Tp"], drift["from_deg"]) == (0.12, 1.5, 70.0)
-    assert drift["speed"] == 1.179
+    assert drift["speeds"] == (0.0, 1.179)
 
 
 @pytest.mark.slow
@@ -151,3 +210,77 @@ def test_no_tank_has_waves_while_a_model_is_towed(tmp_path, capsys):
     order = ["compare", "s175-3dof", "datasets/s175", "--wave-height", "1", "--wave-period", "3"]
     assert main([*order, "--out", str(tmp_path)]) != 0
     assert "calm" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_spread_sea_by_its_state_and_where_the_ship_can_sail(tmp_path, capsys):
+    """In head seas a ship rolls only where they are spread; of those no drift is written."""
+    headings = "0,30,60,90,120,150,180"
+    order = ["seakeeping", "s175-design", "--speeds", "0,8", "--headings", headings, "--no-figures"]
+    sea = ["--sea-state", "5", "--place", "bow,80,8,9.5"]
+    long, spread = (
+        said(capsys, *order, *sea, *more, "--out", tmp_path / name)[1]
+        for name, more in (("long", []), ("spread", ["--spreading", "2"]))
+    )
+    assert "drift.toml" in long["files"]
+    assert "drift.toml" not in spread["files"]
+    assert "operability.csv" in spread["files"]
+    assert 0.0 < spread["operable_share"] <= 1.0
+    roll = [
+        next(
+            row["significant"]
+            for row in content["responses"]
+            if (row["heading_deg"], row["speed"], row["response"]) == (180.0, 8.0, "roll")
+        )
+        for content in (long, spread)
+    ]
+    assert roll[0] < 1e-9 < 1e-3 < roll[1]
+
+
+@pytest.mark.slow
+def test_records_of_a_tank_stand_beside_the_computed_motions(tmp_path, monkeypatch, capsys):
+    """A model of 1:40 in head waves of three lengths, which only follows them."""
+    monkeypatch.chdir(tmp_path)
+    t = np.arange(0.0, 40.0, 0.05)
+    for number, omega in enumerate((3.6, 4.0, 4.5)):
+        wave = 20.0 * np.cos(omega * t)
+        table = np.column_stack([t, wave, 0.9 * wave])
+        np.savetxt(f"run{number}.csv", table, delimiter=",", header="t,wave [mm],heave [mm]",
+                   comments="")  # fmt: skip
+    order = ["seakeeping", "s175-design", "--record", "run*.csv", "--record-scale", "40"]
+    status, content, _ = said(capsys, *order, "--no-figures", "--out", tmp_path / "out")
+    assert status == 0
+    assert set(content["records"]["kinds"].values()) == {"regular"}
+    with (tmp_path / "out" / "measured.csv").open(newline="") as file:
+        rows = [*csv.DictReader(file)]
+    assert [float(row["measured"]) for row in rows] == pytest.approx([0.9] * 3, abs=1e-3)
+    assert main([*order, "--headings", "180,90"]) == 2
+    assert "one heading" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_bilge_keels_damp_the_roll_at_its_resonance(tmp_path, capsys):
+    """Waves from abeam with the period of roll: half a metre of keel takes a fifth of it."""
+    order = [
+        "seakeeping",
+        "s175-design",
+        "--gm",
+        "1",
+        "--headings",
+        "90",
+        "--hs",
+        "4",
+        "--tp",
+        "20",
+    ]
+    roll = {
+        keels: next(
+            row["significant"]
+            for row in said(
+                capsys, *order, "--bilge-keels", keels, "--no-figures", "--out", tmp_path / keels
+            )[1]["responses"]
+            if row["response"] == "roll"
+        )
+        for keels in ("0,0", "0.5,44")
+    }
+    assert 0.4 < roll["0.5,44"] / roll["0,0"] < 0.8

@@ -314,6 +314,16 @@ def test_roll_is_righted_and_damped():
 FORCES = [effect for effect in catalogue().values() if effect.force is not None]
 
 
+def axes_of(effect, name, given):
+    """The lists over which a table stands with the options that were drawn."""
+    forms = {axis: effect.parameter(axis).form for axis in effect.parameter(name).over}
+    return [
+        axis
+        for axis, form in forms.items()
+        if form is None or effect.options[form[0]][given[form[0]]] in form[1:]
+    ]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("effect", FORCES, ids=lambda effect: effect.name)
 @given(data=st.data())
@@ -338,7 +348,8 @@ def test_one_instant_and_whole_histories_have_the_same_forces(effect, data):
         if name in effect.options:
             given[name] = data.draw(st.integers(0, len(effect.options[name]) - 1), label=name)
         elif name in tables:
-            given[name] = (-0.5, 0.2, 1.5)
+            size = 3 ** max(len(axes_of(effect, name, given)), 1)
+            given[name] = (-0.5, 0.2, 1.5, 0.9, -0.3, 0.7, 0.1, -0.8, 1.2)[:size]
         elif name in fixed:
             given[name] = fixed[name]
         elif effect.parameter(name) is not None:

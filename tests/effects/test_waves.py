@@ -14,10 +14,12 @@ from pmmkit.effects.waves import drift
 from pmmkit.errors import DataError
 from pmmkit.models import Part, load_model
 from pmmkit.seakeeping import Sea, drift_table, frequencies, in_waves, load_hull, rao
+from pmmkit.ship_library import ship_file
 from pmmkit.simulation import simulate
 
 MODEL = load_model("s175-3dof")
 NONE = (0.0,)
+FORCES = ("DX", "DY", "DN")
 FACTORS = {"kx": 1.0, "ky": 1.0, "kn": 1.0}
 ANGLES = {"angle_deg": (0.0, 90.0, 180.0)}
 TABLES = {**ANGLES, "DX": (-0.03, 0.0, 0.01), "DY": (0.0, -0.06, 0.0), "DN": (0.0, 0.004, 0.0)}
@@ -42,11 +44,17 @@ def sailed(from_deg, height, table=None, **options):
     return simulate(model, "turning", rudder_deg=20, speed=8.0, **options)
 
 
+def over_speeds(tables):
+    """A table with a row for each speed, one after the other."""
+    rows = {name: sum((table[name] for table in tables.values()), ()) for name in FORCES}
+    return {**ANGLES, "speeds": tuple(tables), **rows}
+
+
 def push(form, bearing, table, speed=8.0):
-    names = ("angle_deg", "DX", "DY", "DN", "DX_rest", "DY_rest", "DN_rest")
+    names = ("speeds", "angle_deg", "DX", "DY", "DN")
     tables = [(table or {}).get(name, NONE) for name in names]
     ship = (175.0, 25.4, 1025.0, 9.81)
-    return drift(speed, 0.0, *ship, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, 8.0, *tables)
+    return drift(speed, 0.0, *ship, -1.0, 0.0, form, 3.0, bearing, 1.0, 1.0, 1.0, *tables)
 
 
 @given(st.floats(1.0, 179.0))
@@ -94,18 +102,73 @@ def hull():
 
 @given(st.floats(0.0, 180.0), st.floats(0.0, 1.0))
 def test_between_rest_and_the_speed_of_the_table_lies_a_straight_line(bearing, share):
-    both = {**TABLES, **{f"{name}_rest": RESTING[name] for name in ("DX", "DY", "DN")}}
+    both = over_speeds({0.0: RESTING, 8.0: TABLES})
     ends = np.array([push(1, bearing, RESTING), push(1, bearing, TABLES)])
     wanted = (1 - share) * ends[0] + share * ends[1]
     np.testing.assert_allclose(push(2, bearing, both, speed=8.0 * share), wanted, atol=1e-6)
     np.testing.assert_allclose(push(2, bearing, both, speed=12.0), ends[1], atol=1e-6)
 
 
+@given(st.floats(0.0, 180.0), st.sampled_from([2.0, 5.0, 9.0]))
+def test_at_each_speed_of_a_table_stands_the_force_of_that_speed(bearing, speed):
+    """Below the first and beyond the last of the speeds the table is held."""
+    own = {2.0: RESTING, 5.0: TABLES, 9.0: RESTING}
+    rows = over_speeds(own)
+    wanted = push(1, bearing, own[speed])
+    np.testing.assert_allclose(push(2, bearing, rows, speed=speed), wanted, atol=1e-6)
+    for beyond, end in ((0.5, 2.0), (12.0, 9.0)):
+        held = push(2, bearing, rows, speed=beyond)
+        np.testing.assert_allclose(held, push(1, bearing, own[end]), atol=1e-6)
+
+
+OLD = """
+[effects.wave_drift.options]
+coefficients = "speeds"
+[effects.wave_drift.values]
+Hs = 3.0
+from_deg = 30.0
+speed = 8.0
+angle_deg = [0.0, 90.0, 180.0]
+DX = [-0.03, 0.0, 0.01]
+DY = [0.0, -0.06, 0.0]
+DN = [0.0, 0.004, 0.0]
+DX_rest = [-0.01, 0.0, 0.01]
+DY_rest = [0.0, -0.05, 0.0]
+DN_rest = [0.0, -0.001, 0.0]
+"""
+
+
+def test_an_older_file_with_tables_at_rest_apart_is_read(tmp_path):
+    file = tmp_path / "old.toml"
+    file.write_text(ship_file("s175-3dof").read_text(encoding="utf-8") + OLD, encoding="utf-8")
+    found = load_model(file).values("wave_drift")
+    rows = over_speeds({0.0: RESTING, 8.0: TABLES})
+    assert {name: found[name] for name in rows} == rows
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"DX": (0.0, 1.0)}, "DX of wave_drift has 2 numbers; angle_deg ask for 3"),
+        ({"angle_deg": (0.0, 180.0, 90.0)}, "angle_deg of wave_drift must ascend"),
+    ],
+)
+def test_a_table_that_does_not_fit_its_angles_is_refused(wrong, says):
+    """Compiled equations would read beyond its end."""
+    with pytest.raises(DataError, match=says):
+        sailed(0.0, 1.0, {**TABLES, **wrong}, compiled=False)
+
+
+def test_speeds_of_a_manoeuvre_must_rise():
+    with pytest.raises(DataError, match=r"rise from 0 or more: 0, 8, 4"):
+        in_waves(MODEL, Sea(Hs=3.0, Tp=8.0), speed=[0.0, 8.0, 4.0])
+
+
 @pytest.mark.slow
 def test_a_model_is_given_the_drift_of_a_sea_and_says_so(hull):
-    rough = in_waves(MODEL, Sea(Hs=3.0, Tp=8.0), speed=8.0, from_deg=40.0, hull=hull)
+    rough = in_waves(MODEL, Sea(Hs=3.0, Tp=8.0), speed=[0.0, 4.0, 8.0], from_deg=40.0, hull=hull)
     assert rough.values("wave_drift")["Tp"] == 8.0
-    assert any("rest and 8 m/s" in note for note in rough.notes)
+    assert any("at 0, 4, 8 m/s" in note for note in rough.notes)
     assert any("Lewis forms" in note for note in rough.notes)
     ways = (
         simulate(rough, rudder_deg=20, speed=8.0, compiled=compiled) for compiled in (False, True)

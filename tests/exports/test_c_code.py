@@ -65,12 +65,19 @@ def kinds_of(effect) -> list[Kind]:
     return [table if x in effect.tables else INT if x in effect.options else DOUBLE for x in names]
 
 
-def called(name: str, kinds: list[Kind], count: int) -> str:
+def sizes_of(effect) -> list[int]:
+    """How many numbers each argument has: a list stands over other lists or alone."""
+    return [
+        LENGTH ** max(len(effect.parameter(x).over), 1) if x in effect.tables else 1
+        for x in inspect.signature(effect.force).parameters
+    ]
+
+
+def called(name: str, sizes: list[int], count: int) -> str:
     """A function that takes all arguments in one list and fills another with what is returned."""
     texts, at = [], 0
-    for kind in kinds:
-        size = LENGTH if kind.name == "table" else 1
-        texts.append(f"a + {at}, {LENGTH}" if size > 1 else f"a[{at}]")
+    for size in sizes:
+        texts.append(f"a + {at}, {size}" if size > 1 else f"a[{at}]")
         at += size
     arguments = ", ".join(texts)
     if count == 1:
@@ -94,7 +101,7 @@ def test_every_effect_is_the_same_in_c(tmp_path):
     program, calls = Program("", module), []
     for item in effects:
         name = program.take(f"effect_{item.name}", kinds_of(item))
-        calls.append(called(name, kinds_of(item), len(item.outputs)))
+        calls.append(called(name, sizes_of(item), len(item.outputs)))
     library = loaded(program.text + "\n".join(calls), tmp_path)
     rng = random.Random(3)
     assert {"four_quadrant_propeller", "wind", "memory"} <= {item.name for item in effects}
@@ -110,12 +117,14 @@ def compare(effect, function, rng):
         given = [
             options[name]
             if name in options
-            else tuple(sorted(rng.uniform(-1.2, 1.2) for _ in range(LENGTH)))
+            else tuple(sorted(rng.uniform(-1.2, 1.2) for _ in range(size)))
             if name in effect.tables
             else rng.uniform(-1.0, 1.0)
             if name in ("v", "r", "p", "phi", "psi", "delta", "beta", "n")
             else rng.uniform(0.1, 1.5)
-            for name in inspect.signature(effect.force).parameters
+            for name, size in zip(
+                inspect.signature(effect.force).parameters, sizes_of(effect), strict=True
+            )
         ]
         try:
             wanted = effect.force(*given)
@@ -186,7 +195,7 @@ def told(a, b):
 """
     program = program_of(text)
     name = program.take("told", [DOUBLE, DOUBLE])
-    library = loaded(program.text + called(name, [DOUBLE, DOUBLE], 7), tmp_path)
+    library = loaded(program.text + called(name, [1, 1], 7), tmp_path)
     known: dict = {"vector": lambda size: [0.0] * size}
     exec(text, known)
     for a, b in ((1.5, -0.5), (-2.0, 3.0), (0.0, 0.0)):

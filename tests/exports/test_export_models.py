@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import RegularGridInterpolator
 from small_campaign import write_campaign
 
 import pmmkit as pk
@@ -59,6 +60,11 @@ _FUNCTIONS = {
     "atan2": math.atan2,
     "where": lambda condition, yes, no: yes if condition else no,
     "interpolate": lambda x, xs, ys: float(np.interp(x, xs, ys)),
+    "interpolate_rows": lambda x, xs, y, ys, rows: float(
+        RegularGridInterpolator((xs, ys), np.reshape(rows, (len(xs), len(ys))))(
+            (np.clip(x, xs[0], xs[-1]), np.clip(y, ys[0], ys[-1]))
+        )
+    ),
 }
 _ASSIGNMENT = re.compile(r"([A-Za-z]\w*) = ([\w\s.,+*/^()\[\]<>=~-]+);(?:\s+%.*)?")
 
@@ -234,6 +240,12 @@ _QUADRANTS = {
     "CT": (-0.4, -1.1, 0.3, 0.1, -0.9, -0.3), "CQ": (0.0, -0.1, 0.04, 0.02, -0.1, 0.0),
 }  # fmt: skip
 _BLADE = dict(pk.load_model("s175").parts["rudder_mmg"].values)
+_SEA = {"Hs": 4.0, "from_deg": 50.0, "angle_deg": (0.0, 90.0, 180.0)} | {
+    "speeds": (0.0, 5.0, 9.0),
+    "DX": (-0.01, 0.0, 0.01, -0.03, 0.0, 0.01, -0.04, 0.0, 0.0),
+    "DY": (0.0, -0.05, 0.0, 0.0, -0.06, 0.0, 0.0, -0.07, 0.0),
+    "DN": (0.0, 0.001, 0.0, 0.0, -0.004, 0.0, 0.0, -0.005, 0.0),
+}
 _ENGINE = {"inertia": 2e5, "torque_max": 2e6}
 
 
@@ -260,6 +272,7 @@ _ENGINE = {"inertia": 2e5, "torque_max": 2e6}
         ("shaft", _ENGINE | {"n_rated": 2.0}, {"limit": "falling"}),
         ("shaft", _ENGINE | {"power_max": 2e7, "friction": 1e4}, {"limit": "power"}),
         ("four_quadrant_propeller", _QUADRANTS, {"wake": "constant", "characteristics": "table"}),
+        ("wave_drift", _SEA, {"coefficients": "speeds"}),
     ],
 )
 @pytest.mark.parametrize("ship", ["s175", "s175-3dof"])

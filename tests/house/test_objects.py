@@ -22,12 +22,22 @@ from pmmkit.models import Part
 from pmmkit.models.step import Step
 from pmmkit.presentation import Described
 from pmmkit.reduction.parts import Parts
-from pmmkit.seakeeping import Measured, beside, ikeda_damping, loading_of, operability, superposed
+from pmmkit.report.imo_form import form_of_model
+from pmmkit.seakeeping import (
+    Measured,
+    beside,
+    explained,
+    ikeda_damping,
+    loading_of,
+    operability,
+    superposed,
+)
 from pmmkit.trials.table import Trial, Wind
 
 ROOT = Path(__file__).parents[2]
 EVIL = '<script>alert("x")</script> & two\nlines\x1b[31m'
 SHIP = "s175-3dof"
+pytestmark = pytest.mark.xdist_group("objects")  # one worker makes each of them once
 
 
 @cache
@@ -126,13 +136,21 @@ def waved():
     return pk.rao(hull(), speeds=[0.0, 5.0], omega=np.linspace(0.3, 2.0, 30))
 
 
+def heave_of(size):
+    """A tank that measured so many times the heave that was computed."""
+    heave = np.abs(waved().mode("heave")[1, 0])
+    encounter = waved().encounter[1, 0]
+    return Measured(encounter=encounter, transfer=size * heave + 0j, std=0.01 * heave + 1e-12)
+
+
 @cache
 def beaten():
-    head, heave = waved(), np.abs(waved().mode("heave")[1, 0])
-    found = Measured(
-        encounter=head.encounter[1, 0], transfer=1.02 * heave + 0j, std=0.01 * heave + 1e-12
-    )
-    return beside(found, head, "heave", speed=5.0)
+    return beside(heave_of(1.02), waved(), "heave", speed=5.0)
+
+
+@cache
+def accounted():
+    return explained({"heave": heave_of(1.3)}, waved(), speed=5.0)
 
 
 @cache
@@ -223,12 +241,14 @@ MADE = {
     "Stability": cache(lambda: pk.stability(SHIP, 9.0)),
     "SpiralCurve": cache(lambda: pk.spiral_curve("kvlcc2", 7.97)),
     "Verdict": cache(lambda: pk.imo_turning(track())[0]),
+    "Form": cache(lambda: form_of_model(model(), [pk.imo_turning(track())[0]], speed=9.0)),
     "Hull": hull,
     "Rao": waved,
     "Response": answered,
     "RollDamping": damped,
     "Operability": judged,
     "RaoComparison": beaten,
+    "Explained": accounted,
     "AddedResistance": lambda: pk.added_resistance(waved()),
     "MotionInWaves": swaying,
     "Sea": lambda: pk.sea("ittc", Hs=4.0, T1=8.0),
@@ -265,10 +285,12 @@ SAID = {
     "Stability": ("stable", "lever_yaw", "Eigenvalues"),
     "SpiralCurve": ("0.39°", "rudder [deg]", "no"),
     "Verdict": ("advance", "3.44 L", "4.5 L", "met", "MSC.137", "both sides"),
+    "Form": ("predicted", "not supplied", "draughts", "3.44 L", "MSC/Circ.1053", "none, as sim"),
     "Hull": ("41 stations", "block coefficient", "metacentre", "not the ship's"),
     "Rao": ("30 frequencies", "heave [m/m]", "180°", "GM is assumed"),
     "Response": ("heave [m]", "bow", "ISO 2631-1", "an hour", "energy of the sea"),
     "RaoComparison": ("heave of ship", "measured", "+2.0"),
+    "Explained": ("radius of gyration in pitch", "Misfit as given", "best", "25"),
     "Operability": ("roll_deg", "Allowed", "180°", "Hs 3 m"),
     "RollDamping": ("of critical", "eddies", "lift", "roll_quadratic"),
     "AddedResistance": ("SNNM", "leaves out", "reflection", "180°"),

@@ -8,7 +8,7 @@ from pmmkit.observations.channels import Channel
 from pmmkit.observations.scatter import USUAL, RunScatter, half_width, restricted, run_scatter
 
 
-def few_runs(rng, sizes, *, runs=6, rows=5):
+def few_runs(rng, sizes, *, runs=6, rows=5, noise=0.02):
     """A channel of some runs whose rows follow a line in two coefficients."""
     design = rng.normal(size=(runs * rows, 2))
     mean = design @ [1.0, -2.0]
@@ -16,7 +16,7 @@ def few_runs(rng, sizes, *, runs=6, rows=5):
     own[::rows, 0] = 3.0
     own[:, 1] = mean
     own[:, 2] = rng.normal(size=runs * rows)
-    y = mean + 0.02 * rng.normal(size=runs * rows)
+    y = mean + noise * rng.normal(size=runs * rows)
     places = [np.arange(k * rows, (k + 1) * rows) for k in range(runs)]
     for place in places:
         y[place] += own[place] @ (sizes * rng.normal(size=3))
@@ -27,7 +27,7 @@ def few_runs(rng, sizes, *, runs=6, rows=5):
         runs=tuple(places),
         y=y,
         design=design,
-        noise=(0.02**2 * np.eye(rows),) * runs,
+        noise=(noise**2 * np.eye(rows),) * runs,
         scale=1.0,
     )
     return channel, own
@@ -66,6 +66,18 @@ def test_estimates_are_generalised_least_squares():
     value, variance = restricted(channel, own, channel.design).estimates(sizes[None])
     assert value[0] == pytest.approx(cover @ channel.design.T @ inverse @ channel.y, rel=1e-9)
     assert variance[0] == pytest.approx(np.diagonal(cover), rel=1e-9)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 5])
+def test_quiet_records_lose_no_digits_to_the_scatter_of_their_runs(rows):
+    """Noise a hundredth of the scatter and less; fewer rows than what a run draws, too."""
+    sizes = np.array([0.01, 0.02, 0.03])
+    channel, own = few_runs(np.random.default_rng(5), sizes, runs=24, rows=rows, noise=1e-4)
+    inverse = np.linalg.inv(dense(channel, own, sizes))
+    cover = np.linalg.inv(channel.design.T @ inverse @ channel.design)
+    value, variance = restricted(channel, own, channel.design).estimates(sizes[None])
+    assert value[0] == pytest.approx(cover @ channel.design.T @ inverse @ channel.y, rel=1e-8)
+    assert variance[0] == pytest.approx(np.diagonal(cover), rel=1e-7)
 
 
 def test_many_runs_tell_their_scatter_and_few_leave_it_to_the_prior():

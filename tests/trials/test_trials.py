@@ -13,6 +13,7 @@ import pytest
 
 import pmmkit as pk
 from pmmkit.campaigns.samples.geodesy import geographic, local_metres
+from pmmkit.campaigns.store import save_campaign
 from pmmkit.cli import main
 from pmmkit.errors import CampaignError, DataError
 from pmmkit.trials import evaluate, evaluate_trials, fit_circle
@@ -644,7 +645,7 @@ def test_the_order_is_where_the_ramp_begins(rate):
 
 
 def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
-    from pmmkit.trials.verdicts import conditions_of, verdicts_of
+    from pmmkit.trials.verdicts import verdicts_of
 
     for L, advance, diameter, rudder in (
         (170.0, 3.61, 2.99, -35.0),
@@ -667,9 +668,89 @@ def test_the_bulk_carrier_and_the_patrol_vessel_of_the_paper():
     )
     assert (found.limit, found.passed) == (15.0, True)
     assert found.probability == pytest.approx(0.945, abs=0.001)
-    said = conditions_of(L=44.0, draught=1.65, depth=5.0, wind=12.0, current_known=False)
-    for text, start in zip(said, ("ships of 100 m", "deep water", "calm weather"), strict=False):
-        assert start in text
+
+
+IMO = """
+[imo]
+full_load_draught = 20.8
+draught_fore = 20.4
+draught_aft = 20.8
+sea_state = 5
+speed_85 = 8.2
+"""
+
+
+def test_conditions_of_a_trial_as_recorded_and_as_stated(turn, tmp_path):
+    run = {"T": (TURN, recorded(turn, Logger(wind=(12.0, 300.0))))}
+    campaign = write_campaign(tmp_path, run, source=IMO)
+    save_campaign(campaign, tmp_path / "saved.h5")
+    campaign = pk.open_campaign(tmp_path / "saved.h5")  # what was stated is kept
+    trial = evaluate_trials(campaign)[0]
+    told = {item.name: item for item in trial.conditions}
+    assert {name: item.met for name, item in told.items()} == {
+        "length": True,
+        "depth": True,
+        "wind": False,
+        "sea_state": False,
+        "current": True,
+        "draught": True,
+        "approach": True,
+        "rudder": True,
+    }
+    assert told["depth"].value == pytest.approx(200.0 / 20.6)
+    assert told["wind"].shown.startswith("Beaufort 6, 12")
+    assert told["approach"].value == pytest.approx(SPEED / 8.2, abs=0.005)
+    sentences = " ".join(trial.verdicts[0].conditions)
+    assert "calm weather" in sentences
+    assert "sea state of at most 4" in sentences
+    assert "85 %" not in sentences
+
+
+def test_the_reversal_of_a_recorded_stop_stands_beside_its_verdict(stop, tmp_path):
+    trial = evaluate_trials(write_campaign(tmp_path, {"S": (STOP, recorded(stop, Logger()))}))[0]
+    engine = trial.verdicts[0].full_astern
+    assert engine.measured
+    assert engine.turns == pytest.approx(-0.7, abs=0.01)
+    # on a line to -0.7 in 3.4 ship lengths over the speed, to 2 % of the approach's revolutions
+    assert engine.reversal_s == pytest.approx(3.36 * 320.0 / SPEED, abs=3.0)
+    assert trial.revolutions == pytest.approx(stop.n[0], abs=0.01)
+    assert engine.words in str(trial)
+
+
+@pytest.mark.slow
+def test_a_long_turn_tells_the_drift_of_equal_headings_too(tmp_path):
+    track = pk.simulate(
+        "kvlcc2", "turning", rudder_deg=35, speed=SPEED, dt=0.5, duration=1700.0, compiled=False
+    )
+    trial = evaluate_trials(write_campaign(tmp_path, {"T": (TURN, recorded(track, Logger()))}))[0]
+    assert trial.turned_deg > 720.0
+    drift = trial.equal_headings
+    assert (drift.x, drift.y) == pytest.approx((trial.current.x, trial.current.y), abs=0.03)
+    assert "drift of equal headings" in str(trial)
+
+
+@pytest.mark.slow
+def test_the_command_corrects_to_full_load_and_fills_the_form(folder, tmp_path, capsys):
+    out = tmp_path / "o"
+    order = ["trial", str(folder), "--run", "T1", "--run", "T2", "--out", str(out), "--json"]
+    order += ["--run", "S"]
+    assert main([*order, "--as-tried", "kvlcc2", "--full-load", "kvlcc2"]) == 0
+    output = capsys.readouterr()
+    rows = json.loads(output.out)["full_load"]
+    assert {(row["run"], row["criterion"]) for row in rows} == {
+        (run, name) for run in ("T1", "T2") for name in ("advance", "tactical_diameter")
+    }
+    for row in rows:
+        assert row["B"] == row["F"]
+        assert row["R"] == pytest.approx(row["T"])
+        assert abs(row["B_over_T_less_1"]) < 0.01
+    held = json.loads((out / "imo_form.json").read_text(encoding="utf-8"))
+    assert held["basis"] == "corrected"
+    # neither model says what her propeller does astern: the stop stays as tried, and is not judged
+    assert held["verdict"].startswith("2 of 7 criteria met; 5 not judged")
+    assert "crash stop: track reach, as tried" in (out / "imo_form.html").read_text("utf-8")
+    assert "R = T F/B" in output.err
+    assert main([*order, "--as-tried", "kvlcc2"]) == 2
 
 
 @pytest.mark.slow
@@ -719,6 +800,9 @@ def test_the_command_for_one_run(folder, tmp_path, capsys):
         "trial.json",
         "path_S.csv",
         "trial_S.svg",
+        "imo_form.html",
+        "imo_form.csv",
+        "imo_form.json",
     }
 
 

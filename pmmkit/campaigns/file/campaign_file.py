@@ -389,6 +389,7 @@ def _assemble(
         rudder=MappingProxyType(top.rudder),
         numerical=MappingProxyType(top.numerical),
         trial=MappingProxyType(top.trial),
+        imo=MappingProxyType(top.imo),
         folder=place.parent,
         provenance=MappingProxyType(provenance),
     )

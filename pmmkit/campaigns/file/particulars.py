@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 from pmmkit.campaigns.file.assembly import Setup
+from pmmkit.campaigns.file.imo_table import ImoEntry
 from pmmkit.campaigns.file.schema import CorrectionEntry, known_columns, read_entry, read_named
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
@@ -60,6 +61,7 @@ class Top:
     propeller: dict[str, Any]
     rudder: dict[str, Any]
     trial: dict[str, Any]
+    imo: dict[str, Any]
     uncertainty: tuple[TypeB, ...]
     corrections: tuple[Correction, ...]
     correction_labels: Mapping[int, str]
@@ -120,6 +122,7 @@ def read_top(raw: Mapping[str, Any], toml: str, problems: list[Problem]) -> Top:
         propeller=_stated_part("propeller", raw, toml, problems),
         rudder=_stated_part("rudder", raw, toml, problems),
         trial=_given(table("trial", TrialEntry)),
+        imo=_given(table("imo", ImoEntry)),
         uncertainty=_uncertainty(raw, toml, problems),
         corrections=corrections,
         correction_labels=labels,

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, Literal, TypeVar
 from pydantic import Field, ValidationError, field_validator, model_validator
 
 from pmmkit.campaigns.file.faults import fault_words, shown
+from pmmkit.campaigns.file.imo_table import ImoEntry
 from pmmkit.campaigns.file.single_tables import (
     AxesEntry,
     CampaignEntry,
@@ -336,6 +337,7 @@ TABLES: Final[dict[str, type[Entry] | None]] = {
     "propeller": None,
     "rudder": None,
     "trial": TrialEntry,
+    "imo": ImoEntry,
     "uncertainty": None,
     "corrections": CorrectionEntry,
     "defaults": DefaultsEntry,

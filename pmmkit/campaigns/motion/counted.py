@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -13,7 +14,16 @@ from pmmkit.campaigns.motion.nominal import nominal_phase
 from pmmkit.campaigns.run import Run
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
-from pmmkit.signals import Cycles, Travel, Window, at_speed, in_step, steady_window, whole_cycles
+from pmmkit.signals import (
+    Cycles,
+    FourierBasis,
+    Travel,
+    Window,
+    at_speed,
+    in_step,
+    steady_window,
+    whole_cycles,
+)
 from pmmkit.signals.harmonics import cycle_count
 from pmmkit.signals.record import FEWEST
 
@@ -21,14 +31,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@dataclass(frozen=True, kw_only=True)
+FITTED: Final = 5
+"""Highest harmonic of a record that is fitted."""
+HIGHEST: Final = 6
+"""Highest harmonic that is taken out before the noise of a single cycle is judged."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Counted:
     """The whole cycles of an oscillating record.
 
     Parameters
     ----------
-    theta : array (n,)
-        Phase of the displacement at all samples of the record [rad].
+    basis : FourierBasis
+        Harmonics 0 to `HIGHEST` of the phase of the displacement, at all samples of the record.
     cycles : Cycles
         Those that count; samples are those of the whole record.
     travel : Travel
@@ -38,10 +54,25 @@ class Counted:
         Those whose agreement from cycle to cycle told which count; none where they were asked for.
     """
 
-    theta: Array
+    basis: FourierBasis
     cycles: Cycles
     travel: Travel
     channels: tuple[str, ...] = ()
+
+    @property
+    def theta(self) -> Array:
+        """Phase of the displacement at all samples of the record [rad]."""
+        return self.basis.phase
+
+    @property
+    def cut(self) -> slice:
+        """The samples that count."""
+        return slice(self.cycles.start, self.cycles.stop)
+
+    @cached_property
+    def kept(self) -> FourierBasis:
+        """Harmonics 0 to `FITTED` at the samples that count."""
+        return self.basis.up_to(FITTED).within(self.cut)
 
 
 def stated_window(run: Run, times: Array) -> Travel | None:
@@ -169,15 +200,15 @@ def counted_cycles(
     if cycles is None:
         travel = travel_of(run, data, times, record, names)
     if not travel.reason:
-        theta = displacement_phase(run, data, times)
-        found = whole_cycles(times, theta, record, cycles=cycles)
+        basis = FourierBasis.at(displacement_phase(run, data, times), HIGHEST)
+        found = whole_cycles(times, basis, record, cycles=cycles)
         told = tuple(names) if cycles is None else ()
-        return Counted(theta=theta, cycles=found, travel=travel, channels=told)
+        return Counted(basis=basis, cycles=found, travel=travel, channels=told)
     cut = slice(travel.start, travel.stop)
-    theta = displacement_phase(run, data, times, within=cut)
+    basis = FourierBasis.at(displacement_phase(run, data, times, within=cut), HIGHEST)
     stated = stated_window(run, times) is not None
-    asked = (1, cycle_count(theta[cut])) if stated else None
-    found = whole_cycles(times[cut], theta[cut], record[:, cut], cycles=asked)
+    asked = (1, cycle_count(basis.phase[cut])) if stated else None
+    found = whole_cycles(times[cut], basis.within(cut), record[:, cut], cycles=asked)
     moved = replace(
         found,
         start=found.start + travel.start,
@@ -185,7 +216,7 @@ def counted_cycles(
         reason=f"left out {travel.reason}; {found.reason}",
     )
     own = replace(travel, reason="") if stated else travel
-    return Counted(theta=theta, cycles=moved, travel=own, channels=tuple(names))
+    return Counted(basis=basis, cycles=moved, travel=own, channels=tuple(names))
 
 
 def whole_series(data: xr.Dataset, *names: str) -> dict[str, Array]:

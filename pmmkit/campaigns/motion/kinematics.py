@@ -26,6 +26,7 @@ from pmmkit.campaigns.test_kinds.kind import TankMotion, ship_axes
 from pmmkit.effects.state import State
 from pmmkit.errors import CampaignError, Problem
 from pmmkit.numerics import Array
+from pmmkit.signals import FourierBasis
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +54,9 @@ _HELD: Final = {
 _CLEAR: Final = 5.0
 
 
-def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
+def measured_motion(
+    run: Run, data: xr.Dataset, times: ArrayLike, basis: FourierBasis | None = None
+) -> State:
     """Motion of the record: what was measured, and the nominal motion for the rest.
 
     For each of u, v, r the order is: its own channel, what follows from the positions and heading
@@ -77,6 +80,8 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
         (``v_cos``, ``v_sin``) are summed at the nominal phase.
     times : array (n,)
         Times of the samples [s], even or not.
+    basis : FourierBasis, optional
+        Of harmonics 0 to 5 or above at these times, where there is one: its phase goes with ωt.
 
     Returns
     -------
@@ -108,16 +113,16 @@ def measured_motion(run: Run, data: xr.Dataset, times: ArrayLike) -> State:
     }
     known |= {name: channels[name] for name in ("u", "v", "r", "p", *_RATES) if name in channels}
     if not {"u", "v", "r"} <= set(channels):
-        rest = _rest(run, data, channels, instants)
+        rest = _rest(run, data, channels, instants, basis)
         for name in {"u", "v", "r"} - set(channels):
             rate = f"{name}dot"
             known[name] = getattr(rest, name)
             known[rate] = channels.get(rate, getattr(rest, rate))
     for source, target in (("phi", "p"), ("u", "udot"), ("v", "vdot"), ("r", "rdot")):
         if source in channels and target not in channels:
-            known[target] = _rate(run, instants, channels[source], source)
+            known[target] = _rate(run, instants, channels[source], source, basis)
     if "p" in known and "pdot" not in channels:
-        known["pdot"] = _rate(run, instants, np.asarray(known["p"]), "p")
+        known["pdot"] = _rate(run, instants, np.asarray(known["p"]), "p", basis)
     return State.of(len(instants), **known)
 
 
@@ -197,6 +202,8 @@ def move_motion(state: State, x: float) -> State:
     >>> move_motion(State.of(u=1.0, v=0.3, r=0.1), 2.0).v
     array([0.1])
     """
+    if x == 0.0:
+        return state
     return state.with_(v=state.v - x * state.r, vdot=state.vdot - x * state.rdot)
 
 
@@ -244,7 +251,13 @@ def _summed(run: Run, data: xr.Dataset, name: str, times: Array) -> Array:
     return total
 
 
-def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Array) -> State:
+def _rest(
+    run: Run,
+    data: xr.Dataset,
+    channels: Mapping[str, Array],
+    times: Array,
+    basis: FourierBasis | None,
+) -> State:
     """The motion where no velocity is measured: from positions, else nominal."""
     measured = {"x", "y", "psi"} & set(channels)
     if not run.dynamic:
@@ -256,17 +269,17 @@ def _rest(run: Run, data: xr.Dataset, channels: Mapping[str, Array], times: Arra
         require_settings(run)
     tank = kind.in_tank(run.settings, displacement_phase(run, data, times))
     if _CARRIAGE in channels:
-        tank = _towed(tank, run, channels[_CARRIAGE], times)
+        tank = _towed(tank, run, channels[_CARRIAGE], times, basis)
     if "x" in measured:
-        series = fit_series(run, times, channels["x"], "x")
-        xdot = series.derivative(times, 1) + _carriage(run, channels, series.slope)
-        tank = replace(tank, xdot=xdot, xddot=series.derivative(times, 2))
+        series = fit_series(run, times, channels["x"], "x", basis)
+        xdot = series.derivative(1) + _carriage(run, channels, series.slope)
+        tank = replace(tank, xdot=xdot, xddot=series.derivative(2))
     if "y" in measured:
-        series = fit_series(run, times, channels["y"], "y")
-        tank = replace(tank, ydot=series.derivative(times, 1), yddot=series.derivative(times, 2))
+        series = fit_series(run, times, channels["y"], "y", basis)
+        tank = replace(tank, ydot=series.derivative(1), yddot=series.derivative(2))
     if "psi" in measured:
-        series = fit_series(run, times, channels["psi"], "psi")
-        psi, r, rdot = (series.derivative(times, order) for order in (0, 1, 2))
+        series = fit_series(run, times, channels["psi"], "psi", basis)
+        psi, r, rdot = (series.derivative(order) for order in (0, 1, 2))
         tank = replace(tank, psi=psi, r=r, rdot=rdot)
     return State.of(len(times), **ship_axes(tank))
 
@@ -300,7 +313,9 @@ def _towing_speed(run: Run, channels: Mapping[str, Array]) -> float:
     return float(np.nanmean(channels[_CARRIAGE]))
 
 
-def _towed(tank: TankMotion, run: Run, speed: Array, times: Array) -> TankMotion:
+def _towed(
+    tank: TankMotion, run: Run, speed: Array, times: Array, basis: FourierBasis | None
+) -> TankMotion:
     """A motion in the tank with the recorded speed of the carriage in place of the one set.
 
     A swing of the carriage counts where it stands five standard errors clear of zero: surge that
@@ -310,11 +325,10 @@ def _towed(tank: TankMotion, run: Run, speed: Array, times: Array) -> TankMotion
     mean = float(np.nanmean(speed))
     if np.nanmin(speed) == np.nanmax(speed):
         return replace(tank, xdot=tank.xdot + (mean - run.settings.speed))
-    series = fit_series(run, times, speed, _CARRIAGE)
-    swings = np.hypot(series.cosines[1:], series.sines[1:])
-    if not np.any(swings > _CLEAR * series.standard_error):
+    series = fit_series(run, times, speed, _CARRIAGE, basis)
+    if not np.any(series.swings > _CLEAR * series.standard_error):
         return replace(tank, xdot=tank.xdot + (mean - run.settings.speed))
-    return replace(tank, xdot=series.derivative(times, 0), xddot=series.derivative(times, 1))
+    return replace(tank, xdot=series.derivative(0), xddot=series.derivative(1))
 
 
 def _carriage(run: Run, channels: Mapping[str, Array], slope: float) -> float:
@@ -329,8 +343,8 @@ def _slope(times: Array, values: Array) -> float:
     return float(away @ values[good] / (away @ away)) if np.ptp(away) > 0 else 0.0
 
 
-def _rate(run: Run, times: Array, values: Array, name: str) -> Array:
+def _rate(run: Run, times: Array, values: Array, name: str, basis: FourierBasis | None) -> Array:
     """Time derivative of a measured motion; zero in a static test and of a constant."""
     if not run.dynamic or np.nanmin(values) == np.nanmax(values):
         return np.zeros_like(times)
-    return fit_series(run, times, values, name).derivative(times, 1)
+    return fit_series(run, times, values, name, basis).derivative(1)

@@ -11,7 +11,15 @@ import typer
 from pmmkit.cli.options import Campaign, Data, Figures, Model, patterns, sound_campaign, stem
 from pmmkit.cli.output import Outcome, warned
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.sea import WaveHeight, WavePeriod, carried, new_notes, stated_sea
+from pmmkit.cli.sea import (
+    Carried,
+    WaveHeight,
+    WavePeriod,
+    WaveSpeeds,
+    carried,
+    new_notes,
+    stated_sea,
+)
 
 if TYPE_CHECKING:
     from pmmkit.validation.comparison import Comparison
@@ -50,6 +58,7 @@ def compare(
     waves_from_deg: Annotated[
         float, typer.Option(help="Where they come from, from where the heading is zero.")
     ] = 0.0,
+    wave_speeds: WaveSpeeds = None,
     extrapolate: Annotated[
         bool, typer.Option("--extrapolate", help="Allow speeds outside the model's range.")
     ] = False,
@@ -73,16 +82,21 @@ def compare(
     opened, findings = sound_campaign(campaign, data)
     if runs:
         opened = opened.with_(runs=tuple(matching(opened, patterns(runs) or ())))
-    rough = known
+    rough = Carried(model=known)
     if (sea := stated_sea(wave_height, wave_period)) is not None:
         if opened.kind != "free-running":
             raise typer.BadParameter("A tank is calm while a model is towed: leave the waves out.")
         tested, _ = as_tested(known, opened)
         pace = float(median([run.settings.speed for run in opened]))
-        rough = carried(tested, sea, model, pace, waves_from_deg)
+        rough = carried(tested, sea, model, pace, waves_from_deg, wave_speeds)
     with shown() as progress:
         found = comparison.compare(
-            rough, opened, floor=floor, window=window, extrapolate=extrapolate, progress=progress
+            rough.model,
+            opened,
+            floor=floor,
+            window=window,
+            extrapolate=extrapolate,
+            progress=progress,
         )
     content = {**found.to_dict(), "findings": [item.to_dict() for item in findings]}
     page = partial(write_comparison, found, findings=findings)

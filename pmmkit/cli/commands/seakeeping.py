@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from pmmkit.cli.options import DrawFigures, numbers, stem, words
+from pmmkit.cli.motion_records import RecordFiles, RecordScale, beside_records, read_records
+from pmmkit.cli.options import DrawFigures, numbers, stem
 from pmmkit.cli.output import Outcome
 from pmmkit.cli.outputs import Out, results_folder
-from pmmkit.cli.speeds import FROUDE, typed_list
+from pmmkit.cli.ship_in_waves import damped, state_of_code, typed_hull, typed_place, typed_speeds
 
 if TYPE_CHECKING:
     from pmmkit.models.model import Part
-    from pmmkit.seakeeping import AddedResistance, Hull, Rao, Response, Sea
+    from pmmkit.seakeeping import AddedResistance, Operability, Rao, Response, Sea
 
+_FINE: Final = 120
+"""Frequencies beside records, between which motions lie on straight lines."""
 EXAMPLE: Final = (
     "pmmkit seakeeping tanker-320 --speeds '15.5 kn' --headings 180,135 --hs 4 --tp 9.7"
 )
@@ -50,8 +53,18 @@ def seakeeping(
     roll_damping: Annotated[
         float | None, typer.Option(help="Over critical, beside that of waves; 0.05 if absent.")
     ] = None,
+    bilge_keels: Annotated[
+        str | None,
+        typer.Option(
+            help="Breadth,length of a bilge keel [m], 0,0 for none: roll damping by Ikeda's "
+            "formulas, in the sea and at the one speed that are given."
+        ),
+    ] = None,
     omega: Annotated[
-        str | None, typer.Option(help="Frequencies of the waves [rad/s]; if absent 40 from 5 L on.")
+        str | None,
+        typer.Option(
+            help="Frequencies of the waves [rad/s]; if absent 40 from 5 L on, 120 with --record."
+        ),
     ] = None,
     spectrum: Annotated[
         str, typer.Option(help="bretschneider, ittc, jonswap or pierson_moskowitz.")
@@ -59,6 +72,19 @@ def seakeeping(
     hs: Annotated[float | None, typer.Option(help="Significant wave height [m].")] = None,
     tp: Annotated[float | None, typer.Option(help="Peak period [s].")] = None,
     t1: Annotated[float | None, typer.Option(help="Mean period [s], in place of --tp.")] = None,
+    gamma: Annotated[
+        float | None, typer.Option(help="Peakedness of a jonswap; 3.3 if absent.")
+    ] = None,
+    spreading: Annotated[
+        int | None,
+        typer.Option(
+            help="Power of the cosine by which the sea is spread, 2 or 4; long-crested if absent. "
+            "It needs headings from 0 to 180."
+        ),
+    ] = None,
+    sea_state: Annotated[
+        int | None, typer.Option(help="State of the sea by WMO, 2 to 8, in place of --hs and --tp.")
+    ] = None,
     place: Annotated[
         list[str] | None,
         typer.Option(
@@ -66,33 +92,61 @@ def seakeeping(
         ),
     ] = None,
     hours: Annotated[float, typer.Option(help="Exposure and duration of extremes [h].")] = 3.0,
+    record: RecordFiles = None,
+    record_scale: RecordScale = 1.0,
     figures: DrawFigures = True,
     out: Out = None,
 ) -> Outcome:
     """Motions of a ship in waves, responses in a sea, and added resistance by several methods."""
     from pmmkit.files import write_results
-    from pmmkit.seakeeping import added_resistance, frequencies, loading_of, rao, response, sea
+    from pmmkit.seakeeping import (
+        added_resistance,
+        frequencies,
+        loading_of,
+        operability,
+        rao,
+        response,
+        sea,
+    )
 
     folder = results_folder(out, f"{stem(ship)}-seakeeping")
-    hull = _hull(ship, draught, length)
+    hull = typed_hull(ship, draught, length)
     radii = numbers(gyration) or ()
     if len(radii) not in (0, 3):
         raise typer.BadParameter(f"--gyration {gyration!r}: write roll,pitch,yaw in m.")
     given = dict(zip(("kxx", "kyy", "kzz"), radii, strict=False))
     loading = loading_of(hull, GM=gm, roll_damping=roll_damping, **given)
     waves = None
-    if hs is not None:
-        waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1)
-    elif tp is not None or t1 is not None:
-        raise typer.BadParameter("--hs is needed beside a period.")
+    if sea_state is not None:
+        if hs is not None or tp is not None or t1 is not None:
+            raise typer.BadParameter("--sea-state stands in place of --hs, --tp and --t1.")
+        waves = replace(state_of_code(sea_state).sea, spreading=spreading)
+    elif hs is not None:
+        waves = sea(spectrum, Hs=hs, Tp=tp, T1=t1, gamma=gamma, spreading=spreading)
+    elif (tp, t1, gamma, spreading) != (None,) * 4:
+        raise typer.BadParameter("--hs is needed beside a period, --gamma and --spreading.")
     courses = numbers(headings) or ()
-    places = [_place(text) for text in place or ()]
+    places = [typed_place(text) for text in place or ()]
+    paces = typed_speeds(speeds, hull.L)
+    damping = None
+    if bilge_keels is not None:
+        if roll_damping is not None or record:
+            raise typer.BadParameter(
+                "--bilge-keels finds the damping: leave --roll-damping and --record out."
+            )
+        damping = damped(bilge_keels, hull, loading, paces, waves)
+        linear, quadratic = damping.roll_damping, damping.roll_quadratic
+        loading = loading_of(hull, GM=gm, roll_damping=linear, roll_quadratic=quadratic, **given)
+    if record and (len(paces), len(courses)) != (1, 1):
+        raise typer.BadParameter("Beside --record state one speed and one heading.")
+    read = read_records(record, record_scale)
     found = rao(
         hull,
-        speeds=_speeds(speeds, hull.L),
+        speeds=paces,
         headings_deg=courses,
-        omega=numbers(omega) or frequencies(hull.L, waves),
+        omega=numbers(omega) or frequencies(hull.L, waves, count=_FINE if record else 40),
         loading=loading,
+        waves=waves if loading.roll_quadratic else None,
     )
     added = added_resistance(found)
     answers = [
@@ -101,11 +155,35 @@ def seakeeping(
         for heading in courses
         if waves
     ]
-    files = write_results(folder, _files(found, added, answers, waves, figures=figures))
-    lines = [str(found), "", str(added)]
+    around = {0.0, 180.0} <= {round(heading, 6) for heading in courses}
+    sailed = operability(found, waves, places=places) if waves and around else None
+    measured = beside_records(read, found) if read else None
+    results = (
+        *_files(found, added, answers, waves, figures=figures),
+        *(_operability(sailed, figures=figures) if sailed else ()),
+        *(measured.files(figures=figures) if measured else ()),
+    )
+    if figures:
+        from pmmkit.report import write_seakeeping
+
+        page = partial(
+            write_seakeeping,
+            found,
+            added=added,
+            responses=answers,
+            operability=sailed,
+            more=[item for item in (damping, *(measured.told if measured else ())) if item],
+            figures={"Records beside the computed motions.": measured.plot()} if measured else {},
+        )
+        results = (*results, ("report.html", page))
+    files = write_results(folder, results)
+    lines = [str(found), "", *([str(damping), ""] if damping else []), str(added)]
     for answer in answers:
         lines += ["", str(answer)]
+    lines += ["", str(sailed)] if sailed else []
+    lines += measured.lines if measured else []
     lines += [*_means(answers, added), f"Results: {folder}"]
+    lines += [f"Report:  {folder / 'report.html'}"] if figures else []
     return Outcome(
         content={
             "out": str(folder),
@@ -114,43 +192,11 @@ def seakeeping(
             "notes": list(found.notes),
             "responses": [row for answer in answers for row in answer.rows()],
             "mean_added_resistance": _resistances(answers, added),
+            "operable_share": sailed.share if sailed else None,
+            "records": measured.content() if measured else None,
         },
         lines=lines,
     )
-
-
-def _hull(ship: str, draught: float | None, length: float | None) -> Hull:
-    from pmmkit.seakeeping import load_hull, read_hull
-
-    if Path(ship).suffix.lower() not in (".csv", ".mgf"):
-        return load_hull(ship)
-    if draught is None:
-        raise typer.BadParameter("A hull from a file needs --draught [m].")
-    return read_hull(ship, draught=draught, L=length)
-
-
-def _speeds(text: str, L: float) -> list[float]:
-    from math import sqrt
-
-    return [
-        speed.value * sqrt(9.81 * L) if speed.unit == FROUDE else speed.without_ship()
-        for speed in typed_list(text)
-    ]
-
-
-def _place(text: str) -> Any:
-    from pmmkit.seakeeping import Place
-
-    name, *rest = words(text)
-    try:
-        values = [float(part) for part in rest]
-    except ValueError:
-        values = []
-    if not 1 <= len(values) <= 3:
-        raise typer.BadParameter(f"--place {text!r}: write name,x[,freeboard[,draught]] in m.")
-    x, freeboard, draught = [*values, None, None][:3]
-    assert x is not None
-    return Place(name=name, x=x, freeboard=freeboard, draught=draught)
 
 
 def _resistances(answers: list[Response], added: AddedResistance) -> list[dict[str, Any]]:
@@ -187,25 +233,25 @@ def _drift(part: Part) -> str:
         *(f'{name} = "{word}"' for name, word in part.options.items()),
         f"[effects.{part.effect}.values]",
     ]
+    across = part.values["angle_deg"]
+    width = len(across) if isinstance(across, tuple) else 0
     for name, value in part.values.items():
         if isinstance(value, tuple):
-            told = f"[{', '.join(f'{x:.6g}' for x in value)}]"
+            rows = [value[i : i + width] for i in range(0, len(value), width)]
+            told = ",\n  ".join(", ".join(f"{x:.6g}" for x in row) for row in rows)
+            told = f"[{told}]" if len(rows) == 1 else f"[\n  {told},\n]"
         else:
             told = repr(float(value))
         lines.append(f"{name} = {told}")
     return "\n".join(lines) + "\n"
 
 
-def _drifts(found: Rao, waves: Sea) -> Iterator[tuple[str, str]]:
-    """One file for one speed, or rest and one speed; else one for each speed."""
-    from pmmkit.seakeeping import drift_part
+def _operability(sailed: Operability, *, figures: bool) -> Iterator[tuple[str, Any]]:
+    from pmmkit.plotting.style import save
 
-    speeds = found.speed.tolist()
-    if len(speeds) == 1 or (len(speeds) == 2 and speeds[0] == 0.0):
-        yield "drift.toml", _drift(drift_part(found, waves))
-        return
-    for number, speed in enumerate(speeds, start=1):
-        yield f"drift_{number}.toml", _drift(drift_part(found, waves, speed=speed))
+    yield "operability.csv", sailed.to_pandas()
+    if figures:
+        yield "operability.svg", partial(save, sailed.plot())
 
 
 def _files(
@@ -214,6 +260,7 @@ def _files(
     import pandas as pd
 
     from pmmkit.plotting.style import save
+    from pmmkit.seakeeping import drift_part
 
     yield "rao.csv", found.to_pandas()
     yield "rao.nc", partial(found.to_xarray().to_netcdf, engine="h5netcdf")
@@ -221,8 +268,10 @@ def _files(
     if waves is not None:
         yield "responses.csv", pd.DataFrame([row for one in answers for row in one.rows()])
         yield "mean_added_resistance.csv", pd.DataFrame(_resistances(answers, added))
-        if {0.0, 180.0} <= {round(answer.heading_deg, 6) for answer in answers}:
-            yield from _drifts(found, waves)
+        if waves.spreading is None and {0.0, 180.0} <= {
+            round(answer.heading_deg, 6) for answer in answers
+        }:
+            yield "drift.toml", _drift(drift_part(found, waves))
     if figures:
         yield "rao.svg", partial(save, found.plot())
         yield "added_resistance.svg", partial(save, added.plot())

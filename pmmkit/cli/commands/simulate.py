@@ -26,6 +26,7 @@ from pmmkit.cli.sea import (
     WAVES,
     WaveHeight,
     WavePeriod,
+    WaveSpeeds,
     carried,
     first_order,
     new_notes,
@@ -72,6 +73,7 @@ def simulate(
     waves_from_deg: Annotated[
         float, typer.Option(help="Where they come from, from the bow of the approach.")
     ] = 0.0,
+    wave_speeds: WaveSpeeds = None,
     wave_motion: Annotated[
         bool,
         typer.Option(
@@ -97,9 +99,9 @@ def simulate(
     sea = stated_sea(wave_height, wave_period)
     if wave_motion and sea is None:
         raise typer.BadParameter(WAVES)
-    rough = carried(loaded, sea, model, pace, waves_from_deg)
+    rough = carried(loaded, sea, model, pace, waves_from_deg, wave_speeds)
     track = simulate(
-        rough,
+        rough.model,
         manoeuvre,
         speed=pace,
         fn=fn,

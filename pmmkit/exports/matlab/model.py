@@ -54,6 +54,13 @@ function y = interpolate(x, xs, ys)
 % Straight lines through points with ascending xs, constant beyond both ends.
 y = interp1(xs, ys, max(min(x, xs(end)), xs(1)));
 end""",
+    "interpolate_rows": """\
+function z = interpolate_rows(x, xs, y, ys, rows)
+% Straight lines both ways in a table, a row over ys for each of xs, constant beyond its edges.
+x = max(min(x, xs(end)), xs(1));
+y = max(min(y, ys(end)), ys(1));
+z = interp2(ys, xs, reshape(rows, numel(ys), numel(xs)).', y, x);
+end""",
 }
 
 

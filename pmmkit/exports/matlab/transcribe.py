@@ -47,6 +47,7 @@ _FUNCTIONS: Final[Mapping[Any, str]] = {
     primitives.minimum: "min",
     primitives.where: "where",
     primitives.interpolate: "interpolate",
+    primitives.interpolate_rows: "interpolate_rows",
 }
 _WORD: Final = re.compile(r"(?<![\w.])[A-Za-z]\w*")
 

@@ -153,6 +153,7 @@ def _fast(text: Text, positions: Sequence[int]) -> tuple[Array, ...] | None:
             header=None,
             usecols=None if every else sorted(set(positions)),
             dtype=np.float64,
+            na_filter=False,
             quoting=csv.QUOTE_NONE,
             decimal=text.decimal,
             low_memory=False,

@@ -209,6 +209,8 @@ def _dialect(lines: Sequence[bytes], request: Request) -> tuple[str, str]:
     sample = lines[1 : _SAMPLE + 1] or lines[:1]
     best, chosen = -1.0, (options.delimiter or ",", options.decimal or ".")
     for delimiter, decimal in _candidates(request):
+        if delimiter != BLANKS and not any(delimiter.encode() in line for line in sample):
+            continue
         rows = [fields_of(line, delimiter) for line in sample]
         counts = sorted(len(row) for row in rows)
         width = counts[len(counts) // 2] if counts else 0

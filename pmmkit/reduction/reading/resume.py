@@ -31,7 +31,7 @@ from pmmkit.observations.prepare import RunResult
 from pmmkit.reduction.reading.run import Reading, ReductionSettings
 from pmmkit.version import __version__
 
-LAYOUT: Final = 3
+LAYOUT: Final = 4
 """Version of the files' content."""
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.run import Campaign, Run
 from pmmkit.campaigns.uncertainty import TypeB
-from pmmkit.checks import Summary, summarise
+from pmmkit.checks import Known, Summary, summarise
 from pmmkit.conventions import Convention
 from pmmkit.observations.blockage import speed_increase
 from pmmkit.observations.equations import Rows, Sensitivity, rows_of, sensitivity
@@ -98,11 +98,17 @@ def read_run(run: Run, settings: ReductionSettings) -> Reading:
         once, settings.campaign, cycles=settings.cycles, integrated=settings.integrated
     )
     rows, changes, history = _equations(prepared, once, settings)
+    known = Known(
+        channels=tuple(prepared.result.measured),
+        window=prepared.window,
+        counted=prepared.counted,
+        motion=prepared.motion,
+    )
     kept = run.with_(settings=rows.result.run.settings)
     return Reading(
         rows=replace(rows, result=replace(rows.result, run=kept)),
         sensitivities=tuple(changes),
-        summary=replace(summarise(once, settings.campaign, counted=prepared.counted), run=run),
+        summary=replace(summarise(once, settings.campaign, known=known), run=run),
         history=history,
     )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Final
 
@@ -17,9 +19,60 @@ from pmmkit.seakeeping.seas import Sea
 from pmmkit.seakeeping.second_order.mean_drift import drift_table
 from pmmkit.seakeeping.transfer import Rao
 
-HEADINGS: Final = tuple(range(0, 181, 15))
-"""Headings of a table of drift [deg]."""
-_REST: Final = ("DX", "DY", "DN")
+HEADINGS: Final = tuple(range(0, 181, 10))
+"""Headings of the motions of a ship that manoeuvres [deg]."""
+_FORCES: Final = ("DX", "DY", "DN")
+
+
+def motions_in(
+    model: Model,
+    sea: Sea,
+    *,
+    speed: float | Sequence[float],
+    hull: Hull | None = None,
+    loading: Loading | None = None,
+) -> Rao:
+    """Motions at the headings, speeds and frequencies that a manoeuvre in a sea asks for.
+
+    One computation serves both the mean drift (`in_waves`) and the motions on the path
+    (`superposed`).
+
+    Parameters
+    ----------
+    model : Model
+        The ship and its water.
+    sea : Sea
+        Whose energy the frequencies hold.
+    speed : float or sequence of float
+        Of the approach [m/s], beside which stands rest; or several, rising.
+    hull : Hull, optional
+        At the scale of the model; sections are assumed from its particulars where absent.
+    loading : Loading, optional
+        As `pmmkit.seakeeping.loading_of` assumes where absent.
+
+    Returns
+    -------
+    Rao
+
+    Raises
+    ------
+    DataError
+        If the speeds do not rise from zero or more.
+    """
+    speeds = [0.0, float(speed)] if isinstance(speed, int | float) else [float(x) for x in speed]
+    if not speeds or speeds[0] < 0.0 or any(b <= a for a, b in pairwise(speeds)):
+        told = ", ".join(f"{x:g}" for x in speeds)
+        raise DataError(f"The speeds of a manoeuvre in waves must rise from 0 or more: {told}.")
+    lines = hull_of(model.ship) if hull is None else hull
+    return rao(
+        lines,
+        speeds=speeds,
+        headings_deg=HEADINGS,
+        omega=frequencies(lines.L, sea),
+        loading=loading,
+        rho=model.water.rho,
+        g=model.water.g,
+    )
 
 
 def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: float = 0.0) -> Part:
@@ -28,8 +81,8 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
     Parameters
     ----------
     found : Rao
-        Motions at headings from 0 to 180°, at one speed, or at rest and at one speed: then the
-        forces go with the speed of each instant between both.
+        Motions at headings from 0 to 180°, at one speed or at several, between which the forces
+        go with the speed of each instant.
     sea : Sea
         Its period counts, and its height where nothing else states one.
     speed : float, optional
@@ -44,7 +97,7 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
     Raises
     ------
     DataError
-        If there are other speeds, or headings do not reach from 0 to 180°.
+        If headings do not reach from 0 to 180°, or the sea is short-crested.
 
     Examples
     --------
@@ -52,26 +105,24 @@ def drift_part(found: Rao, sea: Sea, *, speed: float | None = None, from_deg: fl
     >>> hull = hull_from_particulars(name="ship", L=100.0, B=18.0, d=6.0, block=0.7)
     >>> found = rao(hull, speeds=[0.0, 6.0], headings_deg=[0, 90, 180], omega=[0.5, 0.7, 0.9])
     >>> part = drift_part(found, Sea(Hs=3.0, Tp=9.0))
-    >>> part.options["coefficients"], part.values["speed"], len(part.values["DX_rest"])
-    ('speeds', 6.0, 3)
+    >>> part.options["coefficients"], part.values["speeds"], len(part.values["DX"])
+    ('speeds', (0.0, 6.0), 6)
     """
-    speeds = found.speed.tolist() if speed is None else [speed]
-    two = len(speeds) == 2 and speeds[0] == 0.0 < speeds[1]
-    if len(speeds) != 1 and not two:
-        raise DataError("A model takes the drift at one speed, or at rest and at one speed.")
+    speeds = sorted(set(found.speed.tolist())) if speed is None else [speed]
+    rows = [drift_table(found, sea, speed=each) for each in speeds]
+    several = len(speeds) > 1
     values: dict[str, float | tuple[float, ...]] = {
         "Hs": sea.Hs,
         "from_deg": from_deg,
         "Tp": sea.Tp,
-        **drift_table(found, sea, speed=speeds[-1]),
+        **({"speeds": tuple(speeds)} if several else {}),
+        "angle_deg": rows[0]["angle_deg"],
+        **{name: tuple(x for row in rows for x in row[name]) for name in _FORCES},
     }
-    if two:
-        rest = drift_table(found, sea, speed=0.0)
-        values |= {"speed": speeds[-1], **{f"{name}_rest": rest[name] for name in _REST}}
     return Part(
         effect=WAVE_DRIFT.name,
         values=MappingProxyType(values),
-        options=MappingProxyType({"coefficients": "speeds" if two else "table"}),
+        options=MappingProxyType({"coefficients": "speeds" if several else "table"}),
         source=f"strip theory: mean drift of {found.name}",
     )
 
@@ -80,10 +131,11 @@ def in_waves(
     model: Model,
     sea: Sea,
     *,
-    speed: float,
+    speed: float | Sequence[float] | None = None,
     from_deg: float = 0.0,
     hull: Hull | None = None,
     loading: Loading | None = None,
+    motions: Rao | None = None,
 ) -> Model:
     """A model that feels the mean drift of a sea, by strip theory.
 
@@ -93,40 +145,45 @@ def in_waves(
         Without such a part, or with one that is replaced.
     sea : Sea
         Long-crested.
-    speed : float
-        Of the approach [m/s]; between it and rest forces go with the speed.
+    speed : float or sequence of float, optional
+        Of the approach [m/s], beside which stands rest; or those of the table, rising. Between
+        them forces go with the speed, beyond the first and the last they are held.
     from_deg : float
         Where the waves come from, from the heading of the approach, to starboard [deg].
     hull : Hull, optional
         At the scale of the model; sections are assumed from its particulars where absent.
     loading : Loading, optional
         As `pmmkit.seakeeping.loading_of` assumes where absent.
+    motions : Rao, optional
+        In place of speed, hull and loading: those of `motions_in`, which `superposed` takes too.
 
     Returns
     -------
     Model
         Its notes say what was assumed.
 
+    Raises
+    ------
+    DataError
+        If not one of speed and motions is given, or speeds do not rise.
+
     Examples
     --------
     >>> from pmmkit.models import load_model
-    >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), speed=12.0, from_deg=30.0)
-    >>> rough.parts["wave_drift"].options["coefficients"], rough.values("wave_drift")["from_deg"]
-    ('speeds', 30.0)
+    >>> rough = in_waves(load_model("kcs"), Sea(Hs=4.0, Tp=10.0), speed=[0, 6, 12], from_deg=30.0)
+    >>> rough.values("wave_drift")["speeds"], rough.values("wave_drift")["from_deg"]
+    ((0.0, 6.0, 12.0), 30.0)
     """
-    lines = hull_of(model.ship) if hull is None else hull
-    found = rao(
-        lines,
-        speeds=[0.0, speed],
-        headings_deg=HEADINGS,
-        omega=frequencies(lines.L, sea),
-        loading=loading,
-        rho=model.water.rho,
-        g=model.water.g,
-    )
+    if (speed is None) == (motions is None):
+        raise DataError("Give one of them: speed, or motions.")
+    found = motions
+    if found is None:
+        assert speed is not None
+        found = motions_in(model, sea, speed=speed, hull=hull, loading=loading)
     part = drift_part(found, sea, from_deg=from_deg)
-    told = f"Drift of waves by strip theory, Tp {sea.Tp:.3g} s, rest and {speed:.3g} m/s."
+    at = ", ".join(f"{x:.3g}" for x in found.speed)
+    told = f"Drift of waves by strip theory, Tp {sea.Tp:.3g} s, at {at} m/s."
     return model.with_(
         parts=MappingProxyType({**model.parts, part.effect: part}),
-        notes=tuple(dict.fromkeys([*model.notes, told, *lines.notes])),
+        notes=tuple(dict.fromkeys([*model.notes, told, *found.strips.hull.notes])),
     )

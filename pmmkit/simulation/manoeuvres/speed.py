@@ -20,7 +20,9 @@ TURNS: Final = Setting(
 )
 
 
-def stopping(pace: float, *, turns: float, rudder_deg: float) -> Plan:
+def stopping(
+    pace: float, *, turns: float, rudder_deg: float, reversal_s: float | None = None
+) -> Plan:
     """Crash stop: revolutions astern (and the bucket of a waterjet down) until the ship stops."""
     phases = (
         Phase(
@@ -45,7 +47,8 @@ def stopping(pace: float, *, turns: float, rudder_deg: float) -> Plan:
             "heading_at_stop_deg": degrees(a.at("stop", "psi")),
         }
 
-    return Plan(phases=phases, probes=probes, measure=measure)
+    rate = None if reversal_s is None else abs(1.0 - turns) / reversal_s
+    return Plan(phases=phases, probes=probes, measure=measure, revolutions_rate=rate)
 
 
 def accelerating(pace: float, *, turns: float) -> Plan:
@@ -75,7 +78,16 @@ MANOEUVRES: Final = (
     Manoeuvre(
         name="stopping",
         title="crash stop",
-        settings=(replace(TURNS, default=-0.7), replace(rudder_setting(0.0), takes="angle")),
+        settings=(
+            replace(TURNS, default=-0.7),
+            replace(rudder_setting(0.0), takes="angle"),
+            Setting(
+                name="reversal_s",
+                text="time until the revolutions astern are reached; if absent, they fall to zero "
+                "in two ship lengths over the speed and go on at that rate",
+                unit="s",
+            ),
+        ),
         orders=stopping,
         metrics=metrics_named(
             "head_reach", "track_reach", "lateral_deviation", "time_to_stop", "heading_at_stop_deg"

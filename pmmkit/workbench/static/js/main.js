@@ -54,7 +54,7 @@ const app = {
   runs: (first) => app.once(`runs ${app.of} ${first}`, () => get("runs", { first, ...app.mine() })),
   derivatives: () => app.once(`derivatives ${app.of}`, () => get("derivatives", app.mine())),
   places: () => Object.keys(app.state.places ?? PLACES),
-  about: () => t(app.state.model ? "about" : "about_tests", { runs: app.state.runs, model: app.state.model }),
+  about: () => (app.state.runs ? t(app.state.model ? "about" : "about_tests", { runs: app.state.runs, model: app.state.model }) : ""),
   told: (name) => (frozen ? get(`told ${name}`) : null),
   draws: (name) => app.state.places?.[name] ?? true,
   busy: () => app.state.job.stand === "running",

@@ -1,0 +1,169 @@
+"""Records of motions in waves: from a file to transfer functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Final, Literal
+
+import numpy as np
+
+from pmmkit.channels import split_unit
+from pmmkit.conventions import unit_factor
+from pmmkit.errors import DataError, Problem
+from pmmkit.numerics import Array
+from pmmkit.readers import reader_for
+from pmmkit.readers.base import Request
+from pmmkit.seakeeping.measured import Measured, from_irregular, from_regular
+from pmmkit.seakeeping.transfer import MODES
+from pmmkit.signals import design_matrix
+
+WAVE: Final = "wave"
+UNITS: Final[Mapping[str, str]] = MappingProxyType(
+    {"t": "s", WAVE: "m", **dict.fromkeys(MODES[:3], "m"), **dict.fromkeys(MODES[3:], "rad")}
+)
+"""Columns of a record, and their units where a header states none."""
+_REGULAR: Final = 0.8
+_ORDER: Final = 3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MotionRecord:
+    """Motions of a ship in waves over time, with a probe of the waves that moves with it.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    t, wave : array
+        Time [s], elevation at the probe [m].
+    motions : mapping of str to array
+        Some of surge, sway, heave [m], roll, pitch, yaw [rad].
+    """
+
+    name: str
+    t: Array
+    wave: Array
+    motions: Mapping[str, Array]
+
+    @property
+    def regular(self) -> tuple[float, bool]:
+        """Frequency of the largest wave [rad/s], and whether it and its harmonics are all."""
+        even = np.linspace(self.t[0], self.t[-1], self.t.size)
+        wave = np.interp(even, self.t, self.wave) - np.mean(self.wave)
+        padded = 8 * wave.size
+        size = np.abs(np.fft.rfft(wave * np.hanning(wave.size), padded))
+        size[0] = 0.0
+        omega = 2 * math.pi * int(size.argmax()) / (padded * (even[1] - even[0]))
+        terms = design_matrix(omega * even, _ORDER)
+        rest = wave - terms @ np.linalg.lstsq(terms, wave, rcond=None)[0]
+        return omega, bool(np.var(rest) < (1 - _REGULAR) * np.var(wave))
+
+    def transfer(self) -> tuple[Literal["regular", "irregular"], dict[str, Measured]]:
+        """The transfer function of each motion, and as what kind of waves the record was taken."""
+        omega, regular = self.regular
+        if regular:
+            return "regular", {
+                name: from_regular(self.t, self.wave, values, encounter=omega)
+                for name, values in self.motions.items()
+            }
+        return "irregular", {
+            name: from_irregular(self.t, self.wave, values) for name, values in self.motions.items()
+        }
+
+
+def read_record(path: str | Path, *, scale: float = 1.0) -> MotionRecord:
+    """A record of motions from a file of columns.
+
+    Parameters
+    ----------
+    path : path
+        A file that any reader knows, with columns ``t``, ``wave`` and some of surge, sway, heave,
+        roll, pitch, yaw; ``name [unit]`` in a header converts, else they are in m, s and rad.
+        Other columns are left out.
+    scale : float
+        Of a model that is so many times smaller than the ship: lengths and times grow by Froude's
+        law.
+
+    Returns
+    -------
+    MotionRecord
+
+    Raises
+    ------
+    DataError
+        If a column is missing or given twice, a unit does not fit, or time does not rise.
+    """
+    file = Path(path)
+    request = Request(path=file, shown=file.name)
+    picked: list[tuple[str, float]] = []
+
+    def choose(headers: Sequence[str], _: int) -> list[int]:
+        places = []
+        for place, header in enumerate(headers):
+            name, unit = split_unit(header)
+            if name.lower() in UNITS:
+                own = UNITS[name.lower()]
+                kind, factor = unit_factor(own if unit is None else unit)
+                if kind != own:
+                    raise _wrong(file, f"{header}: {name} is in {own}, or what leads to it.")
+                picked.append((name.lower(), factor))
+                places.append(place)
+        names = [name for name, _ in picked]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        lost = [name for name in ("t", WAVE) if name not in names]
+        if twice:
+            raise _wrong(file, f"{', '.join(twice)} stands in more than one column.")
+        if lost or len(names) < 3:
+            absent = ", ".join(lost) or "any motion"
+            raise _wrong(
+                file,
+                f"has no column {absent}; there are {', '.join(filter(None, headers)) or 'none'}.",
+                f"Name the columns t, {WAVE} and some of {', '.join(MODES)}, such as heave [mm].",
+            )
+        return places
+
+    read = reader_for(request).columns(request, choose)
+    grown = {"s": math.sqrt(scale), "m": scale, "rad": 1.0}
+    values = {
+        name: numbers * factor * grown[UNITS[name]]
+        for (name, factor), numbers in zip(picked, read.values, strict=True)
+    }
+    if values["t"].size < 2 or (np.diff(values["t"]) <= 0.0).any():
+        raise _wrong(file, "Time must rise from row to row.")
+    motions: dict[str, Array] = {
+        name: values[name] - np.mean(values[name]) for name in MODES if name in values
+    }
+    return MotionRecord(
+        name=file.name, t=values["t"], wave=values[WAVE], motions=MappingProxyType(motions)
+    )
+
+
+def together(records: Sequence[Mapping[str, Measured]]) -> dict[str, Measured]:
+    """Transfer functions of several records as one for each motion, in rising frequency.
+
+    Parameters
+    ----------
+    records : sequence of mapping of str to Measured
+        Of each record, by motion.
+    """
+    found = {}
+    for name in MODES:
+        parts = [record[name] for record in records if name in record]
+        if not parts:
+            continue
+        encounter = np.concatenate([part.encounter for part in parts])
+        order = np.argsort(encounter, kind="stable")
+        found[name] = Measured(
+            encounter=encounter[order],
+            transfer=np.concatenate([part.transfer for part in parts])[order],
+            std=np.concatenate([part.std for part in parts])[order],
+        )
+    return found
+
+
+def _wrong(file: Path, message: str, remedy: str | None = None) -> DataError:
+    return DataError(Problem(message=message, file=file.name, remedy=remedy))

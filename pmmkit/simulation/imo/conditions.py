@@ -1,0 +1,229 @@
+"""The conditions under which the standard is to be judged, and which of them a test meets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from pmmkit.metrics import HARD_OVER
+from pmmkit.presentation import listed
+
+SHORTEST: Final = 100.0
+"""Length from which on the standard applies [m]: MSC.137(76)."""
+DEEP: Final = 4.0
+"""Depth over mean draught of deep water: MSC/Circ.1053, 2.2.1.2.1."""
+WINDIEST: Final = 5
+"""Beaufort number not to be exceeded: the same."""
+ROUGHEST: Final = 4
+"""Sea state not to be exceeded: the same."""
+LOADED: Final = 0.05
+"""Share by which the draught may differ from that of full load: MSC/Circ.1053, 2.2.1.2.2."""
+FAST: Final = 0.9
+"""Least share of the speed at 85 % of the engine's output: MSC.137(76)."""
+WINDS: Final = (0.2, 1.5, 3.3, 5.4, 7.9, 10.7, 13.8, 17.1, 20.7, 24.4, 28.4, 32.6)
+"""Upper ends of Beaufort 0 to 11 [m/s], of the mean over ten minutes at a height of 10 m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """A condition of the standard beside what it was in a test.
+
+    Parameters
+    ----------
+    name, title : str
+        As a key, and in words.
+    standard : str
+        What the standard asks for.
+    value : float or None
+        What it was; None where nobody said, or there is no number.
+    shown : str
+        The same in words; empty where nobody said.
+    met : bool or None
+        None where that is not known.
+    words : str
+        A sentence for one that is not met, or not known.
+    excess : float
+        Grows with the distance from meeting it: which of several tests was the worst.
+    """
+
+    name: str
+    title: str
+    standard: str
+    value: float | None = None
+    shown: str = ""
+    met: bool | None = None
+    words: str = ""
+    excess: float = 0.0
+
+
+def beaufort(speed: float) -> int:
+    """Beaufort number of a wind [m/s].
+
+    Examples
+    --------
+    >>> beaufort(0.0), beaufort(10.7), beaufort(10.8), beaufort(40.0)
+    (0, 5, 6, 12)
+    """
+    return sum(speed > end for end in WINDS)
+
+
+def length_condition(L: float) -> Condition:
+    """The length of the ship [m]."""
+    return Condition(
+        name="length",
+        title="length",
+        standard=f"{SHORTEST:g} m or more",
+        value=L,
+        shown=f"{L:.4g} m",
+        met=L >= SHORTEST,
+        words=f"The standard is for ships of {SHORTEST:g} m and more; this one has L = {L:.4g} m.",
+    )
+
+
+def depth_condition(depth: float | None, draught: float, *, deep: bool = False) -> Condition:
+    """The depth of the water over the mean draught.
+
+    Parameters
+    ----------
+    depth : float or None
+        [m]
+    draught : float
+        Mean draught [m].
+    deep : bool
+        Whether no depth means water without a bottom: that of a simulation.
+    """
+    standard = f"more than {DEEP:g} draughts"
+    if depth is None:
+        shown = "no bottom" if deep else ""
+        return Condition(
+            name="depth", title="depth", standard=standard, shown=shown, met=deep or None
+        )
+    ratio = depth / draught
+    return Condition(
+        name="depth",
+        title="depth",
+        standard=standard,
+        value=ratio,
+        shown=f"{depth:.4g} m, {ratio:.1f} draughts",
+        met=ratio > DEEP,
+        excess=-ratio,
+        words=f"The standard asks for deep water, {standard}; this is {ratio:.1f}.",
+    )
+
+
+def wind_condition(speed: float | None, number: int | None = None) -> Condition:
+    """The wind: its mean true speed [m/s] as measured, else its Beaufort number as stated."""
+    standard = f"at most Beaufort {WINDIEST}"
+    own = number if speed is None else beaufort(speed)
+    if own is None:
+        return Condition(name="wind", title="wind", standard=standard)
+    shown = f"Beaufort {own}" + ("" if speed is None else f", {speed:.1f} m/s")
+    said = f"is {speed:.1f} m/s" if speed is not None else f"is Beaufort {own}"
+    return Condition(
+        name="wind",
+        title="wind",
+        standard=standard,
+        value=own,
+        shown=shown,
+        met=own <= WINDIEST,
+        excess=own if speed is None else speed,
+        words=f"The standard asks for calm weather, {standard}; the wind {said}.",
+    )
+
+
+def sea_condition(state: int | None) -> Condition:
+    """The sea state, as stated."""
+    return Condition(
+        name="sea_state",
+        title="sea state",
+        standard=f"at most {ROUGHEST}",
+        value=state,
+        shown="" if state is None else f"{state}",
+        met=None if state is None else state <= ROUGHEST,
+        words=f"The standard asks for a sea state of at most {ROUGHEST}; this is {state}.",
+    )
+
+
+def current_condition(known: bool, shown: str) -> Condition:
+    """The current: uniform at most, and removed."""
+    return Condition(
+        name="current",
+        title="current",
+        standard="uniform, corrected for",
+        shown=shown if known else "not known: lengths over ground",
+        met=known,
+        words="The current is not known: the lengths are over ground.",
+    )
+
+
+def draught_condition(draught: float, full: float | None) -> Condition:
+    """The mean draught beside that of full load [m]."""
+    standard = f"full load within {100 * LOADED:g} %"
+    if full is None:
+        shown = f"{draught:.4g} m, that of full load not supplied"
+        return Condition(name="draught", title="draught", standard=standard, shown=shown)
+    share = draught / full - 1.0
+    return Condition(
+        name="draught",
+        title="draught",
+        standard=standard,
+        value=share,
+        shown=f"{draught:.4g} m, {100 * share:+.1f} % of full load {full:.4g} m",
+        excess=abs(share),
+        met=abs(share) <= LOADED * (1.0 + 1e-12),
+        words=f"The standard asks for the draught of full load, {full:.4g} m, within "
+        f"{100 * LOADED:g} %; this is {draught:.4g} m.",
+    )
+
+
+def approach_condition(speed: float, full: float | None) -> Condition:
+    """The approach speed beside that at 85 % of the engine's output [m/s]."""
+    standard = f"at least {100 * FAST:g} % of that at 85 % of the engine's output"
+    if full is None:
+        return Condition(
+            name="approach",
+            title="approach speed",
+            standard=standard,
+            excess=-speed,
+            shown=f"{speed:.4g} m/s, that at 85 % not supplied",
+            words=f"The approach speed, {speed:.4g} m/s, must be {standard}, which is not stated.",
+        )
+    share = speed / full
+    return Condition(
+        name="approach",
+        title="approach speed",
+        standard=standard,
+        value=share,
+        shown=f"{speed:.4g} m/s, {100 * share:.1f} % of {full:.4g} m/s",
+        excess=-share,
+        met=share >= FAST * (1.0 - 1e-12),
+        words=f"The approach speed must be {standard}, {full:.4g} m/s; this is {speed:.4g} m/s, "
+        f"{100 * share:.0f} %.",
+    )
+
+
+def rudder_condition(rudder_deg: float) -> Condition:
+    """The rudder of a turning circle [deg]; whether less is all that is permitted nobody shows."""
+    size = abs(rudder_deg)
+    return Condition(
+        name="rudder",
+        title="rudder of the turning circle",
+        standard=f"{HARD_OVER:g}° or the largest permissible",
+        value=size,
+        shown=f"{size:.1f}°",
+        excess=-size,
+        met=True if size > HARD_OVER - 0.5 else None,
+        words=f"The standard asks for {HARD_OVER:g}° of rudder or the largest permissible; this is "
+        f"{size:.1f}°.",
+    )
+
+
+def said(conditions: Iterable[Condition]) -> tuple[str, ...]:
+    """What a test does not meet, a sentence each; and all that it does not show, in one."""
+    all_of_them = list(conditions)
+    unknown = [item.title for item in all_of_them if item.met is None]
+    return (
+        *(item.words for item in all_of_them if item.met is False),
+        *([f"Not shown of what the standard asks for: {listed(unknown)}."] if unknown else []),
+    )

@@ -1,0 +1,79 @@
+"""Conditions of MSC.137(76) and MSC/Circ.1053: the limits themselves, and both of their sides."""
+
+from __future__ import annotations
+
+import pytest
+
+import pmmkit as pk
+from pmmkit.simulation.imo.conditions import (
+    approach_condition,
+    beaufort,
+    current_condition,
+    depth_condition,
+    draught_condition,
+    length_condition,
+    rudder_condition,
+    said,
+    sea_condition,
+    wind_condition,
+)
+
+
+@pytest.mark.parametrize(
+    ("speed", "number"),
+    [(0.2, 0), (0.3, 1), (7.9, 4), (8.0, 5), (10.7, 5), (10.8, 6), (17.2, 8), (32.6, 11), (33, 12)],
+)
+def test_beaufort_numbers_of_the_scale_of_the_world_meteorological_organization(speed, number):
+    assert beaufort(speed) == number
+
+
+@pytest.mark.parametrize(
+    ("condition", "met"),
+    [
+        (length_condition(100.0), True),
+        (length_condition(99.9), False),
+        (depth_condition(83.2 + 1e-6, 20.8), True),
+        (depth_condition(83.2, 20.8), False),
+        (depth_condition(None, 20.8), None),
+        (depth_condition(None, 20.8, deep=True), True),
+        (wind_condition(10.7), True),
+        (wind_condition(10.8), False),
+        (wind_condition(None, 5), True),
+        (wind_condition(None, 6), False),
+        (wind_condition(9.0, 6), True),
+        (wind_condition(None), None),
+        (sea_condition(4), True),
+        (sea_condition(5), False),
+        (sea_condition(None), None),
+        (current_condition(False, ""), False),
+        (draught_condition(20.8 * 0.95, 20.8), True),
+        (draught_condition(20.8 * 0.949, 20.8), False),
+        (draught_condition(20.8 * 1.051, 20.8), False),
+        (draught_condition(20.8, None), None),
+        (approach_condition(7.2, 8.0), True),
+        (approach_condition(7.19, 8.0), False),
+        (approach_condition(7.2, None), None),
+        (rudder_condition(-35.2), True),
+        (rudder_condition(30.0), None),
+    ],
+    ids=lambda x: x.name if hasattr(x, "name") else str(x),
+)
+def test_each_condition_at_its_limit(condition, met):
+    assert condition.met is met
+    if met is False:
+        assert condition.words in said([condition])
+    if met is None:
+        assert said([condition]) == (
+            f"Not shown of what the standard asks for: {condition.title}.",
+        )
+    if met:
+        assert said([condition]) == ()
+
+
+def test_a_stated_speed_of_the_engine_is_judged_and_no_longer_asked_for():
+    slow, fast = (
+        pk.imo_verdicts("esso190k", 8.0, n=0, full_speed=x, compiled=False)[0].conditions
+        for x in (9.0, 8.8)
+    )
+    assert fast == ()
+    assert "8 m/s, 89 %" in slow[0]
