@@ -26,6 +26,17 @@ WATER = Water(rho=1025.0, nu=1.19e-6)
 VOLUME = MASS / WATER.rho
 BLOCK = VOLUME / (L * B * D_MEAN)
 TRIAL = 14.1 * KNOT
+TURNS = {
+    (-35.0, "advance_L"): 3.61,
+    (-35.0, "transfer_L"): 0.74,
+    (-35.0, "tactical_diameter_L"): 2.99,
+    (35.0, "advance_L"): 3.62,
+    (35.0, "transfer_L"): 0.85,
+    (35.0, "tactical_diameter_L"): 3.08,
+}
+"""Turning circles of the trial: rudder [deg, to starboard] and metric."""
+STOP = {"time_to_stop": 587.0, "track_reach": 2407.0}
+"""The crash stop of the trial [s, m]."""
 POWER, RATED = 6.5e6, 127 / 60
 PAPER = "paper: identified from the sea trial"
 ESTIMATE = "estimated: from particulars"
@@ -154,18 +165,15 @@ def main() -> None:
         f"CB {BLOCK:.3f}, {60 * start.n[0]:.0f} rpm at 14.1 kn (rated {60 * RATED:.0f} at 6500 kW)"
     )
     print("\nTurning circles, 35°, in L        trial   model")
-    for side, rows in (
-        (-35.0, (("advance_L", 3.61), ("transfer_L", 0.74), ("tactical_diameter_L", 2.99))),
-        (35.0, (("advance_L", 3.62), ("transfer_L", 0.85), ("tactical_diameter_L", 3.08))),
-    ):
+    for side in dict.fromkeys(angle for angle, _ in TURNS):
         track = pk.simulate(model, "turning", rudder_deg=side, speed=TRIAL, compiled=False)
-        for name, trial in rows:
+        for name, trial in ((name, x) for (angle, name), x in TURNS.items() if angle == side):
             found = track.metrics[name]
             off = 100 * (found / trial - 1)
             where = "port" if side < 0 else "starboard"
             print(f"  {where:10} {name:20} {trial:6.2f}  {found:6.2f}  {off:+.0f} %")
     print("\nCrash stop from 14.1 kn          time [s]   track reach [m]   over L")
-    print(f"  {'trial':30} {587:8.0f} {2407:14.0f} {14.2:12.1f}")
+    print(f"  {'trial':30} {STOP['time_to_stop']:8.0f} {STOP['track_reach']:14.0f} {14.2:12.1f}")
     cases: dict[str, dict[str, float]] = {
         "model, as estimated": {},
         "no thrust deduction astern": {"t_astern": 0.0},
@@ -179,9 +187,10 @@ def main() -> None:
         found = pk.simulate(
             bulk_carrier(**changes), "stopping", speed=TRIAL, turns=-0.8, compiled=False
         ).metrics
+        off = found["track_reach"] / STOP["track_reach"] - 1
         print(
             f"  {title:30} {found['time_to_stop']:8.0f} {found['track_reach']:14.0f} "
-            f"{found['track_reach_L']:12.1f}   {100 * (found['track_reach'] / 2407 - 1):+.0f} %"
+            f"{found['track_reach_L']:12.1f}   {100 * off:+.0f} %"
         )
 
 

@@ -15,7 +15,7 @@ from scipy.integrate import quad
 
 from pmmkit.effects import four_quadrant, shaft, waterjet
 from pmmkit.effects.catalogue import effect_of
-from pmmkit.effects.cross_flow import hoerner_cd, strip
+from pmmkit.effects.cross_flow import strip
 from pmmkit.effects.four_quadrant import b4_70, estimate
 from pmmkit.effects.primitives import interpolate, over_arrays
 from pmmkit.equations.prepared import prepare
@@ -140,14 +140,6 @@ def test_strip_has_no_step_where_the_flow_begins_to_turn():
     assert inside == pytest.approx(outside, rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("B", "d", "CD"), [(25.4, 8.5, 0.721), (25.4, 9.5, 0.754), (58.0, 20.8, 0.742)]
-)
-def test_hoerner_curve_at_known_ships(B, d, CD):
-    """S175 in both conditions and KVLCC2, read off the same curve elsewhere."""
-    assert hoerner_cd(B, d) == pytest.approx(CD, abs=5e-4)
-
-
 def kt(J: float, c: dict[str, float]) -> float:
     return c["kt0"] + c["kt1"] * J + c["kt2"] * J * J
 
@@ -177,25 +169,6 @@ def test_bollard_pull_is_kt_at_rest():
     found = answer("four_quadrant_propeller", u=0.0, n=1.5, **S175_SCREW)
     assert found["thrust"] == pytest.approx(1025 * 1.5**2 * 6.533**4 * 0.527)
     assert found["X"] == pytest.approx(0.825 * found["thrust"])
-
-
-B4_70 = {
-    0.5: (0.0887, 0.1684, 0.912, 0.793),
-    0.8: (0.1654, 0.3140, 0.801, 0.806),
-    1.0: (0.2199, 0.4176, 0.746, 0.776),
-    1.4: (0.3042, 0.5777, 0.634, 0.674),
-}
-"""CT* at 0, KT at J = 0, CT* at -90, -CT* at 90 degrees, from the published harmonics 0 to 13."""
-
-
-@pytest.mark.parametrize("pitch", B4_70)
-def test_b4_70_curves_are_those_published(pitch):
-    """A parabola in pitch stands for six tables; it keeps them to 0.012 in CT*."""
-    CT, KT, astern, ahead = B4_70[pitch]
-    assert pytest.approx(KT, abs=2e-3) == CT * math.pi / 8 * TIP**2
-    assert b4_70(0.0, pitch)[0] == pytest.approx(CT, abs=0.012)
-    assert b4_70(-math.pi / 2, pitch)[0] == pytest.approx(astern, abs=0.02)
-    assert b4_70(math.pi / 2, pitch)[0] == pytest.approx(-ahead, abs=0.02)
 
 
 CURVES = st.sampled_from([(0.0, 0.527, -0.455, 0.0), (0.7, 0.2931, -0.2753, -0.1359)])

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from pmmkit.empirical import form_factor, friction_coefficient, wetted_surface
+from pmmkit.empirical import form_factor, wetted_surface
 from pmmkit.errors import MissingPartError, ModelError
 from pmmkit.models import full_scale, load_model, save_model, scaled
 from pmmkit.ship import Water
@@ -20,13 +20,6 @@ SHIP = full_scale(MODEL, LENGTH, speed=SPEED, form=K, wetted=WETTED, water=Water
 def resistance(model, speed):
     value = model.values("hull_polynomial")["Xuu"]
     return -value * 0.5 * model.water.rho * model.ship.L * model.ship.d * speed**2
-
-
-@pytest.mark.parametrize(
-    ("reynolds", "expected"), [(1e7, 3.0e-3), (1e9, 0.075 / 49), (1e6, 0.075 / 16)]
-)
-def test_the_line_of_ittc_1957(reynolds, expected):
-    assert friction_coefficient(reynolds) == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_resistance_of_the_ship_in_newtons():

@@ -10,13 +10,7 @@ import pytest
 import pmmkit as pk
 from pmmkit.reduction import reduce_campaign
 from scripts.datasets.s175_truth import load_truth
-
-PUBLISHED = {
-    "steady_diameter": 0.2269,
-    "tactical_diameter": 0.2193,
-    "transfer": 0.1879,
-    "advance": 0.1373,
-}
+from scripts.validation.derivatives import TRENDS
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +50,8 @@ def test_trends_of_the_turning_circle_are_found_back(s175):
             pk.simulate(model, "turning", rudder_deg=35, speed=speed).metrics
             for speed in (6.0, 12.0)
         )
-        changes.append({name: fast[name] / slow[name] - 1 for name in PUBLISHED})
-    for name, published in PUBLISHED.items():
+        changes.append({name: fast[name] / slow[name] - 1 for name in TRENDS})
+    for name, published in TRENDS.items():
         assert changes[0][name] == pytest.approx(changes[1][name], abs=0.015)
         assert changes[1][name] == pytest.approx(published, abs=5e-4)
 

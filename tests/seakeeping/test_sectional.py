@@ -38,31 +38,6 @@ def damping(found, mode):
     return -found.added[mode, mode, :, 0].imag
 
 
-@pytest.mark.parametrize(
-    ("Ka", "added", "damped"), [(0.5, 0.645, 0.812), (1.0, 0.605, 0.397), (2.0, 0.727, 0.121)]
-)
-def test_half_circle_in_heave(Ka, added, damped):
-    """Converged values of Ursell's problem (1949), over ½ρπa² and ½ρωπa²."""
-    found = solve(CIRCLE, np.array([Ka])).added[HEAVE, HEAVE, 0, 0] / (math.pi / 2)
-    assert found.real == pytest.approx(added, abs=6e-4)
-    assert -found.imag == pytest.approx(damped, abs=6e-4)
-
-
-def test_damping_of_the_half_circle_in_long_waves():
-    """b/(½ρωπa²) tends to 8/π; b₂₂ to nothing, a₂₂ to that of a double body, ½ρπa²."""
-    found = solve(CIRCLE, np.array([1e-6])).added[:, :, 0, 0] / (math.pi / 2)
-    assert -found[HEAVE, HEAVE].imag == pytest.approx(8 / math.pi, rel=1e-3)
-    assert found[SWAY, SWAY].real == pytest.approx(1.0, rel=1e-3)
-    assert abs(found[SWAY, SWAY].imag) < 1e-9
-
-
-def test_high_frequencies():
-    """Heave of a half circle tends to that of the double body, sway to 4/π² of it."""
-    found = solve(CIRCLE, np.array([60.0])).added[:, :, 0, 0].real / (math.pi / 2)
-    assert found[HEAVE, HEAVE] == pytest.approx(1.0, rel=0.02)
-    assert found[SWAY, SWAY] == pytest.approx(4 / math.pi**2, rel=0.05)
-
-
 def test_a_circle_does_not_feel_roll():
     found = solve(CIRCLE, np.array([0.3, 1.0, 3.0])).added
     assert np.abs(found[ROLL]).max() < 1e-12

@@ -1,0 +1,1 @@
+"""Published figures beside ours: one list, which a page shows and the tests check."""

@@ -1,0 +1,27 @@
+"""Forces of a hull polynomial at one motion, for programs that publish what theirs gives."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from pmmkit.conventions import Convention
+from pmmkit.effects.hull import in_channel, regressors
+from pmmkit.effects.state import State
+from pmmkit.ship import Ship, Water
+from scripts.validation.published import Values
+
+FRESH: Final = Water(rho=1000.0, g=9.81)
+MMG: Final = Convention(system="prime-d", surge="constant", coriolis="in-derivatives")
+"""Of the MMG model, as a captive test measures it."""
+
+
+def polynomial(values: Values, ship: Ship, convention: Convention, **motion: float) -> Values:
+    """X, Y, N and K [N, N m] in fresh water of 1000 kg/m³."""
+    state = State.of(**motion)
+    given = {"ship": ship, "water": FRESH, "convention": convention}
+    forces = {}
+    for channel in ("X", "Y", "N", "K"):
+        names = in_channel(list(values), channel)
+        columns = regressors(names, state, approach_speed=float(state.speed[0]), **given)
+        forces[channel] = sum(x * values[n] for x, n in zip(columns[0], names, strict=True))
+    return forces
