@@ -51,7 +51,8 @@ def test_no_figure_stands_twice_and_each_names_its_source():
 
 @pytest.mark.parametrize("section", ["hydrostatics", "head_seas", "resistance"])
 def test_what_is_kept_of_files_that_are_not_here_is_what_comes_of_them(shared_data, section):
-    """HMRI's and HSVA's are held to it beside the reduction that they take: test_parts.py."""
+    """HMRI's parts are held to it beside the reduction that they take (test_parts.py); of hull and
+    zigzags the kept figures are made anew by ``--data`` alone."""
     found = measurements.RECIPES[section](shared_data)
     assert found == pytest.approx(measurements.kept(section)(), rel=1e-5)
 
