@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import io
+import json
 import os
 from collections.abc import Iterator
+from contextlib import redirect_stdout
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -64,3 +68,18 @@ def shared_data() -> Path:
 def datasets() -> Path:
     """The datasets that come with pmmkit."""
     return ROOT / "datasets"
+
+
+@pytest.fixture(scope="session")
+def hmri(
+    shared_data: Path, datasets: Path, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, dict[str, Any]]:
+    """The folder that `pmmkit reduce` of HMRI's tests writes, without pictures, and what it says."""
+    from pmmkit.cli import main
+
+    folder = tmp_path_factory.mktemp("hmri") / "kvlcc2_hmri-reduced"
+    words = ["reduce", datasets / "kvlcc2_hmri", "--data", shared_data, "--structure", "mmg"]
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as told:
+        patch.setattr("pmmkit.report.drawn.svg", lambda figure: "<svg></svg>")
+        assert main([*map(str, words), "--out", str(folder), "--json"]) == 0
+    return folder, json.loads(told.getvalue())
