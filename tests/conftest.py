@@ -74,7 +74,7 @@ def datasets() -> Path:
 def hmri(
     shared_data: Path, datasets: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[Path, dict[str, Any]]:
-    """The folder that `pmmkit reduce` of HMRI's tests writes, without pictures, and what it says."""
+    """What a typed reduction of HMRI's tests writes, pictures left out, and what it says."""
     from pmmkit.cli import main
 
     folder = tmp_path_factory.mktemp("hmri") / "kvlcc2_hmri-reduced"
