@@ -219,7 +219,9 @@ def sensitivity(
             design = {channel: found.density * x for channel, x in rows.design.items()}
         if found.run is not result.run or found.rig is not rig:
             before, after = (
-                _nominal(run, own, result.labels, campaign, names, convention)
+                _nominal(
+                    run, own, result.labels, campaign, names, convention, result.run.settings.phase
+                )
                 for run, own in ((result.run, rig), (found.run, found.rig))
             )
             force = {channel: after[0][channel] - before[0][channel] for channel in force}
@@ -287,9 +289,10 @@ def _nominal(
     campaign: Campaign,
     names: Mapping[str, Sequence[str]],
     convention: Convention,
+    phase: float | None = None,
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """Inertia inside the forces, and regressors, on the nominal motion."""
-    path = nominal_path(run, rig, labels)
+    path = nominal_path(run, rig, labels, phase)
     inside = inertia_inside(run, path.motion, rig)
     return (
         {channel: path.projection @ x for channel, x in inside.items()},

@@ -171,7 +171,7 @@ class Path:
     projection: Array
 
 
-def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
+def nominal_path(run: Run, rig: Rig, labels: Sequence[str], phase: float | None = None) -> Path:
     """The motion that the settings of a run say: one cycle, or one instant.
 
     Parameters
@@ -180,6 +180,9 @@ def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
         Settings, and the point to which the motion refers.
     labels : sequence of str
         Harmonics that are asked for.
+    phase : float, optional
+        To which the harmonics refer [rad]; that of the run by default. A run with another phase
+        leads or lags them.
     """
     omega = run.settings.omega
     theta: Array = np.zeros(1)
@@ -187,7 +190,7 @@ def nominal_path(run: Run, rig: Rig, labels: Sequence[str]) -> Path:
     if run.dynamic and omega:
         theta, order = one_cycle(), max(int(label[1:]) for label in labels)
         projection = projector(design_matrix(theta, order))[places_of(labels)]
-    t = (theta - run.settings.phase) / (omega or 1.0)
+    t = (theta - (run.settings.phase if phase is None else phase)) / (omega or 1.0)
     return Path(
         motion=move_motion(nominal_motion(run, t), rig.motion_x),
         t=theta / (omega or 1.0),
