@@ -11,7 +11,7 @@ from pmmkit.campaigns.settings import setting_key
 from pmmkit.channels import did_you_mean
 from pmmkit.errors import DataError
 
-Of = Literal["gauge", "water", "rig", "setting"]
+Of = Literal["gauge", "cross-talk", "water", "rig", "hull", "setting"]
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,9 @@ class Statable:
         Of a `TypeB`.
     unit : str
         In a campaign file, where it states none.
-    of : {"gauge", "water", "rig", "setting"}
-        What it is an error of: the reading of one channel, the density, the rig and the model on
-        it, or what a run was set to.
+    of : {"gauge", "cross-talk", "water", "rig", "hull", "setting"}
+        What it is an error of: the reading of one channel, what one channel shows of another, the
+        density, the rig and the model on it, the size of the hull, or what a run was set to.
     title : str
         In words.
     zero : str
@@ -51,9 +51,16 @@ class Statable:
         return self.name[0] if self.of == "gauge" else None
 
     @property
+    def channels(self) -> tuple[str, ...]:
+        """The channels that an error needs; of cross-talk first the one that shows the other."""
+        if self.of == "cross-talk":
+            return self.name[0], self.name[-1]
+        return (self.name[0],) if self.of == "gauge" else ()
+
+    @property
     def single(self) -> bool:
         """Whether there is only one in a campaign: its error is the same in all runs."""
-        return self.of in ("water", "rig")
+        return self.of not in ("gauge", "setting")
 
 
 _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
@@ -62,6 +69,14 @@ _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
         "Y_gauge": ("N", "gauge of Y"),
         "N_gauge": ("N m", "gauge of N"),
         "K_gauge": ("N m", "gauge of K"),
+    },
+    "cross-talk": {
+        "X_from_Y": ("-", "cross-talk: X of Y"),
+        "X_from_N": ("1/m", "cross-talk: X of N"),
+        "Y_from_X": ("-", "cross-talk: Y of X"),
+        "Y_from_N": ("1/m", "cross-talk: Y of N"),
+        "N_from_X": ("m", "cross-talk: N of X"),
+        "N_from_Y": ("m", "cross-talk: N of Y"),
     },
     "setting": {
         "drift": ("deg", "drift angle", "alignment"),
@@ -77,6 +92,7 @@ _KNOWN: Final[Mapping[Of, Mapping[str, tuple[str, ...]]]] = {
         "radius": ("m", "radius"),
     },
     "water": {"rho": ("kg/m3", "density of the water")},
+    "hull": {"L": ("m", "length of the model")},
     "rig": {
         "mass": ("kg", "mass"),
         "xG": ("m", "centre of gravity"),

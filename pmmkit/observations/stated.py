@@ -44,12 +44,15 @@ class Altered:
         What is added to the harmonics of the force of the water at midship [N, N m].
     density : float
         Share by which all that a model makes of a motion grows.
+    other_hull : bool
+        Whether the length of the hull differs, by which all is made non-dimensional.
     """
 
     run: Run
     rig: Rig
     force: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     density: float = 0.0
+    other_hull: bool = False
 
 
 def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
@@ -65,8 +68,8 @@ def acts(source: TypeB, run: Run, channels: Collection[str]) -> bool:
         Of X, Y, N, K.
     """
     name = source.name
-    if source.kind.channel:
-        return source.kind.channel in channels
+    if source.kind.channels:
+        return set(source.kind.channels) <= set(channels)
     if source.kind.of == "setting":
         return getattr(run.settings, name) is not None
     if name == "moment_reference_x":
@@ -128,13 +131,20 @@ def altered(
     if not acts(source, run, force):
         return None
     name = source.name
-    if channel := source.kind.channel:
-        step = _gauge_step(source, labels, force[channel])
+    if source.kind.channels:
+        channel, *others = source.kind.channels
+        step = (
+            source.std * np.nan_to_num(force[others[0]])
+            if others
+            else _gauge_step(source, labels, force[channel])
+        )
         more = moments_of_sway(step, rig) if channel == "Y" else {}
         return Altered(run=run, rig=rig, force={channel: step, **more})
     if source.kind.of == "water":
         share = source.std if source.relative else source.std / rho
         return Altered(run=run, rig=rig, density=share)
+    if source.kind.of == "hull":
+        return Altered(run=run, rig=rig, other_hull=True)
     if source.kind.of == "setting":
         changed: dict[str, Any] = {name: source.moved(getattr(run.settings, name))}
         return Altered(run=run.with_(settings=replace(run.settings, **changed)), rig=rig)

@@ -45,6 +45,8 @@ class Source:
     common : str
         Cause that it shares with other sources, of which the errors are then the same; empty for
         none.
+    tested : bool
+        Whether it is one of the tests; else of what was estimated or lent beside them.
     """
 
     title: str
@@ -52,6 +54,7 @@ class Source:
     acts: Acts
     factors: Array
     common: str = ""
+    tested: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,28 +176,12 @@ class Budget(Described):
             ),
         )
 
-    def without(self, *titles: str) -> Budget:
-        """The budget as if some sources were known exactly.
-
-        Parameters
-        ----------
-        *titles : str
-            Of sources.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is no such source.
-        """
-        known = [source.title for source in self.sources]
-        for title in titles:
-            if title not in known:
-                raise UnknownNameError(
-                    f"The budget has no source {title!r}{did_you_mean(title, known) or '.'} It has "
-                    f"{'; '.join(known)}."
-                )
+    def of_tests(self) -> Budget:
+        """The budget as if what was not tested of a ship were known."""
         return replace(
-            self, sources=tuple(item for item in self.sources if item.title not in titles)
+            self,
+            subject=f"{self.subject}, as if what was not tested were known",
+            sources=tuple(item for item in self.sources if item.tested),
         )
 
     def to_pandas(self) -> pd.DataFrame:
@@ -311,6 +298,38 @@ class Budget(Described):
             Section(title="Not covered by any statement", points=self.outside),
         ]
         return [Section(tables=[table]), *(item for item in lists if item.points)]
+
+
+def beside(budgets: Sequence[Budget]) -> Budget:
+    """Budgets of several results by the same sources as one.
+
+    Parameters
+    ----------
+    budgets : sequence of Budget
+        Sources of one title are the same in all of them, with as many independent errors; one that
+        a budget lacks does nothing there. What is told of them is that of the first.
+    """
+    known: dict[tuple[str, int], dict[int, Source]] = {}
+    for place, budget in enumerate(budgets):
+        count: dict[str, int] = {}
+        for source in budget.sources:
+            again = count[source.title] = count.get(source.title, -1) + 1
+            known.setdefault((source.title, again), {})[place] = source
+    sources = []
+    for own in known.values():
+        first = next(iter(own.values()))
+        columns = [
+            own[place].factors
+            if place in own
+            else np.zeros((len(first.factors), len(budget.results)))
+            for place, budget in enumerate(budgets)
+        ]
+        sources.append(replace(first, factors=np.concatenate(columns, axis=1)))
+    return replace(
+        budgets[0],
+        results=tuple(item for budget in budgets for item in budget.results),
+        sources=tuple(sources),
+    )
 
 
 def _heading(item: Result) -> str:

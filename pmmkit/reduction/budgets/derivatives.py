@@ -19,7 +19,7 @@ from pmmkit.reduction.joint import Push
 if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
 
-NOISE: Final = "noise of the records, repeats and misfit"
+NOISE: Final = "noise, repeats and misfit"
 SCATTER: Final = {
     "offset": "scatter between runs: zero",
     "gain": "scatter between runs: gain",

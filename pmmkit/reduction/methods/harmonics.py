@@ -17,8 +17,8 @@ from pmmkit.conventions import bare, parse_derivative
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import Rows
 from pmmkit.reduction.estimate import Block, ChannelFit, blocks_of
-from pmmkit.reduction.joint import join
 from pmmkit.reduction.fit import Fit, fit
+from pmmkit.reduction.joint import join
 from pmmkit.reduction.methods.method import Estimate, Evidence
 
 TITLE: Final = "harmonics"
