@@ -150,7 +150,7 @@ def _felt(source: TypeB, reduction: Reduction) -> bool:
         change = sensitivity(
             rows, source, reduction.campaign, rig, rows.names, reduction.convention
         )
-        for channel in rows.force:
+        for channel in set(rows.force) & set(rows.design):
             size = np.abs(np.nan_to_num(rows.design[channel])).max(initial=0.0)
             moved = np.abs(np.nan_to_num(change.design[channel])).max(initial=0.0)
             if moved > ROUNDING * size or np.nan_to_num(change.force[channel]).any():

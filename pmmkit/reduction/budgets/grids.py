@@ -67,7 +67,8 @@ class GridUncertainty(Described):
 
     def _headline(self) -> str:
         share = f", {100 * self.expanded / abs(self.value):.2g} %" if self.value else ""
-        return f"{number(self.value, 5)} ± {number(self.expanded, 3)} (95 %{share})"
+        half = self.expanded
+        return f"{number(self.value, 5)} ± {number(half, 3)} (95 %{share})"
 
     def _sections(self) -> Sequence[Section]:
         if math.isnan(self.order):
