@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from pmmkit.errors import DataError
-from pmmkit.metrics import HARD_OVER, criteria, main_of
+from pmmkit.metrics import HARD_OVER, criteria, in_lengths, main_of
 from pmmkit.models import Model, load_model
 from pmmkit.numerics import Array
 from pmmkit.reduction.budgets.budget import Budget, Result, Source, beside
@@ -48,7 +48,8 @@ def manoeuvre_budget(
     -------
     Budget
         The sources of the tests, carried by the slopes of each metric over each derivative; and
-        what of the model was not tested but estimated or lent, part by part.
+        what of the model was not tested but estimated or lent, part by part. Lengths are in ship
+        lengths.
 
     Raises
     ------
@@ -125,7 +126,7 @@ def _carried(
     first = main_of(found.slopes)
     names = [
         name
-        for name in sorted(found.slopes, key=lambda name: name != first)
+        for name in sorted(in_lengths(found.slopes), key=lambda name: name != first)
         if np.isfinite(found.nominal[name]) and np.isfinite(found.slopes[name]).all()
     ]
     slopes = np.column_stack([found.slopes[name] for name in names])
