@@ -19,7 +19,6 @@ from pmmkit.errors import DataError
 from pmmkit.observations.stated import INERTIA, RIG, altered, idle
 from pmmkit.reduction.reduce import reduce_campaign
 from pmmkit.validation.captive import compare_captive
-from scripts.datasets.virtual_tank import captive
 
 WHOLE = {name for name, item in STATABLE.items() if item.of in ("water", "rig")}
 """What there is one of in a campaign: it can be changed there for an independent truth."""
@@ -208,22 +207,6 @@ def test_cross_talk_shows_a_share_of_another_channel(balance, name):
     moved = {channel: float(x[0]) for channel, x in found.force.items()}
     expected = {"Y": -0.2, "N": 0.2 * -0.2} if name == "Y_from_X" else {"N": 0.5}
     assert moved == pytest.approx(expected)
-
-
-@pytest.mark.slow
-def test_a_phase_of_the_motion_turns_damping_into_added_mass():
-    """The motion leads by δ: Yv moves by δ ω' Yv̇ and Yv̇ by -δ Yv/ω', to first order."""
-    runs = [(f"PS{v}", "pure_sway", 1.5, {"v": v}) for v in (0.05, 0.1)]
-    truth = {"Yv": -0.0116, "Yvdot": -0.007}
-    made = captive(truth, runs=runs, omega_prime=2.0, cycles=3.0)
-    for source in (0.01, 0.02):
-        stated = TypeB(name="phase", std=source, shared=True)
-        table = reduce_campaign(
-            made.with_(uncertainty=(stated,)), structure="Yv Yvdot", check=False
-        ).table
-        std = dict(zip(table.names, table.std[0], strict=True))
-        assert std["Yv"] == pytest.approx(source * 2.0 * 0.007, rel=0.015)
-        assert std["Yvdot"] == pytest.approx(source * 0.0116 / 2.0, rel=0.015)
 
 
 # What does nothing is said

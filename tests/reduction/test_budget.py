@@ -89,6 +89,18 @@ def test_a_longer_model_has_smaller_derivatives():
         assert row["std"] == pytest.approx(abs(row["value"]) * (1.01**power - 1), rel=1e-6)
 
 
+def test_a_phase_of_the_motion_turns_damping_into_added_mass():
+    """The motion leads by δ: Yv moves by δ ω' Yv̇, and Yv̇ by δ Yv/ω'."""
+    runs = [(f"PS{v}", "pure_sway", SPEED, {"v": v}) for v in (0.05, 0.1)]
+    truth = {"Yv": -0.0116, "Yvdot": -0.007}
+    source = TypeB(name="phase", std=0.02, shared=True)
+    made = captive(truth, runs=runs, omega_prime=2.0, cycles=3.0, uncertainty=(source,))
+    found = derivative_budget(reduce_campaign(made, structure="Yv Yvdot", check=False))
+    for name, expected in (("Yv", 0.02 * 2.0 * 0.007), ("Yvdot", 0.02 * 0.0116 / 2.0)):
+        (row,) = share(found, name, "phase").to_dict("records")
+        assert row["std"] == pytest.approx(expected, rel=0.015)
+
+
 def test_what_each_run_draws_averages_and_what_all_share_does_not():
     own, shared = (
         TypeB(name="Y_gauge", std=0.01, relative=True, shared=shared) for shared in (False, True)
