@@ -110,6 +110,12 @@ def test_what_each_run_draws_averages_and_what_all_share_does_not():
     assert 1 / math.sqrt(6) < frame["precision"] / frame["bias"] < 0.75
 
 
+def test_the_numerical_uncertainty_of_a_computation_is_a_source_of_its_name():
+    found = derivative_budget(drifted("Y0 Yv", numerical={"Y": 2.0}))
+    (row,) = share(found, "Y0", "U_SN of the computation: Y").to_dict("records")
+    assert row["std"] == pytest.approx(2.0 / (0.5 * WATER.rho * SHIP.L**2 * SPEED**2), rel=0.01)
+
+
 # Shares
 
 

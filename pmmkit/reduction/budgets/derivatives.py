@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from pmmkit.campaigns.motion.inertia import rig_of
 from pmmkit.campaigns.motion.nominal import has_nominal
 from pmmkit.campaigns.uncertainty import STATABLE, TypeB
+from pmmkit.errors import DataError
 from pmmkit.numerics import Array
 from pmmkit.observations.equations import sensitivity
 from pmmkit.observations.stated import acts
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from pmmkit.reduction.reduce import Reduction
 
 NOISE: Final = "noise, repeats and misfit"
+NUMERICAL: Final = "U_SN of the computation"
 SCATTER: Final = {
     "offset": "scatter between runs: zero",
     "gain": "scatter between runs: gain",
@@ -54,6 +56,11 @@ def derivative_budget(reduction: Reduction) -> Budget:
         Of the derivatives of the global regression that have an uncertainty, at each Froude
         number. Its variances are those of the table's covariance.
 
+    Raises
+    ------
+    DataError
+        If none has an uncertainty.
+
     Notes
     -----
     A source that is wrong by one standard uncertainty changes the equations of each run
@@ -69,6 +76,11 @@ def derivative_budget(reduction: Reduction) -> Budget:
         for place, (_, name) in enumerate(joint.labels)
         if name in asked and np.isfinite(joint.covariance[place, place])
     ]
+    if not there:
+        raise DataError(
+            "None of these derivatives was determined with an uncertainty: more runs than "
+            "derivatives are needed, or records that show their noise."
+        )
     results = tuple(
         Result(
             name=joint.labels[place][1],
@@ -84,14 +96,19 @@ def derivative_budget(reduction: Reduction) -> Budget:
     return Budget(
         subject=campaign.title or campaign.ship.name,
         results=results,
-        sources=(noise, *_pushed(joint.pushes, there)),
+        sources=(noise, *_pushed(joint.pushes, there, campaign.uncertainty)),
         not_stated=not_stated(reduction),
         outside=OUTSIDE,
     )
 
 
-def _pushed(pushes: Sequence[Push], there: Sequence[int]) -> list[Source]:
-    """The sources behind the pushes; those that change nothing are left out."""
+def _pushed(
+    pushes: Sequence[Push], there: Sequence[int], stated: Collection[TypeB]
+) -> list[Source]:
+    """The sources behind the pushes; those that change nothing are left out.
+
+    What is not stated under ``[uncertainty]`` is the numerical uncertainty of ``[cfd]``.
+    """
     rows: dict[TypeB | str, list[Array]] = {}
     for push in pushes:
         rows.setdefault(push.source, []).append(push.column[there])
@@ -104,7 +121,7 @@ def _pushed(pushes: Sequence[Push], there: Sequence[int]) -> list[Source]:
             Source(title=SCATTER[source], gum="A", acts="precision", factors=factors)
             if isinstance(source, str)
             else Source(
-                title=source.title,
+                title=source.title if source in stated else f"{NUMERICAL}: {source.kind.channel}",
                 gum="B",
                 acts="bias" if source.shared else "precision",
                 factors=factors,
