@@ -95,6 +95,22 @@ def test_every_source_can_be_stated_in_a_campaign_file_and_written_again(folder,
     assert set(pk.open_campaign(tmp_path / "again").uncertainty) == set(opened.uncertainty)
 
 
+def test_errors_of_one_cause_are_stated_in_a_campaign_file(tmp_path):
+    made = small_campaign.write_campaign(tmp_path / "common")
+    toml = made / "campaign.toml"
+    text = toml.read_text(encoding="utf-8")
+    stated = 'Y_gauge = { std = 0.2, unit = "%", common = "weights" }'
+    toml.write_text(text.replace("[water]", f"[uncertainty]\n{stated}\n\n[water]", 1), "utf-8")
+    (source,) = pk.open_campaign(made).uncertainty
+    assert source == TypeB(name="Y_gauge", std=0.002, relative=True, shared=True, common="weights")
+    pk.export(pk.open_campaign(made), tmp_path / "again")
+    assert pk.open_campaign(tmp_path / "again").uncertainty == (source,)
+    wrong = stated.replace(" }", ", shared = false }")
+    toml.write_text(text.replace("[water]", f"[uncertainty]\n{wrong}\n\n[water]", 1), "utf-8")
+    with pytest.raises(DataError, match="all runs share it"):
+        pk.open_campaign(made)
+
+
 def test_the_page_on_files_lists_all_that_can_be_stated():
     page = Path(__file__).parents[2] / "docs" / "formats.md"
     section = page.read_text(encoding="utf-8").partition("### `[uncertainty]`")[2].partition("###")
